@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include <CLI/App.hpp>
+
+#include "app/output.h"
+
+namespace slipstream::app {
+
+/// A subcommand that has been chosen and its flags read: does the work, tells `Output` about it.
+using Command = std::function<void(Output&)>;
+
+/// Flags that every subcommand has.
+struct SharedFlags {
+  bool json = false;
+  int threads = 0;  ///< 0: as many as the machine has cores
+};
+
+void add_shared_flags(CLI::App& subcommand, SharedFlags& shared);
+
+/// Each adds a subcommand to the program; when it is chosen, `chosen` becomes its work.
+void add_patterns(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen);
+
+}  // namespace slipstream::app

@@ -1,0 +1,84 @@
+#include <exception>
+#include <new>
+#include <optional>
+#include <string>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <tbb/global_control.h>
+
+#include "app/commands.h"
+#include "slipstream/error/error.h"
+
+namespace slipstream::app {
+namespace {
+
+constexpr int success = 0;
+constexpr int failure_of_the_world = 1;
+constexpr int bad_input = 2;
+
+int fail(int code, std::string message) {
+  for (char& c : message) {
+    if (c == '\n') c = ' ';
+  }
+  fmt::print(stderr, "slipstream: {}\n", message);
+  return code;
+}
+
+void run(const Command& command, const SharedFlags& shared) {
+  if (shared.threads < 0) {
+    throw Error(fmt::format("--threads {} is out of range; 0 (all cores) or more", shared.threads));
+  }
+  std::optional<tbb::global_control> limit;
+  if (shared.threads > 0) {
+    limit.emplace(tbb::global_control::max_allowed_parallelism,
+                  static_cast<std::size_t>(shared.threads));
+  }
+  Output output(shared.json);
+  command(output);
+  output.finish();
+}
+
+int run_program(int argc, char** argv) {
+  CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
+  program.require_subcommand(1);
+  program.set_version_flag("--version", SLIPSTREAM_VERSION);
+  SharedFlags shared;
+  Command chosen;
+  add_patterns(program, shared, chosen);
+  add_simulate(program, shared, chosen);
+  add_reconstruct(program, shared, chosen);
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);
+    return fail(bad_input, fmt::format("{}; see --help", error.what()));
+  }
+  run(chosen, shared);
+  return success;
+}
+
+}  // namespace
+
+void add_shared_flags(CLI::App& subcommand, SharedFlags& shared) {
+  subcommand.add_flag("--json", shared.json, "one JSON document on stdout, words to stderr");
+  subcommand.add_option("--threads", shared.threads, "at most so many; 0: one for each core")
+      ->capture_default_str();
+}
+
+}  // namespace slipstream::app
+
+int main(int argc, char** argv) {
+  using namespace slipstream;
+  try {
+    return app::run_program(argc, argv);
+  } catch (const Error& error) {
+    return app::fail(app::bad_input, error.what());
+  } catch (const std::bad_alloc&) {
+    return app::fail(app::failure_of_the_world, "not enough memory");
+  } catch (const std::exception& error) {
+    return app::fail(app::failure_of_the_world, error.what());
+  }
+}

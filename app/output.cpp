@@ -1,0 +1,22 @@
+#include "app/output.h"
+
+#include <string>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream::app {
+
+void Output::warn(std::string_view message) {
+  write_line(stderr, fmt::format("warning: {}", message));
+}
+
+void Output::finish() {
+  if (json_) write_line(stdout, document.dump(2));
+  if (std::fflush(stdout) != 0) throw WorldError("cannot write to standard output");
+}
+
+void Output::write_line(std::FILE* stream, std::string_view line) {
+  fmt::print(stream, "{}\n", line);
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace slipstream::app {
+
+/// Where a subcommand's words go: to stdout for people, or to stderr when stdout is for the one
+/// JSON document that a machine reads.
+class Output {
+ public:
+  explicit Output(bool json) : json_(json) {}
+
+  /// A line for people.
+  template <class... Values>
+  void say(fmt::format_string<Values...> format, Values&&... values) {
+    write_line(json_ ? stderr : stdout, fmt::format(format, std::forward<Values>(values)...));
+  }
+
+  /// A line on stderr that begins with "warning:".
+  void warn(std::string_view message);
+
+  /// The document that `--json` prints.
+  nlohmann::json document;
+
+  /// Prints the document if it is wanted. Throws WorldError when stdout does not take it.
+  void finish();
+
+ private:
+  static void write_line(std::FILE* stream, std::string_view line);
+
+  bool json_;
+};
+
+}  // namespace slipstream::app

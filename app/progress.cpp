@@ -1,0 +1,35 @@
+#include "app/progress.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace slipstream::app {
+
+Progress::Progress(std::string label, int total)
+    : label_(std::move(label)), total_(total), terminal_(::isatty(STDERR_FILENO) == 1) {}
+
+void Progress::finish() {
+  if (drawn_) std::fputs("\r\033[K", stderr);
+  drawn_ = false;
+}
+
+void Progress::advance() {
+  ++done_;
+  const auto patience = std::chrono::seconds(1);
+  if (!terminal_ || std::chrono::steady_clock::now() - start_ < patience) return;
+  drawn_ = true;
+  draw();
+}
+
+void Progress::draw() const {
+  constexpr int width = 30;
+  const int filled = width * done_ / total_;
+  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}", label_, "", filled, "", width - filled, done_,
+             total_);
+  std::fflush(stderr);
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace slipstream::app {
+
+/// A bar on stderr that fills as work is done: shown only on a terminal, and only once the work has
+/// taken a second. Removed when it goes out of scope.
+class Progress {
+ public:
+  Progress(std::string label, int total);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  ~Progress() { finish(); }
+
+  /// One more of `total` is done.
+  void advance();
+
+  /// Takes the bar away.
+  void finish();
+
+ private:
+  void draw() const;
+
+  std::string label_;
+  int total_;
+  int done_ = 0;
+  bool terminal_;
+  bool drawn_ = false;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace slipstream::app

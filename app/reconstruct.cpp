@@ -1,0 +1,356 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/commands.h"
+#include "app/progress.h"
+#include "app/scan_flags.h"
+#include "slipstream/cloud/normals.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/preview.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/reconstructor.h"
+
+namespace slipstream::app {
+namespace fs = std::filesystem;
+namespace {
+
+/// The files that one scan can be asked to give; empty where not asked.
+struct OutputFiles {
+  std::string cloud, depth, coordinate, phase, modulation, mean, preview;
+
+  /// Every output with its name in the JSON document.
+  [[nodiscard]] std::array<std::pair<const char*, std::string>, 7> all() const {
+    return {{{"cloud", cloud},
+             {"depth", depth},
+             {"coordinate", coordinate},
+             {"phase", phase},
+             {"modulation", modulation},
+             {"mean", mean},
+             {"preview", preview}}};
+  }
+};
+
+struct ReconstructFlags {
+  std::vector<std::string> folders;
+  ScanFlags scan;
+  std::optional<std::string> scanner;
+  std::optional<int> bits;
+  std::string backend = "lut";
+  ReconstructSettings settings;
+  bool keep_saturated = false;
+  bool normals = false;
+  OutputFiles files;
+};
+
+class Stopwatch {
+ public:
+  /// Seconds since it was made or last asked.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// scan.yaml where there is one, else the folder's pictures; flags go before both.
+ScanDescription describe(const fs::path& folder, const ReconstructFlags& flags) {
+  if (!fs::is_directory(folder)) {
+    throw Error(fmt::format("{}: no such folder; a folder of frames is wanted", folder.string()));
+  }
+  ScanDescription scan;
+  if (fs::exists(folder / "scan.yaml")) {
+    scan = read_scan_description(folder / "scan.yaml");
+  } else if (!flags.scan.strategy) {
+    throw Error(fmt::format("{}: no scan.yaml in it; say what the pictures are with --strategy",
+                            folder.string()));
+  } else {
+    scan.frames = images_in_folder(folder);
+  }
+  scan.strategy = strategy_from(flags.scan, scan.strategy);
+  scan.axis = axis_from(flags.scan, scan.axis);
+  scan.projector = projector_from(flags.scan, scan.projector);
+  scan.bits = flags.bits.value_or(scan.bits);
+  if (scan.bits != 0 && (scan.bits < 8 || scan.bits > 16)) {
+    throw Error(fmt::format("--bits {} is out of range; 8 to 16", scan.bits));
+  }
+  if (flags.scanner) scan.scanner = *flags.scanner;
+  if (!scan.scanner) {
+    throw Error(fmt::format("{}: no scanner; name its file with --scanner or in scan.yaml",
+                            folder.string()));
+  }
+  const int wanted = frame_count(scan.strategy);
+  if (static_cast<int>(scan.frames.size()) != wanted) {
+    throw Error(fmt::format("{}: {} frames, but {} with these steps takes {}", folder.string(),
+                            scan.frames.size(), name_of(scan.strategy), wanted));
+  }
+  return scan;
+}
+
+/// The scanner of the scan, its sizes completed by what the scan says and checked against it.
+Scanner scanner_for(const ScanDescription& scan, Size camera) {
+  Scanner scanner = read_scanner(*scan.scanner);
+  const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
+    if (known.width == 0 || known.height == 0) known = said;
+    if (said != Size{} && known != said) {
+      throw Error(fmt::format("{}: its {} has {}, but {} {}; both must agree",
+                              scan.scanner->string(), device, text_of(known), by, text_of(said)));
+    }
+  };
+  complete(scanner.camera.size, camera, "camera", "the frames are");
+  complete(scanner.projector.size, scan.projector, "projector", "the patterns are for");
+  if (scanner.projector.size == Size{}) {
+    throw Error(fmt::format("{}: says no projector size; give it with --projector",
+                            scan.scanner->string()));
+  }
+  try {
+    require_valid(scanner);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", scan.scanner->string(), error.what()));
+  }
+  return scanner;
+}
+
+/// With several scans "{name}" in an output's path stands for the scan's folder.
+std::string for_scan(const std::string& path, const fs::path& folder) {
+  static constexpr std::string_view placeholder = "{name}";
+  std::string filled = path;
+  const std::string name = fs::absolute(folder / "").parent_path().filename().string();
+  for (std::size_t at = filled.find(placeholder); at != std::string::npos;
+       at = filled.find(placeholder, at + name.size())) {
+    filled.replace(at, placeholder.size(), name);
+  }
+  return filled;
+}
+
+void require_good_paths(const ReconstructFlags& flags) {
+  if (!flags.files.cloud.empty()) require_cloud_ending(flags.files.cloud);
+  for (const auto& [name, path] : flags.files.all()) {
+    if (flags.folders.size() > 1 && !path.empty() && path.find("{name}") == std::string::npos) {
+      throw Error(
+          fmt::format("{}: several scans cannot all be written to it; put {{name}} in its "
+                      "path, which stands for each scan's folder",
+                      path));
+    }
+  }
+}
+
+/// What was written, by its name in the JSON document.
+nlohmann::json write_outputs(const ReconstructFlags& flags, const fs::path& folder,
+                             const Reconstruction& result) {
+  nlohmann::json written = nlohmann::json::object();
+  const auto write = [&](const char* name, const std::string& asked, const auto& writer) {
+    if (asked.empty()) return;
+    const std::string path = for_scan(asked, folder);
+    writer(path);
+    written[name] = path;
+  };
+  const auto write_as_map = [&](const char* name, const std::string& asked,
+                                const Image<double>& map) {
+    write(name, asked, [&](const std::string& path) { write_map(path, map); });
+  };
+  write("cloud", flags.files.cloud, [&](const std::string& path) {
+    const std::optional<Normals> normals =
+        flags.normals ? std::optional(surface_normals(result.cloud)) : std::nullopt;
+    write_cloud(path, result.cloud, normals ? &*normals : nullptr);
+  });
+  write_as_map("depth", flags.files.depth, result.cloud.z);
+  write_as_map("coordinate", flags.files.coordinate, result.decoded.coordinate);
+  write_as_map("phase", flags.files.phase, result.decoded.wrapped_phase);
+  write_as_map("modulation", flags.files.modulation, result.decoded.modulation);
+  write_as_map("mean", flags.files.mean, result.decoded.mean);
+  write("preview", flags.files.preview,
+        [&](const std::string& path) { write_depth_preview(path, result.cloud); });
+  return written;
+}
+
+/// RMS of depth minus truth over the points that have both, mm.
+std::optional<double> error_against_truth(const fs::path& folder, const Cloud& cloud) {
+  const fs::path file = folder / "truth" / "depth.tiff";
+  if (!fs::exists(file)) return std::nullopt;
+  const Image<double> truth = read_map(file);
+  if (truth.size() != cloud.size()) {
+    throw Error(fmt::format("{} is {}, the frames are {}; both must agree", file.string(),
+                            text_of(truth.size()), text_of(cloud.size())));
+  }
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < truth.pixel_count(); ++i) {
+    const double difference = cloud.z.begin()[i] - truth.begin()[i];
+    if (!std::isfinite(difference)) continue;
+    sum += difference * difference;
+    ++count;
+  }
+  if (count == 0) return std::nullopt;
+  return std::sqrt(sum / static_cast<double>(count));
+}
+
+nlohmann::json counts_of(const Cloud& cloud) {
+  nlohmann::json counts;
+  const auto by_validity = count_by_validity(cloud);
+  for (std::size_t i = 0; i < validity_count; ++i) {
+    counts[std::string(name_of(static_cast<Validity>(i)))] = by_validity[i];
+  }
+  return counts;
+}
+
+/// Keeps the tables from one scan to the next as long as scanner, strategy and axis stay the same.
+class ReconstructorOfScans {
+ public:
+  explicit ReconstructorOfScans(const ReconstructSettings& settings) : settings_(settings) {}
+
+  const Reconstructor& for_scan(const ScanDescription& scan, Size camera) {
+    const std::string wanted = fmt::format(
+        "{} {} {} {} {}", scan.scanner->string(), nlohmann::json(settings_of(scan.strategy)).dump(),
+        name_of(scan.strategy), name_of(scan.axis), text_of(camera));
+    if (wanted != made_for_) {
+      reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
+      made_for_ = wanted;
+    }
+    return *reconstructor_;
+  }
+
+ private:
+  ReconstructSettings settings_;
+  std::string made_for_;
+  std::optional<Reconstructor> reconstructor_;
+};
+
+void tell(const nlohmann::json& scan, Output& output) {
+  output.say("{}: {} points of {} pixels, backend {}", scan["scan"].get<std::string>(),
+             scan["points"].get<std::size_t>(), scan["pixels"].get<std::size_t>(),
+             scan["backend"].get<std::string>());
+  for (const auto& [reason, count] : scan["counts"].items()) {
+    if (reason != "valid" && count != 0) output.say("  left out, {}: {}", reason, count.dump());
+  }
+  if (scan.contains("rms_mm")) {
+    output.say("  RMS error against truth: {:.4g} mm", scan["rms_mm"].get<double>());
+  }
+  const auto& seconds = scan["seconds"];
+  output.say("  time: {:.0f} ms to read, {:.0f} for tables, {:.0f} to reconstruct, {:.0f} to write",
+             1e3 * seconds["read"].get<double>(), 1e3 * seconds["tables"].get<double>(),
+             1e3 * seconds["reconstruct"].get<double>(), 1e3 * seconds["write"].get<double>());
+  for (const auto& [name, path] : scan["files"].items()) {
+    output.say("  {}: {}", name, path.get<std::string>());
+  }
+}
+
+nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
+                                ReconstructorOfScans& reconstructors, Output& output) {
+  Stopwatch watch;
+  const ScanDescription scan = describe(folder, flags);
+  const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
+  for (const std::string& warning : loaded.warnings) output.warn(warning);
+  const double read = watch.lap();
+  const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size());
+  const double tables = watch.lap();
+  const Reconstruction result = reconstruct(loaded.frames);
+  const double computed = watch.lap();
+  nlohmann::json files = write_outputs(flags, folder, result);
+
+  nlohmann::json told = {
+      {"scan", folder.string()},
+      {"points", point_count(result.cloud)},
+      {"pixels", result.cloud.z.pixel_count()},
+      {"counts", counts_of(result.cloud)},
+      {"backend", reconstruct.decoder().backend_for(loaded.frames)},
+      {"files", std::move(files)},
+      {"warnings", loaded.warnings},
+      {"seconds",
+       {{"read", read}, {"tables", tables}, {"reconstruct", computed}, {"write", watch.lap()}}}};
+  if (const auto rms = error_against_truth(folder, result.cloud)) told["rms_mm"] = *rms;
+  return told;
+}
+
+void reconstruct(ReconstructFlags flags, Output& output) {
+  require_good_paths(flags);
+  flags.settings.backend = backend_named(flags.backend);
+  flags.settings.drop_saturated = !flags.keep_saturated;
+  ReconstructorOfScans reconstructors(flags.settings);
+  output.document["scans"] = nlohmann::json::array();
+
+  Progress progress("scans", static_cast<int>(flags.folders.size()));
+  for (const std::string& folder : flags.folders) {
+    output.document["scans"].push_back(reconstruct_scan(folder, flags, reconstructors, output));
+    progress.advance();
+  }
+  progress.finish();
+  for (const nlohmann::json& scan : output.document["scans"]) tell(scan, output);
+  const auto files = flags.files.all();
+  if (std::all_of(files.begin(), files.end(),
+                  [](const auto& file) { return file.second.empty(); })) {
+    output.say("nothing was asked to be written; -o cloud.ply writes the cloud");
+  }
+}
+
+void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
+  const std::string group = "What to write";
+  OutputFiles& files = flags.files;
+  command.add_option("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz")->group(group);
+  command.add_option("--depth", files.depth, "depth map, mm: .tiff")->group(group);
+  command.add_option("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff")
+      ->group(group);
+  command.add_option("--phase", files.phase, "wrapped phase, rad: .tiff")->group(group);
+  command.add_option("--modulation", files.modulation, "modulation B, grey levels: .tiff")
+      ->group(group);
+  command.add_option("--mean", files.mean, "mean A, grey levels: .tiff")->group(group);
+  command.add_option("--preview", files.preview, "depth as a coloured picture with a scale: .png")
+      ->group(group);
+  command.add_flag("--normals", flags.normals, "surface normals into the cloud")->group(group);
+}
+
+void add_point_flags(CLI::App& command, ReconstructFlags& flags) {
+  const std::string group = "Which pixels become points";
+  ReconstructSettings& settings = flags.settings;
+  command
+      .add_option("--min-modulation", settings.minimum_modulation,
+                  "least modulation, grey levels of the frames; 15 of 255 where not given")
+      ->group(group);
+  command.add_flag("--keep-saturated", flags.keep_saturated, "keep pixels with a saturated frame")
+      ->group(group);
+  command.add_option("--nearest", settings.nearest, "least depth, mm")
+      ->capture_default_str()
+      ->group(group);
+  command.add_option("--farthest", settings.farthest, "largest depth, mm")->group(group);
+}
+
+}  // namespace
+
+void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
+  CLI::App* command =
+      program.add_subcommand("reconstruct", "scan folder(s) to cloud, depth, phase, preview");
+  const auto flags = std::make_shared<ReconstructFlags>();
+  command->add_option("folders", flags->folders, "scan folders: pictures, and scan.yaml or flags")
+      ->required();
+  command->add_option("--scanner", flags->scanner, "scanner file; where not that of scan.yaml");
+  command->add_option("--backend", flags->backend, "lut, closed-form or equation")
+      ->capture_default_str();
+  command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
+  add_output_flags(*command, *flags);
+  add_point_flags(*command, *flags);
+  add_scan_flags(*command, flags->scan);
+  add_shared_flags(*command, shared);
+  command->footer(
+      "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "
+      "preview.png\n  slipstream reconstruct frames --strategy dual-frequency --steps 3 --high 16 "
+      "--low 1 --axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply\nSeveral scans: "
+      "{name} in a path stands for each scan's folder, as in -o clouds/{name}.ply");
+  command->callback(
+      [flags, &chosen] { chosen = [flags](Output& output) { reconstruct(*flags, output); }; });
+}
+
+}  // namespace slipstream::app

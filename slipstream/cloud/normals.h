@@ -1,0 +1,20 @@
+#pragma once
+
+#include "slipstream/cloud/cloud.h"
+
+namespace slipstream {
+
+/// Unit surface normals of an organised cloud, towards the camera; NaN where a point or too many of
+/// its neighbours are missing.
+struct Normals {
+  Image<float> x;
+  Image<float> y;
+  Image<float> z;
+};
+
+/// From the differences to the four neighbours in the picture; a neighbour farther away in depth
+/// than `largest_step` times the distance between pixels at that depth counts as across an edge and
+/// is left out.
+Normals surface_normals(const Cloud& cloud, double largest_step = 8);
+
+}  // namespace slipstream

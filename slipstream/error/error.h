@@ -1,0 +1,23 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace slipstream {
+
+/// Bad input: a file that is missing, truncated or of another size, a parameter outside its domain,
+/// a singular calibration. The message is one line that names the thing, its value and what would
+/// be right. The program prints it and exits 2.
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// A failure of the world that no other input would mend: disk full, folder not writable, camera
+/// gone. The program prints it and exits 1.
+class WorldError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,70 @@
+#include "slipstream/geometry/scanner.h"
+
+#include <cmath>
+
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+void require_size(const Lens& lens, std::string_view device) {
+  if (lens.size.width < 1 || lens.size.height < 1) {
+    throw Error(fmt::format("{}: size {}x{} is empty; the scanner file or a flag must say it",
+                            device, lens.size.width, lens.size.height));
+  }
+}
+
+}  // namespace
+
+void require_valid(const Scanner& scanner) {
+  require_valid(scanner.camera, "camera");
+  require_valid(scanner.projector, "projector");
+  require_size(scanner.camera, "camera");
+  require_size(scanner.projector, "projector");
+  const Eigen::Matrix3d& R = scanner.rotation;
+  const bool rotation =
+      R.allFinite() && R.determinant() > 0 && (R.transpose() * R).isIdentity(1e-4);
+  if (!rotation) {
+    throw Error("rotation: the matrix is not a rotation; its rows must be orthonormal");
+  }
+  if (!scanner.translation.allFinite()) {
+    throw Error(
+        "translation: a value is not finite; it is the camera's place in the projector's "
+        "frame, mm");
+  }
+  if (scanner.translation.norm() < 1e-9) {
+    throw Error(
+        "baseline 0 mm: camera and projector stand in one place and see no depth; check "
+        "the translation");
+  }
+}
+
+void require_depth_visible(const Scanner& scanner, Axis axis) {
+  // Stripes of constant coordinate are planes through the projector's centre that contain the other
+  // axis of its picture. The camera must lie off the line that all of them share.
+  const Eigen::Vector3d& T = scanner.translation;
+  const double across_stripes = std::hypot(axis == Axis::x ? T.x() : T.y(), T.z());
+  if (across_stripes < 1e-6 * T.norm()) {
+    throw Error(fmt::format(
+        "the baseline runs along the stripes of axis {0}; they show no depth: project along {1}",
+        name_of(axis), name_of(axis == Axis::x ? Axis::y : Axis::x)));
+  }
+}
+
+Eigen::Vector3d in_projector_frame(const Scanner& scanner, const Eigen::Vector3d& point) {
+  return scanner.rotation * point + scanner.translation;
+}
+
+Eigen::Vector3d projector_centre(const Scanner& scanner) {
+  return -scanner.rotation.transpose() * scanner.translation;
+}
+
+double coordinate_along(Axis axis, const Eigen::Vector2d& pixel, Size projector) {
+  const double position = axis == Axis::x ? pixel.x() : pixel.y();
+  return position / length_along(axis, projector);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/normals.h"
+
+namespace slipstream {
+
+/// Throws Error unless the file's ending is one that write_cloud knows.
+void require_cloud_ending(const std::filesystem::path& path);
+
+/// Writes the cloud by the file's ending, coordinates in mm, 32-bit float:
+///   .ply  binary little-endian PLY: x y z intensity [nx ny nz], the valid points; the picture's
+///         size stands in obj_info num_cols, num_rows;
+///   .pcd  binary PCD 0.7, organised: every pixel of the picture, NaN where there is no point;
+///   .xyz  text: x y z intensity, a point a line, the valid points.
+/// `normals` are written where not null (not to .xyz). Throws Error for another ending, WorldError
+/// when it cannot be written; never leaves half a file.
+void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
+                 const Normals* normals = nullptr);
+
+}  // namespace slipstream

@@ -1,0 +1,192 @@
+#include "slipstream/io/image_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/mat.h"
+#include "slipstream/io/png_check.h"
+#include "slipstream/io/quiet_opencv.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::array<std::string_view, 5> image_extensions{".png", ".tif", ".tiff", ".bmp", ".pgm"};
+
+cv::Mat read_mat(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = read_file(path);
+  if (is_png(bytes)) {
+    if (const std::string fault = png_fault(bytes); !fault.empty()) {
+      throw Error(fmt::format("{}: {}; a whole PNG file is wanted", path.string(), fault));
+    }
+  }
+  const QuietOpenCv quiet;
+  cv::Mat mat;
+  try {
+    if (!bytes.empty()) mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    mat.release();
+  }
+  if (mat.empty()) {
+    throw Error(
+        fmt::format("{}: not a picture, or truncated; a whole PNG, TIFF, BMP or PGM file is wanted",
+                    path.string()));
+  }
+  return mat;
+}
+
+cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) {
+  cv::Mat mat = read_mat(path);
+  if (mat.channels() == 1) return mat;
+  if (mat.channels() < 3 || mat.depth() > CV_16U) {
+    throw Error(
+        fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits", path.string()));
+  }
+  warnings.push_back(fmt::format("{}: a colour picture, converted to grey", path.string()));
+  cv::Mat grey;
+  cv::cvtColor(mat, grey, mat.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+  return grey;
+}
+
+void write_mat(const fs::path& path, const cv::Mat& mat) {
+  const std::string extension = lower_case_extension(path);
+  if (!is_image_file(path)) {
+    throw Error(
+        fmt::format("{}: no picture format has the ending '{}'; use .png, .tiff, .bmp or "
+                    ".pgm",
+                    path.string(), extension));
+  }
+  const QuietOpenCv quiet;
+  std::vector<std::uint8_t> bytes;
+  bool encoded = false;
+  try {
+    encoded = cv::imencode(extension, mat, bytes);
+  } catch (const cv::Exception&) {
+  }
+  if (!encoded) {
+    throw Error(fmt::format("{}: a {} file does not hold such pixels; use .tiff", path.string(),
+                            extension));
+  }
+  write_file(path, bytes);
+}
+
+void require_map_ending(const fs::path& path) {
+  const std::string extension = lower_case_extension(path);
+  if (extension != ".tif" && extension != ".tiff") {
+    throw Error(fmt::format("{}: maps are TIFF files of 32-bit float; use the ending .tiff",
+                            path.string()));
+  }
+}
+
+template <class Pixel>
+std::vector<Image<Pixel>> images_from(const std::vector<cv::Mat>& mats) {
+  std::vector<Image<Pixel>> images;
+  images.reserve(mats.size());
+  for (const cv::Mat& mat : mats) images.push_back(image_from<Pixel>(mat));
+  return images;
+}
+
+FrameSet frame_set_from(const std::vector<cv::Mat>& mats, int bits) {
+  switch (mats.front().depth()) {
+    case CV_8U:
+      return FrameSet(images_from<std::uint8_t>(mats));
+    case CV_16U:
+      return {images_from<std::uint16_t>(mats), bits == 0 ? 16 : bits};
+    default:
+      return FrameSet(images_from<double>(mats));
+  }
+}
+
+void require_like_first(const fs::path& path, const cv::Mat& mat, const fs::path& first_path,
+                        const cv::Mat& first) {
+  if (mat.size() != first.size()) {
+    throw Error(fmt::format("{} is {}x{}, but {} is {}x{}; all frames of a scan have one size",
+                            path.string(), mat.cols, mat.rows, first_path.string(), first.cols,
+                            first.rows));
+  }
+  if (mat.depth() != first.depth()) {
+    throw Error(fmt::format("{} and {} have different pixels; all frames of a scan have one kind",
+                            path.string(), first_path.string()));
+  }
+}
+
+}  // namespace
+
+bool is_image_file(const fs::path& path) {
+  const std::string extension = lower_case_extension(path);
+  return std::find(image_extensions.begin(), image_extensions.end(), extension) !=
+         image_extensions.end();
+}
+
+LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
+  LoadedFrames loaded;
+  std::vector<cv::Mat> mats;
+  for (const fs::path& path : paths) {
+    mats.push_back(read_grey_mat(path, loaded.warnings));
+    const int depth = mats.back().depth();
+    if (depth != CV_8U && depth != CV_16U && depth != CV_64F) {
+      throw Error(fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits",
+                              path.string()));
+    }
+    require_like_first(path, mats.back(), paths.front(), mats.front());
+  }
+  if (bits > 8 && !mats.empty() && mats.front().depth() == CV_8U) {
+    throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",
+                            paths.front().string(), bits));
+  }
+  if (!mats.empty()) loaded.frames = frame_set_from(mats, bits);
+  return loaded;
+}
+
+Image<std::uint16_t> read_grey_image(const fs::path& path) {
+  std::vector<std::string> warnings;
+  const cv::Mat mat = read_grey_mat(path, warnings);
+  if (mat.depth() != CV_8U && mat.depth() != CV_16U) {
+    throw Error(fmt::format("{}: a grey picture of 8 or 16 bits is wanted", path.string()));
+  }
+  cv::Mat wide;
+  mat.convertTo(wide, CV_16U);
+  return image_from<std::uint16_t>(wide);
+}
+
+void write_image(const fs::path& path, const Image<std::uint8_t>& image) {
+  write_mat(path, mat_of(image));
+}
+
+void write_image(const fs::path& path, const Image<std::uint16_t>& image) {
+  write_mat(path, mat_of(image));
+}
+
+void write_map(const fs::path& path, const Image<double>& map) {
+  require_map_ending(path);
+  cv::Mat single;
+  mat_of(map).convertTo(single, CV_32F);
+  write_mat(path, single);
+}
+
+Image<double> read_map(const fs::path& path) {
+  const cv::Mat mat = read_mat(path);
+  if (mat.type() != CV_32FC1 && mat.type() != CV_64FC1) {
+    throw Error(fmt::format("{}: not a map; a TIFF file of 32-bit float is wanted", path.string()));
+  }
+  cv::Mat wide;
+  mat.convertTo(wide, CV_64F);
+  return image_from<double>(wide);
+}
+
+void write_frames(const std::vector<fs::path>& paths, const FrameSet& frames) {
+  frames.visit([&](const auto& views) {
+    for (std::size_t n = 0; n < paths.size(); ++n) write_mat(paths[n], mat_of(views[n]));
+  });
+}
+
+}  // namespace slipstream

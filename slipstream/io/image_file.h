@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/image/image.h"
+
+namespace slipstream {
+
+/// Whether the file's ending is one of a picture: png, tif, tiff, bmp, pgm.
+bool is_image_file(const std::filesystem::path& path);
+
+/// Frames read from files, and what the reader had to say about them, a line each.
+struct LoadedFrames {
+  FrameSet frames;
+  std::vector<std::string> warnings;
+};
+
+/// Reads frames: 8- or 16-bit grey, or 64-bit float (unquantised) TIFF. Colour is converted to grey
+/// with a warning. `bits`: of the camera, for 16-bit files that hold fewer; 0 where not known.
+/// Throws Error, naming the file, when one is missing, truncated, of another size or kind.
+LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
+
+/// Reads a grey picture of 8 or 16 bits as it is, without scaling.
+Image<std::uint16_t> read_grey_image(const std::filesystem::path& path);
+
+/// Writes a grey picture as PNG, TIFF, BMP or PGM by the file's ending. Throws Error for another
+/// ending, WorldError when it cannot be written; never leaves half a file.
+void write_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
+void write_image(const std::filesystem::path& path, const Image<std::uint16_t>& image);
+
+/// Writes a map (depth, phase, coordinate, modulation) as TIFF of 32-bit float, NaN kept.
+void write_map(const std::filesystem::path& path, const Image<double>& map);
+
+/// Reads a map that write_map wrote.
+Image<double> read_map(const std::filesystem::path& path);
+
+/// Writes the frames to those paths in order: 8- or 16-bit pictures, or 64-bit float TIFF for
+/// unquantised ones.
+void write_frames(const std::vector<std::filesystem::path>& paths, const FrameSet& frames);
+
+}  // namespace slipstream

@@ -1,0 +1,246 @@
+#include "slipstream/io/scan_folder.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+/// A map of scan.yaml, with errors that name the file and the key.
+class YamlMap {
+ public:
+  YamlMap(YAML::Node node, std::string where) : node_(std::move(node)), where_(std::move(where)) {
+    if (!node_.IsMap()) throw Error(fmt::format("{}: a map of keys is wanted", where_));
+  }
+
+  void require_known_keys(std::initializer_list<std::string_view> known) const {
+    for (const auto& entry : node_) {
+      const auto key = entry.first.as<std::string>();
+      if (std::find(known.begin(), known.end(), key) == known.end()) {
+        throw Error(fmt::format("{}: key '{}' is not known; there are: {}", where_, key,
+                                fmt::join(known, ", ")));
+      }
+    }
+  }
+
+  [[nodiscard]] bool has(const std::string& key) const { return node_[key].IsDefined(); }
+
+  [[nodiscard]] YAML::Node required(const std::string& key) const {
+    if (!has(key)) throw Error(fmt::format("{}: key '{}' is missing", where_, key));
+    return node_[key];
+  }
+
+  [[nodiscard]] YamlMap map(const std::string& key) const {
+    return {required(key), fmt::format("{}: {}", where_, key)};
+  }
+
+  template <class Value>
+  [[nodiscard]] Value value(const std::string& key, const char* wanted) const {
+    return convert<Value>(required(key), key, wanted);
+  }
+
+  template <class Value>
+  [[nodiscard]] Value value_or(const std::string& key, const Value& otherwise,
+                               const char* wanted) const {
+    return has(key) ? value<Value>(key, wanted) : otherwise;
+  }
+
+  [[nodiscard]] double number(const std::string& key) const {
+    const auto number = value<double>(key, "a number");
+    if (!std::isfinite(number)) {
+      throw Error(fmt::format("{}: {} is {}; it must be finite", where_, key, number));
+    }
+    return number;
+  }
+
+  [[nodiscard]] int whole_number(const std::string& key, int least, int most) const {
+    const int number = value<int>(key, "a whole number");
+    if (number < least || number > most) {
+      throw Error(
+          fmt::format("{}: {} {} is out of range; {} to {}", where_, key, number, least, most));
+    }
+    return number;
+  }
+
+  [[nodiscard]] std::vector<std::string> names(const std::string& key) const {
+    const YAML::Node list = required(key);
+    std::vector<std::string> names;
+    if (list.IsSequence()) {
+      for (const auto& item : list) names.push_back(convert<std::string>(item, key, "a name"));
+    }
+    if (names.empty()) throw Error(fmt::format("{}: {} is not a list of files", where_, key));
+    return names;
+  }
+
+  [[nodiscard]] std::vector<std::string> keys() const {
+    std::vector<std::string> keys;
+    for (const auto& entry : node_) keys.push_back(entry.first.as<std::string>());
+    return keys;
+  }
+
+ private:
+  template <class Value>
+  [[nodiscard]] Value convert(const YAML::Node& node, const std::string& key,
+                              const char* wanted) const {
+    try {
+      return node.as<Value>();
+    } catch (const YAML::Exception&) {
+      throw Error(fmt::format("{}: {} is not {}", where_, key, wanted));
+    }
+  }
+
+  YAML::Node node_;
+  std::string where_;
+};
+
+YamlMap parse(const fs::path& file) {
+  const std::vector<std::uint8_t> bytes = read_file(file);
+  try {
+    return {YAML::Load(std::string(bytes.begin(), bytes.end())), file.string()};
+  } catch (const YAML::Exception& exception) {
+    throw Error(fmt::format("{}: line {}: not YAML: {}", file.string(), exception.mark.line + 1,
+                            exception.msg));
+  }
+}
+
+Strategy read_strategy(const YamlMap& map) {
+  StrategySettings settings;
+  for (const std::string& key : map.keys()) {
+    if (key != "name" && key != "axis" && key != "alpha_p" && key != "beta_p") {
+      settings[key] = map.number(key);
+    }
+  }
+  return make_strategy(map.value<std::string>("name", "the name of a strategy"), settings);
+}
+
+PatternLight read_light(const YamlMap& map) {
+  PatternLight light;
+  if (map.has("alpha_p")) light.alpha_p = map.number("alpha_p");
+  if (map.has("beta_p")) light.beta_p = map.number("beta_p");
+  require_valid(light);
+  return light;
+}
+
+ScanDescription interpret(const YamlMap& map, const fs::path& folder) {
+  constexpr int largest_picture = 65536;
+  map.require_known_keys({"slipstream", "strategy", "projector", "bits", "frames", "scanner"});
+  [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
+
+  ScanDescription scan;
+  const YamlMap strategy = map.map("strategy");
+  scan.strategy = read_strategy(strategy);
+  scan.light = read_light(strategy);
+  scan.axis = axis_named(strategy.value_or<std::string>("axis", "x", "x or y"));
+  if (map.has("projector")) {
+    const YamlMap projector = map.map("projector");
+    projector.require_known_keys({"width", "height"});
+    scan.projector = {projector.whole_number("width", 1, largest_picture),
+                      projector.whole_number("height", 1, largest_picture)};
+  }
+  if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
+  for (const std::string& name : map.names("frames")) scan.frames.push_back(folder / name);
+  if (map.has("scanner")) scan.scanner = folder / map.value<std::string>("scanner", "a file");
+  return scan;
+}
+
+/// Compares names as a person does: runs of digits by their number.
+bool before_in_order(const std::string& a, const std::string& b) {
+  const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const auto number_at = [&](const std::string& text, std::size_t& position) {
+        while (position + 1 < text.size() && text[position] == '0' && is_digit(text[position + 1]))
+          ++position;
+        const std::size_t start = position;
+        while (position < text.size() && is_digit(text[position])) ++position;
+        return std::string_view(text).substr(start, position - start);
+      };
+      const std::string_view m = number_at(a, i), n = number_at(b, j);
+      if (m.size() != n.size()) return m.size() < n.size();
+      if (m != n) return m < n;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i;
+      ++j;
+    }
+  }
+  return std::pair(a.size() - i, a) < std::pair(b.size() - j, b);
+}
+
+}  // namespace
+
+ScanDescription read_scan_description(const fs::path& file) {
+  const YamlMap map = parse(file);
+  try {
+    return interpret(map, file.parent_path());
+  } catch (const YAML::Exception& exception) {
+    throw Error(fmt::format("{}: {}", file.string(), exception.msg));
+  } catch (const Error& error) {
+    const std::string_view message = error.what();
+    if (message.starts_with(file.string())) throw;
+    throw Error(fmt::format("{}: {}", file.string(), message));
+  }
+}
+
+void write_scan_description(const fs::path& file, const ScanDescription& scan) {
+  const fs::path folder = file.parent_path();
+  YAML::Emitter yaml;
+  yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
+  yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
+  yaml << YAML::Key << "name" << YAML::Value << std::string(name_of(scan.strategy));
+  for (const auto& [name, value] : settings_of(scan.strategy)) {
+    yaml << YAML::Key << name << YAML::Value << value;
+  }
+  yaml << YAML::Key << "axis" << YAML::Value << std::string(name_of(scan.axis));
+  yaml << YAML::Key << "alpha_p" << YAML::Value << scan.light.alpha_p;
+  yaml << YAML::Key << "beta_p" << YAML::Value << scan.light.beta_p << YAML::EndMap;
+  if (scan.projector != Size{}) {
+    yaml << YAML::Key << "projector" << YAML::Value << YAML::Flow << YAML::BeginMap;
+    yaml << YAML::Key << "width" << YAML::Value << scan.projector.width;
+    yaml << YAML::Key << "height" << YAML::Value << scan.projector.height << YAML::EndMap;
+  }
+  if (scan.bits != 0) yaml << YAML::Key << "bits" << YAML::Value << scan.bits;
+  yaml << YAML::Key << "frames" << YAML::Value << YAML::BeginSeq;
+  for (const fs::path& frame : scan.frames) yaml << frame.lexically_proximate(folder).string();
+  yaml << YAML::EndSeq;
+  if (scan.scanner) {
+    yaml << YAML::Key << "scanner" << YAML::Value
+         << scan.scanner->lexically_proximate(folder).string();
+  }
+  yaml << YAML::EndMap;
+  write_file(file, std::string(yaml.c_str()) + "\n");
+}
+
+std::vector<fs::path> images_in_folder(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw Error(fmt::format("{}: no such folder", folder.string()));
+  }
+  std::vector<fs::path> images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && is_image_file(entry.path())) images.push_back(entry.path());
+  }
+  if (images.empty()) {
+    throw Error(
+        fmt::format("{}: no pictures; PNG, TIFF, BMP or PGM files are wanted", folder.string()));
+  }
+  std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
+    return before_in_order(a.filename().string(), b.filename().string());
+  });
+  return images;
+}
+
+}  // namespace slipstream

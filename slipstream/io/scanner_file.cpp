@@ -1,0 +1,162 @@
+#include "slipstream/io/scanner_file.h"
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/opencv_storage.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+/// The names of one layout; the sizes are empty where the layout has none.
+struct Layout {
+  std::string_view camera_matrix, camera_distortion, camera_width, camera_height;
+  std::string_view projector_matrix, projector_distortion, projector_width, projector_height;
+  std::string_view rotation, translation;
+};
+
+constexpr std::array<Layout, 3> layouts{{
+    {"camera_matrix", "camera_distortion", "camera_width", "camera_height", "projector_matrix",
+     "projector_distortion", "projector_width", "projector_height", "rotation", "translation"},
+    {"Kc", "kc", "frameWidth", "frameHeight", "Kp", "kp", "screenResX", "screenResY", "Rp", "Tp"},
+    {"cam_K", "cam_kc", "", "", "proj_K", "proj_kc", "", "", "R", "T"},
+}};
+
+/// The named entries of one scanner file, with errors that name file and entry.
+class ScannerFile {
+ public:
+  explicit ScannerFile(const fs::path& path)
+      : path_(path.string()), entries_(read_opencv_storage(path)) {}
+
+  [[nodiscard]] const Layout& layout() const {
+    for (const Layout& layout : layouts) {
+      if (has(layout.camera_matrix) || has(layout.projector_matrix)) return layout;
+    }
+    throw Error(fmt::format(
+        "{}: no camera matrix; it is named camera_matrix, Kc or cam_K in a scanner file", path_));
+  }
+
+  /// rows x columns numbers, row by row.
+  [[nodiscard]] std::vector<double> matrix(std::string_view name, std::size_t rows,
+                                           std::size_t columns) const {
+    if (!has(name)) throw Error(fmt::format("{}: {} is missing", path_, name));
+    std::vector<double> values = numbers(name);
+    if (values.size() != rows * columns) {
+      throw Error(fmt::format("{}: {} has {} numbers; it is {}x{}", path_, name, values.size(),
+                              rows, columns));
+    }
+    return values;
+  }
+
+  [[nodiscard]] Distortion distortion(std::string_view name) const {
+    if (!has(name)) return {};
+    try {
+      return make_distortion(numbers(name));
+    } catch (const Error& error) {
+      const std::string_view message = error.what();
+      if (message.starts_with(path_)) throw;
+      throw Error(fmt::format("{}: {}: {}", path_, name, message));
+    }
+  }
+
+  /// A whole number of pixels; 0 where the file does not say.
+  [[nodiscard]] int length(std::string_view name) const {
+    if (name.empty() || !has(name)) return 0;
+    const std::vector<double> value = numbers(name);
+    if (value.size() != 1 ||
+        !(value[0] >= 1 && value[0] <= 65536 && value[0] == std::floor(value[0]))) {
+      throw Error(fmt::format("{}: {} is not a number of pixels", path_, name));
+    }
+    return static_cast<int>(value[0]);
+  }
+
+ private:
+  [[nodiscard]] bool has(std::string_view name) const {
+    return entries_.contains(std::string(name));
+  }
+
+  [[nodiscard]] std::vector<double> numbers(std::string_view name) const {
+    const StoredMatrix& matrix = entries_.at(std::string(name));
+    if (matrix.rows == 0) {
+      throw Error(fmt::format("{}: {} is not a matrix of numbers", path_, name));
+    }
+    for (const double value : matrix.numbers) {
+      if (!std::isfinite(value)) {
+        throw Error(
+            fmt::format("{}: {} holds {}; every number must be finite", path_, name, value));
+      }
+    }
+    return matrix.numbers;
+  }
+
+  std::string path_;
+  std::map<std::string, StoredMatrix> entries_;
+};
+
+Eigen::Matrix3d matrix3(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+}
+
+cv::Mat mat_of(const Eigen::Matrix3d& matrix) {
+  return (cv::Mat_<double>(3, 3) << matrix(0, 0), matrix(0, 1), matrix(0, 2), matrix(1, 0),
+          matrix(1, 1), matrix(1, 2), matrix(2, 0), matrix(2, 1), matrix(2, 2));
+}
+
+cv::Mat mat_of(const Distortion& distortion) {
+  return cv::Mat(1, static_cast<int>(distortion.coefficients.size()), CV_64F,
+                 const_cast<double*>(distortion.coefficients.data()))
+      .clone();
+}
+
+}  // namespace
+
+Scanner read_scanner(const fs::path& path) {
+  const ScannerFile file(path);
+  const Layout& names = file.layout();
+  Scanner scanner;
+  scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
+                    .distortion = file.distortion(names.camera_distortion),
+                    .size = {file.length(names.camera_width), file.length(names.camera_height)}};
+  scanner.projector = {
+      .intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
+      .distortion = file.distortion(names.projector_distortion),
+      .size = {file.length(names.projector_width), file.length(names.projector_height)}};
+  scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
+  scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
+  return scanner;
+}
+
+void write_scanner(const fs::path& path, const Scanner& scanner) {
+  const Layout& names = layouts.front();
+  const bool xml = lower_case_extension(path) == ".xml";
+  cv::FileStorage storage(xml ? ".xml" : ".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  const auto write_lens = [&](const Lens& lens, std::string_view matrix,
+                              std::string_view distortion, std::string_view width,
+                              std::string_view height) {
+    storage.write(std::string(width), lens.size.width);
+    storage.write(std::string(height), lens.size.height);
+    storage.write(std::string(matrix), mat_of(lens.intrinsic));
+    storage.write(std::string(distortion), mat_of(lens.distortion));
+  };
+  write_lens(scanner.camera, names.camera_matrix, names.camera_distortion, names.camera_width,
+             names.camera_height);
+  write_lens(scanner.projector, names.projector_matrix, names.projector_distortion,
+             names.projector_width, names.projector_height);
+  storage.write(std::string(names.rotation), mat_of(scanner.rotation));
+  storage.write(std::string(names.translation),
+                cv::Mat((cv::Mat_<double>(3, 1) << scanner.translation.x(), scanner.translation.y(),
+                         scanner.translation.z())));
+  write_file(path, storage.releaseAndGetString());
+}
+
+}  // namespace slipstream

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "slipstream/geometry/scanner.h"
+
+namespace slipstream {
+
+/// Reads a scanner from an OpenCV FileStorage file (YAML or XML) in one of three layouts, told by
+/// the names in it:
+///   camera_matrix camera_distortion camera_width camera_height projector_matrix
+///     projector_distortion projector_width projector_height rotation translation (slipstream's);
+///   Kc kc Kp kp Rp Tp frameWidth frameHeight screenResX screenResY;
+///   cam_K cam_kc proj_K proj_kc R T, which says no sizes: they come out empty.
+/// Distortion may be missing (none) and sizes too. Rotation and translation take the camera's frame
+/// to the projector's, mm. Throws Error, naming the file and the entry, for anything missing, of
+/// another shape, or not a number.
+Scanner read_scanner(const std::filesystem::path& path);
+
+/// Writes slipstream's layout, YAML or (ending .xml) XML.
+void write_scanner(const std::filesystem::path& path, const Scanner& scanner);
+
+}  // namespace slipstream

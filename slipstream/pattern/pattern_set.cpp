@@ -1,0 +1,54 @@
+#include "slipstream/pattern/pattern_set.h"
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+
+void require_valid(const PatternLight& light) {
+  const bool in_range =
+      light.alpha_p > 0 && light.beta_p >= 0 && light.alpha_p + light.beta_p <= 255;
+  if (!in_range) {
+    throw Error(fmt::format(
+        "alpha_p {} and beta_p {} are out of range; alpha_p > 0, beta_p >= 0 and their sum <= 255",
+        light.alpha_p, light.beta_p));
+  }
+}
+
+Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector, int bits) {
+  if (projector.width < 1 || projector.height < 1) {
+    throw Error(fmt::format("projector size {}x{} is empty; give its width and height in pixels",
+                            projector.width, projector.height));
+  }
+  if (n < 0 || n >= patterns.count) {
+    throw Error(fmt::format("pattern {} does not exist; the set has {}", n, patterns.count));
+  }
+  if (bits < 8 || bits > 16) {
+    throw Error(fmt::format("{} bits per projector pixel are out of range; 8 to 16", bits));
+  }
+
+  const double scale = ((1 << bits) - 1) / 255.0;
+  const int length = length_along(patterns.axis, projector);
+  std::vector<std::uint16_t> profile(static_cast<std::size_t>(length));
+  for (int i = 0; i < length; ++i) {
+    const double intensity = patterns.intensity(n, coordinate_of_pixel(i, length));
+    profile[static_cast<std::size_t>(i)] =
+        static_cast<std::uint16_t>(std::lround(scale * intensity));
+  }
+
+  Image<std::uint16_t> picture(projector);
+  for (int row = 0; row < projector.height; ++row) {
+    for (int column = 0; column < projector.width; ++column) {
+      const int index = patterns.axis == Axis::x ? column : row;
+      picture(column, row) = profile[static_cast<std::size_t>(index)];
+    }
+  }
+  return picture;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+
+#include "slipstream/image/image.h"
+#include "slipstream/pattern/axis.h"
+
+namespace slipstream {
+
+/// The light of a projector's patterns, in grey levels of an 8-bit projector: I^p = alpha_p s +
+/// beta_p with s in [0, 1] (Liu 2010, Eq. 3.1). A projector of m bits scales both by
+/// (2^m - 1) / 255.
+struct PatternLight {
+  double alpha_p = 255;  ///< amplitude constant, > 0
+  double beta_p = 0;     ///< balance constant against underflow, >= 0; alpha_p + beta_p <= 255
+};
+
+/// Throws Error when alpha_p, beta_p are not in the ranges above.
+void require_valid(const PatternLight& light);
+
+/// What a projector shows in one scan: `count` patterns, each a function of the projector
+/// coordinate along one axis.
+struct PatternSet {
+  int count = 0;
+  Axis axis = Axis::x;
+  PatternLight light;
+  /// s of pattern n at projector coordinate y in [0, 1): see PatternLight.
+  std::function<double(int n, double y)> shape;
+
+  /// I_n^p in grey levels of an 8-bit projector, not quantised.
+  [[nodiscard]] double intensity(int n, double y) const {
+    return light.alpha_p * shape(n, y) + light.beta_p;
+  }
+};
+
+/// Pattern n as the picture to send to a projector of that size, rounded to the nearest grey level
+/// of `bits` (8 to 16). The value of a pixel is the intensity at its centre. Throws Error when the
+/// projector has no pixels, n is not in the set or bits are out of range.
+Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector,
+                                    int bits = 8);
+
+}  // namespace slipstream

@@ -1,0 +1,23 @@
+#pragma once
+
+namespace slipstream {
+
+/// One run of phase-shifted sinusoids: `steps` (N) patterns of `frequency` (f) periods across the
+/// projector field.
+struct Sinusoid {
+  int steps = 3;
+  double frequency = 1;
+};
+
+/// More frames than this for one sinusoid are a mistake in a settings file.
+inline constexpr int most_steps = 4096;
+
+/// Intensity of pattern n at projector coordinate y, between 0 and 1: the bracket of Liu 2010,
+/// Eq. (3.1), 1/2 + 1/2 cos(2 pi f y - 2 pi n / N). With A^p = B^p it is Eq. (1.1) up to scale.
+double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y);
+
+/// Throws Error unless 3 <= steps <= most_steps and frequency is finite and positive. `name` is
+/// what the message calls the sinusoid.
+void require_valid(const Sinusoid& sinusoid, const char* name);
+
+}  // namespace slipstream

@@ -1,0 +1,112 @@
+#include "slipstream/phase/phase_decoder.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::array<std::pair<Backend, std::string_view>, 3> backend_names{{
+    {Backend::equation, "equation"},
+    {Backend::closed_form, "closed-form"},
+    {Backend::lut, "lut"},
+}};
+
+/// Walks the pixels; `sample` turns the N intensities of one into a PhaseSample.
+template <class Number, class Pixel, class Sample>
+PhaseMaps decode_pixels(const Frames<Pixel>& frames, const Sample& sample) {
+  const Size size = frames.front().size();
+  PhaseMaps maps{Image<double>(size), Image<double>(size), Image<double>(size)};
+  for_each_row(size.height, [&](int row) {
+    std::vector<Number> intensities(frames.size());
+    for (int column = 0; column < size.width; ++column) {
+      for (std::size_t n = 0; n < frames.size(); ++n) {
+        intensities[n] = static_cast<Number>(frames[n](column, row));
+      }
+      const PhaseSample pixel = sample(std::span<const Number>(intensities));
+      maps.mean(column, row) = pixel.mean;
+      maps.modulation(column, row) = pixel.modulation;
+      maps.wrapped_phase(column, row) = pixel.wrapped_phase;
+    }
+  });
+  return maps;
+}
+
+template <class Number>
+double mean_of(std::span<const Number> I) {
+  Number sum = 0;
+  for (const Number intensity : I) sum += intensity;
+  return static_cast<double>(sum) / static_cast<double>(I.size());  // (1.3)
+}
+
+template <class Pixel>
+PhaseMaps decode_by_equations(const Frames<Pixel>& frames) {
+  return decode_pixels<double>(frames, PhaseEquations(static_cast<int>(frames.size())));
+}
+
+template <class Pixel>
+PhaseMaps decode_by_closed_form(const Frames<Pixel>& frames, const ClosedForm& form) {
+  return decode_pixels<double>(frames, [&](std::span<const double> I) -> PhaseSample {
+    const auto [U, V] = table_index<double>(form, I);
+    return {mean_of(I), form.modulation(U, V), form.wrapped_phase(U, V)};
+  });
+}
+
+PhaseMaps decode_by_tables(const Frames<std::uint8_t>& frames, const PhaseTables& tables) {
+  return decode_pixels<int>(frames, [&](std::span<const int> I) -> PhaseSample {
+    const auto [U, V] = table_index<int>(tables.form(), I);
+    return {mean_of(I), tables.mlut(U, V), tables.plut(U, V)};
+  });
+}
+
+}  // namespace
+
+std::string_view name_of(Backend backend) {
+  for (const auto& [value, name] : backend_names) {
+    if (value == backend) return name;
+  }
+  return "";
+}
+
+Backend backend_named(std::string_view name) {
+  for (const auto& [backend, known] : backend_names) {
+    if (known == name) return backend;
+  }
+  throw Error(fmt::format("backend '{}' is not known; it is equation, closed-form or lut", name));
+}
+
+PhaseDecoder::PhaseDecoder(Backend backend, const std::vector<int>& steps) : backend_(backend) {
+  if (backend != Backend::lut) return;
+  for (const int N : steps) {
+    if (closed_form(N) != nullptr) tables_.try_emplace(N, N);
+  }
+}
+
+Backend PhaseDecoder::backend_for(int steps, const FrameSet& frames) const {
+  const bool has_closed_form = closed_form(steps) != nullptr;
+  const bool has_table = tables_.contains(steps) && frames.quantised() && frames.bits() == 8;
+  if (backend_ == Backend::closed_form && has_closed_form) return Backend::closed_form;
+  if (backend_ == Backend::lut && has_table) return Backend::lut;
+  return Backend::equation;
+}
+
+PhaseMaps PhaseDecoder::operator()(const FrameSet& frames, int first, int steps) const {
+  const Backend backend = backend_for(steps, frames);
+  return frames.visit(first, steps, [&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
+      if (backend == Backend::lut) return decode_by_tables(views, tables_.at(steps));
+    }
+    if (backend == Backend::closed_form) return decode_by_closed_form(views, *closed_form(steps));
+    return decode_by_equations(views);
+  });
+}
+
+}  // namespace slipstream

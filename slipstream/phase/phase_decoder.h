@@ -1,0 +1,53 @@
+#pragma once
+
+#include <map>
+#include <string_view>
+#include <vector>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/image/image.h"
+#include "slipstream/phase/equations.h"
+#include "slipstream/phase/phase_tables.h"
+
+namespace slipstream {
+
+/// How phase is computed. All agree to 1e-12 rad; they differ in speed.
+enum class Backend {
+  equation,     ///< Eqs. (1.3)-(1.7), any N, any pixel
+  closed_form,  ///< Eqs. (2.1)-(2.3), (2.13)-(2.15), N = 3, 4, 6, any pixel
+  lut,          ///< MLUT and PLUT, Eqs. (2.4)-(2.18), N = 3, 4, 6, 8-bit pixels
+};
+
+/// "equation", "closed-form", "lut".
+std::string_view name_of(Backend backend);
+
+/// The backend of that name; throws Error for any other.
+Backend backend_named(std::string_view name);
+
+/// PhaseSample of every pixel.
+struct PhaseMaps {
+  Image<double> mean;
+  Image<double> modulation;
+  Image<double> wrapped_phase;
+};
+
+/// Frames of N-step sinusoids to phase, by the backend asked for where it can and by the equations
+/// where it cannot.
+class PhaseDecoder {
+ public:
+  /// Tables are built here, once, for those of `steps` that have one.
+  PhaseDecoder(Backend backend, const std::vector<int>& steps);
+
+  /// The backend that really decodes `steps` frames like those: `equation` where the one asked for
+  /// has no form for that N or that pixel.
+  [[nodiscard]] Backend backend_for(int steps, const FrameSet& frames) const;
+
+  /// Mean, modulation and wrapped phase from the `steps` frames that start at `first`.
+  [[nodiscard]] PhaseMaps operator()(const FrameSet& frames, int first, int steps) const;
+
+ private:
+  Backend backend_;
+  std::map<int, PhaseTables> tables_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,121 @@
+#include "slipstream/reconstruct/reconstructor.h"
+
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
+#include "slipstream/phase/modulation_mask.h"
+
+namespace slipstream {
+namespace {
+
+PointMethod point_method(Backend backend) {
+  switch (backend) {
+    case Backend::equation:
+      return PointMethod::inverse;
+    case Backend::closed_form:
+      return PointMethod::form1;
+    case Backend::lut:
+      return PointMethod::form3;
+  }
+  return PointMethod::inverse;
+}
+
+void require_valid(const ReconstructSettings& settings) {
+  const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
+    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
+  };
+  const double least = settings.minimum_modulation.value_or(0);
+  require(least >= 0 && std::isfinite(least), "minimum modulation", least, "0 grey levels or more");
+  require(settings.field_margin >= 0, "field margin", settings.field_margin, "0 or more");
+  require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
+  require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
+          "more than the nearest");
+}
+
+const Strategy& require_coordinate(const Strategy& strategy) {
+  if (!has_coordinate(strategy)) {
+    throw Error(fmt::format(
+        "{}: more than one period covers the field, so these frames alone give no depth; use "
+        "frequency 1 or dual-frequency",
+        name_of(strategy)));
+  }
+  return strategy;
+}
+
+}  // namespace
+
+Reconstructor::Reconstructor(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                             const ReconstructSettings& settings)
+    : settings_(settings),
+      axis_(axis),
+      triangulate_(scanner, axis, point_method(settings.backend)),
+      decode_(require_coordinate(strategy), length_along(axis, scanner.projector.size),
+              settings.backend) {
+  require_valid(settings);
+}
+
+Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
+  const Size camera = triangulate_.scanner().camera.size;
+  if (frames.size() != camera) {
+    throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
+                            frames.size().width, frames.size().height, camera.width,
+                            camera.height));
+  }
+  DecodedScan decoded = decode_(frames);
+  Cloud cloud = triangulated(decoded, frames);
+  return {std::move(cloud), std::move(decoded)};
+}
+
+Cloud Reconstructor::triangulated(const DecodedScan& decoded, const FrameSet& frames) const {
+  const double grey_level = frames.full_scale() / 255;
+  const Image<std::uint8_t> lit =
+      modulation_mask(decoded.modulation, settings_.minimum_modulation.value_or(15 * grey_level));
+  const Image<std::uint8_t> saturated =
+      settings_.drop_saturated ? saturation_mask(frames) : Image<std::uint8_t>(frames.size());
+
+  Cloud cloud(frames.size());
+  for_each_row(frames.size().height, [&](int row) {
+    for (int column = 0; column < frames.size().width; ++column) {
+      cloud.intensity(column, row) = static_cast<float>(decoded.mean(column, row) / grey_level);
+      Validity& validity = cloud.validity(column, row);
+      if (lit(column, row) == 0) {
+        validity = Validity::too_dark;
+        continue;
+      }
+      if (saturated(column, row) != 0) {
+        validity = Validity::saturated;
+        continue;
+      }
+      const Eigen::Vector3d point = triangulate_(column, row, decoded.coordinate(column, row));
+      validity = validity_of(point);
+      if (validity != Validity::valid) continue;
+      cloud.x(column, row) = point.x();
+      cloud.y(column, row) = point.y();
+      cloud.z(column, row) = point.z();
+    }
+  });
+  return cloud;
+}
+
+Validity Reconstructor::validity_of(const Eigen::Vector3d& point) const {
+  if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
+  const Scanner& scanner = triangulate_.scanner();
+  const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
+  if (in_projector.z() <= 0) return Validity::no_point;
+
+  const Axis across = axis_ == Axis::x ? Axis::y : Axis::x;
+  const double y =
+      coordinate_along(across, project(scanner.projector, in_projector), scanner.projector.size);
+  if (!(y >= -settings_.field_margin && y <= 1 + settings_.field_margin)) {
+    return Validity::outside_field;
+  }
+  const bool in_range = point.z() >= settings_.nearest && point.z() <= settings_.farthest;
+  return in_range ? Validity::valid : Validity::out_of_range;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/geometry/triangulator.h"
+#include "slipstream/strategy/decoder.h"
+
+namespace slipstream {
+
+/// What decides whether a pixel becomes a point, and how it is computed.
+struct ReconstructSettings {
+  Backend backend = Backend::lut;
+  /// Least modulation B^c, grey levels of the frames; by default 15 of an 8-bit camera's 255 and as
+  /// much of another's full scale.
+  std::optional<double> minimum_modulation;
+  /// A pixel with a saturated frame is dropped (`false` keeps it, biased).
+  bool drop_saturated = true;
+  /// How far past the ends of the projector's field, as a share of its length across the stripes, a
+  /// point may lie.
+  double field_margin = 0.02;
+  double nearest = 0;                                         ///< mm, least depth
+  double farthest = std::numeric_limits<double>::infinity();  ///< mm, largest depth
+};
+
+/// A scan in 3-D, with what it was made from.
+struct Reconstruction {
+  Cloud cloud;
+  DecodedScan decoded;
+};
+
+/// Frames to cloud, for one scanner, strategy and axis; tables are built once.
+class Reconstructor {
+ public:
+  /// Throws Error where the scanner or the settings are not valid, or the strategy's frames do not
+  /// give a projector coordinate.
+  Reconstructor(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                const ReconstructSettings& settings = {});
+
+  /// Throws Error when the frames are not of the camera's size or not as many as the strategy's.
+  [[nodiscard]] Reconstruction operator()(const FrameSet& frames) const;
+
+  [[nodiscard]] const Decoder& decoder() const { return decode_; }
+
+ private:
+  [[nodiscard]] Cloud triangulated(const DecodedScan& decoded, const FrameSet& frames) const;
+  [[nodiscard]] Validity validity_of(const Eigen::Vector3d& point) const;
+
+  ReconstructSettings settings_;
+  Axis axis_;
+  Triangulator triangulate_;
+  Decoder decode_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,122 @@
+#include "slipstream/simulate/scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace slipstream {
+namespace {
+
+std::optional<Hit> hit(const Board& board, const Ray& ray) {
+  const double distance = -ray.origin.z() / ray.direction.z();
+  if (!(distance > 0)) return std::nullopt;
+  const Eigen::Vector3d point = ray.origin + distance * ray.direction;
+  const bool inside =
+      2 * std::abs(point.x()) <= board.width && 2 * std::abs(point.y()) <= board.height;
+  return inside ? std::optional<Hit>({distance, Eigen::Vector3d::UnitZ()}) : std::nullopt;
+}
+
+std::optional<Hit> hit(const Sphere& sphere, const Ray& ray) {
+  const double a = ray.direction.squaredNorm();
+  const double half_b = ray.origin.dot(ray.direction);
+  // Distance of the ray from the centre by its nearest point: no cancellation for far spheres.
+  const Eigen::Vector3d nearest = ray.origin - half_b / a * ray.direction;
+  const double under_root = sphere.radius * sphere.radius - nearest.squaredNorm();
+  if (under_root < 0) return std::nullopt;
+  const double half_chord = std::sqrt(under_root / a);
+  for (const double distance : {-half_b / a - half_chord, -half_b / a + half_chord}) {
+    if (distance > 0) return Hit{distance, ray.origin + distance * ray.direction};
+  }
+  return std::nullopt;
+}
+
+std::optional<Hit> hit(const Box& box, const Ray& ray) {
+  double enter = -std::numeric_limits<double>::infinity();
+  double leave = std::numeric_limits<double>::infinity();
+  int face = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = box.size(axis) / 2;
+    const double a = (-half - ray.origin(axis)) / ray.direction(axis);
+    const double b = (half - ray.origin(axis)) / ray.direction(axis);
+    if (std::min(a, b) > enter) {
+      enter = std::min(a, b);
+      face = axis;
+    }
+    leave = std::min(leave, std::max(a, b));
+  }
+  if (enter > leave || enter <= 0) return std::nullopt;
+  return Hit{enter, Eigen::Vector3d::Unit(face)};
+}
+
+std::optional<Hit> hit(const std::shared_ptr<const MeshTree>& tree, const Ray& ray) {
+  return tree->first_hit(ray);
+}
+
+Eigen::Isometry3d pose_at(const Body& body, int frame) {
+  Eigen::Isometry3d pose = body.pose;
+  pose.pretranslate(frame * body.motion);
+  return pose;
+}
+
+std::optional<Hit> hit(const Body& body, const Ray& ray, int frame) {
+  const Eigen::Isometry3d to_body = pose_at(body, frame).inverse();
+  const Ray in_body{to_body * ray.origin, to_body.linear() * ray.direction};
+  return std::visit([&](const auto& shape) { return hit(shape, in_body); }, body.shape);
+}
+
+}  // namespace
+
+Texture uniform_texture(double alpha) {
+  return [alpha](const Eigen::Vector3d&) { return alpha; };
+}
+
+Texture veined_texture(double darkest, double brightest, double scale) {
+  return [=](const Eigen::Vector3d& p) {
+    const Eigen::Vector3d q = p / scale;
+    const double turbulence = std::sin(2.1 * q.x() + 1.3 * std::sin(1.7 * q.y())) +
+                              std::sin(2.9 * q.y() + 1.1 * std::sin(2.3 * q.z() + q.x()));
+    const double vein = std::abs(std::sin(1.5 * q.x() + q.y() + turbulence));
+    return brightest - (brightest - darkest) * std::pow(1 - vein, 4);
+  };
+}
+
+Texture chessboard_texture(int columns, int rows, double spacing, double dark, double bright) {
+  return [=](const Eigen::Vector3d& p) {
+    const int column = static_cast<int>(std::floor(p.x() / spacing + columns / 2.0));
+    const int row = static_cast<int>(std::floor(p.y() / spacing + rows / 2.0));
+    const bool on_board = column >= 0 && column < columns && row >= 0 && row < rows;
+    return on_board && (column + row) % 2 == 0 ? dark : bright;
+  };
+}
+
+std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, int frame) {
+  const Body* nearest = nullptr;
+  Hit first{.distance = std::numeric_limits<double>::infinity(), .normal = {}};
+  for (const Body& body : scene) {
+    const std::optional<Hit> found = hit(body, ray, frame);
+    if (!found || found->distance >= first.distance) continue;
+    nearest = &body;
+    first = *found;
+  }
+  if (nearest == nullptr) return std::nullopt;
+
+  const Eigen::Isometry3d pose = pose_at(*nearest, frame);
+  const Eigen::Vector3d point = ray.origin + first.distance * ray.direction;
+  Eigen::Vector3d normal = (pose.linear() * first.normal).normalized();
+  if (normal.dot(ray.direction) > 0) normal = -normal;
+  return SurfacePoint{first.distance, point, normal, nearest->texture(pose.inverse() * point),
+                      nearest->shading};
+}
+
+bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
+               int frame) {
+  // From the light towards the point, whose own surface is at distance 1 but for rounding.
+  constexpr double own_surface = 1 - 1e-6;
+  const Ray ray{light, point - light};
+  return std::any_of(scene.begin(), scene.end(), [&](const Body& body) {
+    const std::optional<Hit> found = hit(body, ray, frame);
+    return found && found->distance < own_surface;
+  });
+}
+
+}  // namespace slipstream

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "slipstream/simulate/mesh.h"
+#include "slipstream/simulate/ray.h"
+
+namespace slipstream {
+
+/// A flat sheet in the plane z = 0, centred on the origin; mm.
+struct Board {
+  double width = 0;
+  double height = 0;
+};
+
+/// Centred on the origin; mm.
+struct Sphere {
+  double radius = 0;
+};
+
+/// Centred on the origin, sides along the axes; mm.
+struct Box {
+  Eigen::Vector3d size = Eigen::Vector3d::Zero();
+};
+
+using Shape = std::variant<Board, Sphere, Box, std::shared_ptr<const MeshTree>>;
+
+/// Reflectivity, in [0, 1], at a point of the body's own frame.
+using Texture = std::function<double(const Eigen::Vector3d&)>;
+
+/// The same everywhere.
+Texture uniform_texture(double alpha);
+
+/// Dark and light veins between the two reflectivities, that repeat about every `scale` mm.
+Texture veined_texture(double darkest, double brightest, double scale);
+
+/// Squares of side `spacing` mm in the plane z = 0, `columns` x `rows` of them centred on the
+/// origin, the first dark, on a bright sheet: a calibration chessboard.
+Texture chessboard_texture(int columns, int rows, double spacing, double dark, double bright);
+
+/// How the angle of the projector's light bears on the reflectivity.
+enum class Shading {
+  none,        ///< alpha is the texture's
+  lambertian,  ///< alpha is the texture's times the cosine between normal and light
+};
+
+/// A thing in the scene.
+struct Body {
+  Shape shape;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< own frame to camera frame
+  Texture texture = uniform_texture(0.8);
+  Shading shading = Shading::none;
+  Eigen::Vector3d motion =
+      Eigen::Vector3d::Zero();  ///< mm from one frame to the next, camera frame
+};
+
+using Scene = std::vector<Body>;
+
+/// The surface that a ray meets first.
+struct SurfacePoint {
+  double distance = 0;     ///< in units of the ray's direction
+  Eigen::Vector3d point;   ///< camera frame, mm
+  Eigen::Vector3d normal;  ///< unit length, against the ray
+  double alpha = 0;        ///< reflectivity of the texture
+  Shading shading = Shading::none;
+};
+
+/// In the scene as it stands at frame `frame` (0 at the first).
+std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, int frame);
+
+/// Whether anything but the surface at `point` itself stands between it and `light`.
+bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
+               int frame);
+
+}  // namespace slipstream

@@ -1,0 +1,176 @@
+#include "slipstream/simulate/virtual_scanner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+void require_valid(const Photometry& photometry) {
+  const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
+    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
+  };
+  const int bits = photometry.bits.value_or(8);
+  require(std::isfinite(photometry.ambient), "ambient light", photometry.ambient, "a number");
+  require(photometry.gamma >= 0.1 && photometry.gamma <= 20, "gamma", photometry.gamma,
+          "0.1 to 20");
+  require(photometry.noise_variance >= 0 && std::isfinite(photometry.noise_variance),
+          "noise variance", photometry.noise_variance, "0 or more");
+  require(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
+}
+
+/// A well-mixed 64-bit number for each counter (the finaliser of SplitMix64).
+std::uint64_t mixed(std::uint64_t counter) {
+  counter += 0x9e3779b97f4a7c15U;
+  counter = (counter ^ (counter >> 30)) * 0xbf58476d1ce4e5b9U;
+  counter = (counter ^ (counter >> 27)) * 0x94d049bb133111ebU;
+  return counter ^ (counter >> 31);
+}
+
+/// Standard normal, a function of its arguments alone, so that frames do not depend on the order in
+/// which threads render them (Box and Muller).
+double gaussian(std::uint64_t seed, std::uint64_t frame, std::uint64_t pixel) {
+  const std::uint64_t key = mixed(mixed(seed) ^ mixed(frame << 40 ^ pixel));
+  constexpr double unit = 0x1p-53;
+  const double u = (static_cast<double>(key >> 11) + 0.5) * unit;
+  const double v = static_cast<double>(mixed(key) >> 11) * unit;
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
+}
+
+/// What the camera's pixels see in one frame.
+struct View {
+  explicit View(Size size) : depth(size, nan), coordinate(size, nan), reflectivity(size, 0) {}
+
+  Image<double> depth;
+  Image<double> coordinate;
+  Image<double> reflectivity;
+};
+
+/// The projector pixel that lights a point; nothing in shadow and outside the field.
+std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scene& scene,
+                                              const SurfacePoint& surface, int frame) {
+  const Lens& projector = scanner.projector;
+  const Eigen::Vector3d centre = projector_centre(scanner);
+  const Eigen::Vector3d point = in_projector_frame(scanner, surface.point);
+  if (point.z() <= 0 || surface.normal.dot(centre - surface.point) <= 0) return std::nullopt;
+
+  const Eigen::Vector2d pixel = project(projector, point);
+  const bool in_field = pixel.x() >= -0.5 && pixel.x() < projector.size.width - 0.5 &&
+                        pixel.y() >= -0.5 && pixel.y() < projector.size.height - 0.5;
+  if (!in_field) return std::nullopt;
+  if (!projector.distortion.is_zero()) {
+    // Far outside the field the lens model folds back into it.
+    const Eigen::Vector3d ray = ray_through(projector, pixel);
+    if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;
+  }
+  if (in_shadow(scene, surface.point, centre, frame)) return std::nullopt;
+  return pixel;
+}
+
+View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame) {
+  const Size size = scanner.camera.size;
+  const Eigen::Vector3d light = projector_centre(scanner);
+  View view(size);
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      const Ray ray{Eigen::Vector3d::Zero(), ray_through(scanner.camera, {column, row})};
+      if (!ray.direction.allFinite()) continue;
+      const std::optional<SurfacePoint> surface = first_surface(scene, ray, frame);
+      if (!surface) continue;
+      view.depth(column, row) = surface->distance;
+      double alpha = surface->alpha;
+      if (surface->shading == Shading::lambertian) {
+        alpha *= std::max(0.0, surface->normal.dot((light - surface->point).normalized()));
+      }
+      view.reflectivity(column, row) = std::clamp(alpha, 0.0, 1.0);
+      if (const auto pixel = lighting_pixel(scanner, scene, *surface, frame)) {
+        view.coordinate(column, row) = coordinate_along(axis, *pixel, scanner.projector.size);
+      }
+    }
+  });
+  return view;
+}
+
+/// Frame n as the sensor sees it, grey levels of 8 bits, before rounding.
+Image<double> expose(const View& view, const PatternSet& patterns, int n,
+                     const Photometry& photometry) {
+  const auto& [beta, gamma, noise_variance, bits, seed] = photometry;
+  const double noise = std::sqrt(noise_variance);
+  Image<double> frame(view.depth.size());
+  for_each_row(frame.height(), [&, gamma = gamma, beta = beta, seed = seed](int row) {
+    for (int column = 0; column < frame.width(); ++column) {
+      const double y = view.coordinate(column, row);
+      double projected = std::isnan(y) ? 0 : patterns.intensity(n, y);
+      if (gamma != 1) projected = 255 * std::pow(projected / 255, gamma);  // (4.2)
+      const double alpha = view.reflectivity(column, row);
+      double& intensity = frame(column, row);
+      intensity = alpha * (projected + beta) + beta;  // (3.2)
+      if (noise > 0) {
+        const auto pixel =
+            static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(frame.width()) +
+            static_cast<std::uint64_t>(column);
+        intensity += noise * gaussian(seed, static_cast<std::uint64_t>(n), pixel);  // (3.10)
+      }
+    }
+  });
+  return frame;
+}
+
+template <class Pixel>
+Image<Pixel> quantised(const Image<double>& exposure, int bits) {
+  const double full_scale = (1 << bits) - 1;
+  Image<Pixel> frame(exposure.size());
+  std::transform(exposure.begin(), exposure.end(), frame.begin(), [&](double intensity) {
+    return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
+  });
+  return frame;
+}
+
+template <class Pixel>
+std::vector<Image<Pixel>> all_quantised(const std::vector<Image<double>>& exposures, int bits) {
+  std::vector<Image<Pixel>> frames;
+  for (const Image<double>& exposure : exposures)
+    frames.push_back(quantised<Pixel>(exposure, bits));
+  return frames;
+}
+
+FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits) {
+  if (!bits) return FrameSet(std::move(exposures));
+  if (*bits == 8) return FrameSet(all_quantised<std::uint8_t>(exposures, 8));
+  return {all_quantised<std::uint16_t>(exposures, *bits), *bits};
+}
+
+}  // namespace
+
+VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                      const Photometry& photometry) {
+  require_valid(scanner);
+  require_valid(photometry);
+  const bool moving = std::any_of(scene.begin(), scene.end(),
+                                  [](const Body& body) { return !body.motion.isZero(0); });
+
+  View first = look(scanner, scene, patterns.axis, 0);
+  std::vector<Image<double>> exposures;
+  for (int n = 0; n < patterns.count; ++n) {
+    const bool as_first = n == 0 || !moving;
+    exposures.push_back(
+        as_first ? expose(first, patterns, n, photometry)
+                 : expose(look(scanner, scene, patterns.axis, n), patterns, n, photometry));
+  }
+  return {digitised(std::move(exposures), photometry.bits), std::move(first.depth),
+          std::move(first.coordinate), std::move(first.reflectivity)};
+}
+
+}  // namespace slipstream

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/simulate/scene.h"
+
+namespace slipstream {
+
+/// Light and sensor of the virtual scanner. Intensities are in grey levels of an 8-bit device
+/// whatever the bits: full scale is 255.
+struct Photometry {
+  double ambient = 0;  ///< beta of Liu 2010, Eq. (3.2); may be negative, as a camera's offset
+  double gamma = 1;    ///< response of Eq. (4.2): the projected intensity / 255 to this power
+  double noise_variance = 0;  ///< sigma_w^2, Gaussian, grey levels^2
+  /// Bits of the camera, 8 to 16: intensities are rounded and clipped. None: neither.
+  std::optional<int> bits = 8;
+  std::uint64_t seed = 1;  ///< of the noise; the same seed gives the same frames
+};
+
+/// What a virtual camera saw, and what was really there when the first frame was taken.
+struct VirtualScan {
+  FrameSet frames;
+  Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN where there is none
+  Image<double> coordinate;    ///< y that lights it, [0, 1); NaN in shadow or outside the field
+  Image<double> reflectivity;  ///< alpha, shading included; 0 where there is no surface
+};
+
+/// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each
+/// pixel's centre: I = alpha (I^p + beta) + beta + w, Eq. (3.2), I^p = 0 in the projector's shadow
+/// and outside its field. Patterns are exact: not sampled by projector pixels nor quantised. Throws
+/// Error where the scanner or the photometry is not valid.
+VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                      const Photometry& photometry = {});
+
+}  // namespace slipstream

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "slipstream/image/image.h"
+
+namespace slipstream {
+
+/// What the frames of one scan say about every camera pixel, before geometry.
+struct DecodedScan {
+  Image<double> mean;           ///< A^c, grey levels
+  Image<double> modulation;     ///< B^c, grey levels; the least where several sinusoids were shown
+  Image<double> wrapped_phase;  ///< of the highest frequency, rad, [0, 2 pi)
+  /// Projector coordinate y, [0, 1) across the field but for half a pixel at either end; a value
+  /// stands at every pixel, lit or not: the modulation tells. Empty when the strategy has none.
+  Image<double> coordinate;
+};
+
+}  // namespace slipstream

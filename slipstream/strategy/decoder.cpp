@@ -1,0 +1,44 @@
+#include "slipstream/strategy/decoder.h"
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+std::vector<int> step_counts(const Strategy& strategy) {
+  return std::visit([](const auto& chosen) { return chosen.step_counts(); }, strategy);
+}
+
+}  // namespace
+
+Decoder::Decoder(Strategy strategy, int length, Backend backend)
+    : strategy_(strategy), length_(length), phase_(backend, step_counts(strategy)) {
+  std::visit([](const auto& chosen) { chosen.require_valid(); }, strategy_);
+  require_resolved(strategy_, length);
+}
+
+DecodedScan Decoder::operator()(const FrameSet& frames) const {
+  if (frames.count() != frame_count(strategy_)) {
+    throw Error(fmt::format("{} frames given; {} takes {}", frames.count(), name_of(strategy_),
+                            frame_count(strategy_)));
+  }
+  return std::visit([&](const auto& chosen) { return chosen.decode(frames, phase_, length_); },
+                    strategy_);
+}
+
+std::string Decoder::backend_for(const FrameSet& frames) const {
+  std::string names;
+  for (const int steps : step_counts(strategy_)) {
+    const std::string name(name_of(phase_.backend_for(steps, frames)));
+    if (names.empty()) {
+      names = name;
+    } else if (names != name) {
+      names += ", " + name;
+    }
+  }
+  return names;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/phase/phase_decoder.h"
+#include "slipstream/strategy/decoded_scan.h"
+#include "slipstream/strategy/strategy.h"
+
+namespace slipstream {
+
+/// Frames of a strategy to mean, modulation, phase and projector coordinate. Tables are built once.
+class Decoder {
+ public:
+  /// `length`: projector pixels along the axis of the patterns. Throws Error for a strategy whose
+  /// settings are out of range or too fine for that projector.
+  Decoder(Strategy strategy, int length, Backend backend);
+
+  /// Throws Error when there are not as many frames as the strategy has patterns.
+  [[nodiscard]] DecodedScan operator()(const FrameSet& frames) const;
+
+  /// The backend that decodes such frames, one word for each sinusoid that differs: "lut",
+  /// "equation", or "lut, equation" where one of two step counts has no table.
+  [[nodiscard]] std::string backend_for(const FrameSet& frames) const;
+
+ private:
+  Strategy strategy_;
+  int length_;
+  PhaseDecoder phase_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,371 @@
+// Drives the program itself: the main job, and everything that can be wrong with its input.
+#include "tests/app/program.h"
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scanner_file.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/shared_data.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void redirect(int descriptor, const fs::path& path, int flags) {
+  const int file = ::open(path.c_str(), flags, 0600);
+  if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(126);
+}
+
+}  // namespace
+
+ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file) {
+  const TemporaryFolder folder;
+  const fs::path out = folder.path() / "out", err = folder.path() / "err";
+  std::vector<const char*> argv{SLIPSTREAM_PROGRAM};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  argv.push_back(nullptr);
+
+  const pid_t child = ::fork();
+  if (child == 0) {
+    redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+    redirect(STDOUT_FILENO, out, O_WRONLY | O_CREAT);
+    redirect(STDERR_FILENO, err, O_WRONLY | O_CREAT);
+    if (largest_file >= 0) {
+      const rlimit limit{static_cast<rlim_t>(largest_file), static_cast<rlim_t>(largest_file)};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      ::signal(SIGXFSZ, SIG_IGN);
+    }
+    ::execv(argv[0], const_cast<char* const*>(argv.data()));
+    ::_exit(127);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), contents(out),
+          contents(err)};
+}
+
+namespace {
+
+/// A folder with a small virtual scan in scan/, made anew for each test.
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    const ProgramRun run = run_program({"simulate", path("scan"), "--camera", "96x72"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  /// Reconstructs scan/ and asks for a cloud, with more arguments.
+  [[nodiscard]] ProgramRun reconstruct(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"reconstruct", path("scan"), "-o", path("cloud.ply")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  }
+
+  /// One line on stderr with all parts in it, that exit code, and no output of any kind.
+  void expect_refused(const ProgramRun& run, int exit_code, const std::vector<std::string>& parts) {
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_EQ(run.out, "");
+    for (const std::string& part : parts) {
+      EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "lacks: " << part;
+    }
+    EXPECT_FALSE(fs::exists(path("cloud.ply")));
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path())) {
+      EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+    }
+  }
+
+  void replace_in(const std::string& file, const std::string& text, const std::string& by) const {
+    std::string whole = contents(path(file));
+    const std::size_t at = whole.find(text);
+    ASSERT_NE(at, std::string::npos) << file << " has no " << text;
+    write_file(path(file), whole.replace(at, text.size(), by));
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(Program, TurnsAScanIntoEverythingAskedFor) {
+  const ProgramRun run =
+      reconstruct({"--depth", path("depth.tiff"), "--coordinate", path("coordinate.tiff"),
+                   "--modulation", path("B.tiff"), "--phase", path("phase.tiff"), "--mean",
+                   path("A.tiff"), "--preview", path("preview.png"), "--normals"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  EXPECT_NE(run.out.find("RMS error against truth"), std::string::npos);
+  EXPECT_EQ(read_map(path("depth.tiff")).size(), (Size{96, 72}));
+  for (const char* name :
+       {"cloud.ply", "coordinate.tiff", "B.tiff", "phase.tiff", "A.tiff", "preview.png"}) {
+    EXPECT_TRUE(fs::exists(path(name))) << name;
+  }
+}
+
+TEST_F(Program, PrintsOneJsonDocument) {
+  const ProgramRun run = reconstruct({"--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.out.front(), '{');
+  EXPECT_NE(run.out.find("\"rms_mm\""), std::string::npos);
+  EXPECT_NE(run.err.find("points of"), std::string::npos);
+}
+
+TEST_F(Program, TakesABareFolderAndFlags) {
+  fs::create_directory(path("bare"));
+  for (int n = 0; n < 6; ++n) {
+    const std::string name = "frame_0" + std::to_string(n) + ".png";
+    fs::copy(path("scan/") + name, path("bare/") + name);
+  }
+  const ProgramRun run = run_program({"reconstruct",
+                                      path("bare"),
+                                      "--strategy",
+                                      "dual-frequency",
+                                      "--steps",
+                                      "3",
+                                      "--high",
+                                      "16",
+                                      "--low",
+                                      "1",
+                                      "--axis",
+                                      "x",
+                                      "--projector",
+                                      "1280x800",
+                                      "--scanner",
+                                      path("scan/scanner.yaml"),
+                                      "--min-modulation",
+                                      "15",
+                                      "-o",
+                                      path("cloud.ply")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("same.ply")}).exit_code, 0);
+  EXPECT_EQ(contents(path("cloud.ply")), contents(path("same.ply")));
+}
+
+TEST_F(Program, BackendsGiveTheSameCloud) {
+  for (const std::string backend : {"lut", "equation", "closed-form"}) {
+    const ProgramRun run = run_program(
+        {"reconstruct", path("scan"), "--backend", backend, "--depth", path(backend + ".tiff")});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_NE(run.out.find("backend " + backend), std::string::npos) << run.out;
+  }
+  const Image<double> lut = read_map(path("lut.tiff"));
+  for (const char* other : {"equation.tiff", "closed-form.tiff"}) {
+    const Image<double> map = read_map(path(other));
+    for (std::size_t i = 0; i < map.pixel_count(); ++i) {
+      ASSERT_EQ(std::isnan(map.begin()[i]), std::isnan(lut.begin()[i]));
+      if (!std::isnan(map.begin()[i])) ASSERT_NEAR(map.begin()[i], lut.begin()[i], 1e-3);
+    }
+  }
+}
+
+TEST_F(Program, SaysThatTheEquationsDecodeFiveSteps) {
+  ASSERT_EQ(run_program({"simulate", path("five"), "--camera", "96x72", "--strategy", "pmp",
+                         "--steps", "5"})
+                .exit_code,
+            0);
+  const ProgramRun run = run_program({"reconstruct", path("five"), "--backend", "lut"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("backend equation"), std::string::npos) << run.out;
+}
+
+TEST_F(Program, TakesSeveralScans) {
+  fs::copy(path("scan"), path("other"), fs::copy_options::recursive);
+  const ProgramRun run =
+      run_program({"reconstruct", path("scan"), path("other"), "-o", path("{name}.ply")});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(fs::exists(path("scan.ply")) && fs::exists(path("other.ply")));
+  expect_refused(run_program({"reconstruct", path("scan"), path("other"), "-o", path("cloud.ply")}),
+                 2, {"cloud.ply", "{name}"});
+}
+
+TEST_F(Program, WritesPatterns) {
+  const ProgramRun run = run_program({"patterns", path("patterns"), "--strategy", "pmp", "--steps",
+                                      "4", "--projector", "64x48", "--axis", "y", "--bits", "10"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Image<std::uint16_t> pattern = read_grey_image(path("patterns/pattern_00.png"));
+  EXPECT_EQ(pattern.size(), (Size{64, 48}));
+  EXPECT_EQ(pattern(5, 0), 1023);
+  EXPECT_EQ(pattern(5, 24), 0);
+  EXPECT_EQ(entries_in(path("patterns")), 5);
+}
+
+TEST_F(Program, HasHelpWithExamples) {
+  for (const char* command : {"patterns", "simulate", "reconstruct"}) {
+    const ProgramRun run = run_program({command, "--help"});
+    EXPECT_EQ(run.exit_code, 0);
+    EXPECT_NE(run.out.find("Example"), std::string::npos);
+    EXPECT_NE(run.out.find("--json"), std::string::npos);
+    EXPECT_NE(run.out.find("--threads"), std::string::npos);
+  }
+}
+
+TEST_F(Program, MissingFrame) {
+  fs::remove(path("scan/frame_03.png"));
+  expect_refused(reconstruct(), 2, {"frame_03.png", "no such file"});
+}
+
+TEST_F(Program, FrameOfAnotherSize) {
+  write_image(path("scan/frame_02.png"), Image<std::uint8_t>({48, 72}));
+  expect_refused(reconstruct(), 2, {"frame_02.png", "48x72", "96x72"});
+}
+
+TEST_F(Program, TruncatedFrame) {
+  const std::string whole = contents(path("scan/frame_01.png"));
+  write_file(path("scan/frame_01.png"), std::string_view(whole).substr(0, whole.size() - 100));
+  expect_refused(reconstruct(), 2, {"frame_01.png", "truncated"});
+}
+
+TEST_F(Program, FramesThatAreNotOfTheCamera) {
+  const std::string other = path("other");
+  ASSERT_EQ(run_program({"simulate", other, "--camera", "64x48"}).exit_code, 0);
+  expect_refused(reconstruct({"--scanner", other + "/scanner.yaml"}), 2,
+                 {"scanner.yaml", "64x48", "96x72"});
+}
+
+TEST_F(Program, WrongFrameCount) {
+  expect_refused(reconstruct({"--steps", "4"}), 2, {"6 frames", "takes 8"});
+}
+
+TEST_F(Program, UnknownKeyInScanYaml) {
+  replace_in("scan/scan.yaml", "bits:", "bitts:");
+  expect_refused(reconstruct(), 2, {"scan.yaml", "bitts", "bits"});
+}
+
+TEST_F(Program, ValueOutOfRangeInScanYaml) {
+  replace_in("scan/scan.yaml", "high: 16", "high: -16");
+  expect_refused(reconstruct(), 2, {"scan.yaml", "-16", "positive"});
+}
+
+TEST_F(Program, ScannerWithoutAMatrix) {
+  replace_in("scan/scanner.yaml", "projector_matrix", "projektor_matrix");
+  expect_refused(reconstruct(), 2, {"scanner.yaml", "projector_matrix"});
+}
+
+TEST_F(Program, ScannerWithNan) {
+  std::string whole = contents(path("scan/scanner.yaml"));
+  const std::size_t translation = whole.find("translation");
+  const std::size_t data = whole.find("data: [", translation) + 7;
+  write_file(path("scan/scanner.yaml"),
+             whole.substr(0, data) + " .Nan" + whole.substr(whole.find(',', data)));
+  expect_refused(reconstruct(), 2, {"scanner.yaml", "translation", "finite"});
+}
+
+TEST_F(Program, ZeroBaseline) {
+  Scanner scanner = read_scanner(path("scan/scanner.yaml"));
+  scanner.translation.setZero();
+  write_scanner(path("scan/scanner.yaml"), scanner);
+  expect_refused(reconstruct(), 2, {"scanner.yaml", "baseline 0 mm"});
+}
+
+TEST_F(Program, ScannerThatSeesNoDepthAlongThisAxis) {
+  Scanner scanner = read_scanner(path("scan/scanner.yaml"));
+  scanner.rotation.setIdentity();
+  scanner.translation = {0, 100, 0};
+  write_scanner(path("scan/scanner.yaml"), scanner);
+  expect_refused(reconstruct(), 2, {"axis x", "along y"});
+}
+
+TEST_F(Program, UnwritableOutput) {
+  expect_refused(run_program({"reconstruct", path("scan"), "-o", path("missing/cloud.ply")}), 1,
+                 {"missing/cloud.ply"});
+  expect_refused(run_program({"reconstruct", path("scan"), "-o", path("cloud.las")}), 2,
+                 {"cloud.las", ".ply"});
+  expect_refused(run_program({"reconstruct", path("scan"), "--depth", path("depth.png")}), 2,
+                 {"depth.png", ".tiff"});
+  expect_refused(run_program({"simulate", path("scan/scan.yaml")}), 1, {"scan.yaml"});
+}
+
+TEST_F(Program, FileTooLargeForTheDisk) {
+  const ProgramRun run =
+      run_program({"reconstruct", path("scan"), "-o", path("cloud.ply")}, 16 * 1024);
+  expect_refused(run, 1, {"cloud.ply", "File too large"});
+}
+
+TEST_F(Program, FullDisk) {
+  const std::string disk = path("disk");
+  fs::create_directory(disk);
+  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=32k") != 0) {
+    GTEST_SKIP() << "a small tmpfs needs root and the right to mount";
+  }
+  const ProgramRun cloud = run_program({"reconstruct", path("scan"), "-o", disk + "/cloud.ply"});
+  const int left_of_cloud = entries_in(disk);
+  const ProgramRun scan = run_program({"simulate", disk + "/scan", "--camera", "640x480"});
+  const bool described = fs::exists(disk + "/scan/scan.yaml");
+  ::umount(disk.c_str());
+  expect_refused(cloud, 1, {"cloud.ply", "No space left"});
+  EXPECT_EQ(left_of_cloud, 0);
+  expect_refused(scan, 1, {"No space left"});
+  EXPECT_FALSE(described);
+}
+
+TEST_F(Program, ColourFrameIsConvertedWithAWarning) {
+  // A colour PGM: three channels.
+  const Image<std::uint16_t> grey = read_grey_image(path("scan/frame_00.png"));
+  std::string ppm = "P6\n96 72\n255\n";
+  for (const std::uint16_t pixel : grey) ppm.append(3, static_cast<char>(pixel));
+  write_file(path("scan/frame_00.png"), ppm);
+  const ProgramRun run = reconstruct();
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.err.find("warning: " + path("scan/frame_00.png")), std::string::npos) << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+}
+
+TEST_F(Program, BadFlags) {
+  const std::vector<std::vector<std::string>> bad{
+      {"reconstruct"},
+      {"reconstruct", path("nowhere")},
+      {"reconstruct", path("scan/scan.yaml")},
+      {"reconstruct", path("scan"), "--backend", "gpu"},
+      {"reconstruct", path("scan"), "--min-modulation", "many"},
+      {"reconstruct", path("scan"), "--min-modulation", "nan"},
+      {"reconstruct", path("scan"), "--projector", "1824"},
+      {"reconstruct", path("scan"), "--projector", "1824x1140"},
+      {"reconstruct", path("scan"), "--strategy", "gray-code"},
+      {"reconstruct", path("scan"), "--frequency", "2"},
+      {"reconstruct", path("scan"), "--bits", "99"},
+      {"reconstruct", path("scan"), "--bits", "12"},
+      {"reconstruct", path("scan"), "--threads", "-1"},
+      {"simulate", path("new"), "--scene", "teapot"},
+      {"simulate", path("new"), "--mesh", path("scan/scan.yaml")},
+      {"simulate", path("new"), "--bits", "7"},
+      {"simulate", path("new"), "--noise", "-1"},
+      {"simulate", path("new"), "--reflectivity", "2"},
+      {"simulate", path("new"), "--high", "4000"},
+      {"simulate", path("new"), "--alpha-p", "300"},
+      {"patterns", path("new"), "--steps", "2"},
+      {"patterns", path("new"), "--bits", "4"},
+      {"patterns", path("new"), "--axis", "z"},
+      {"patterns", path("new"), "--high", "nan"},
+      {"calibrate"},
+      {},
+  };
+  for (const auto& arguments : bad) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    expect_refused(run_program(arguments), 2, {"slipstream: "});
+    EXPECT_FALSE(fs::exists(path("new")));
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,44 @@
+#include "slipstream/capture/frame_set.h"
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+TEST(FrameSet, RefusesFramesOfDifferentSizes) {
+  FrameSet::Images8 images;
+  images.emplace_back(Size{4, 3});
+  images.emplace_back(Size{4, 2});
+  EXPECT_THROW(FrameSet{images}, Error);
+  EXPECT_THROW(FrameSet(FrameSet::Images16{Image<std::uint16_t>({4, 3})}, 17), Error);
+}
+
+TEST(FrameSet, VisitsAPartInOrder) {
+  FrameSet::Images8 images;
+  for (std::uint8_t n = 0; n < 5; ++n) images.emplace_back(Size{2, 1}, n);
+  const FrameSet frames(images);
+  frames.visit(1, 3, [](const auto& views) {
+    ASSERT_EQ(views.size(), 3U);
+    EXPECT_EQ(views[0](0, 0), 1);
+    EXPECT_EQ(views[2](1, 0), 3);
+  });
+}
+
+TEST(FrameSet, KnowsFullScaleAndSaturation) {
+  FrameSet::Images16 images(2, Image<std::uint16_t>({3, 1}, 100));
+  images[1](2, 0) = 1023;
+  const FrameSet frames(images, 10);
+  EXPECT_EQ(frames.full_scale(), 1023);
+  const Image<std::uint8_t> saturated = saturation_mask(frames);
+  EXPECT_EQ(saturated(0, 0), 0);
+  EXPECT_EQ(saturated(2, 0), 1);
+
+  const FrameSet unquantised(FrameSet::ImagesUnquantised{Image<double>({2, 2}, 300.0)});
+  EXPECT_FALSE(unquantised.quantised());
+  EXPECT_EQ(saturation_mask(unquantised)(0, 0), 0);
+}
+
+}  // namespace
+}  // namespace slipstream

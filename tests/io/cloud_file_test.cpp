@@ -1,0 +1,115 @@
+#include "slipstream/io/cloud_file.h"
+
+#include <cmath>
+#include <cstring>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/preview.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+/// Three points in a picture of 3x2.
+Cloud small_cloud() {
+  Cloud cloud({3, 2});
+  int i = 0;
+  for (const auto [column, row] : {std::pair(0, 0), std::pair(2, 0), std::pair(1, 1)}) {
+    cloud.x(column, row) = i + 0.25;
+    cloud.y(column, row) = -i;
+    cloud.z(column, row) = 500.5 + i;
+    cloud.intensity(column, row) = static_cast<float>(10 * i);
+    cloud.validity(column, row) = Validity::valid;
+    ++i;
+  }
+  return cloud;
+}
+
+struct Parsed {
+  std::string header;
+  std::vector<float> floats;
+};
+
+Parsed parse(const std::filesystem::path& path, const std::string& end_of_header) {
+  const auto bytes = read_file(path);
+  const std::string text(bytes.begin(), bytes.end());
+  const std::size_t end = text.find(end_of_header) + end_of_header.size();
+  Parsed parsed{text.substr(0, end), std::vector<float>((text.size() - end) / sizeof(float))};
+  std::memcpy(parsed.floats.data(), text.data() + end, parsed.floats.size() * sizeof(float));
+  return parsed;
+}
+
+TEST(CloudFile, PlyHasTheValidPoints) {
+  const TemporaryFolder folder;
+  write_cloud(folder.path() / "cloud.ply", small_cloud());
+  const auto [header, floats] = parse(folder.path() / "cloud.ply", "end_header\n");
+  EXPECT_NE(header.find("element vertex 3\n"), std::string::npos);
+  EXPECT_NE(header.find("num_cols 3\n"), std::string::npos);
+  EXPECT_EQ(floats, (std::vector<float>{0.25F, 0, 500.5F, 0, 1.25F, -1, 501.5F, 10, 2.25F, -2,
+                                        502.5F, 20}));
+}
+
+TEST(CloudFile, PlyTakesNormals) {
+  const TemporaryFolder folder;
+  const Cloud cloud = small_cloud();
+  const Normals normals = surface_normals(cloud);
+  write_cloud(folder.path() / "cloud.ply", cloud, &normals);
+  const auto [header, floats] = parse(folder.path() / "cloud.ply", "end_header\n");
+  EXPECT_NE(header.find("property float nz\n"), std::string::npos);
+  EXPECT_EQ(floats.size(), 21U);
+}
+
+TEST(CloudFile, PcdIsOrganised) {
+  const TemporaryFolder folder;
+  write_cloud(folder.path() / "cloud.pcd", small_cloud());
+  const auto [header, floats] = parse(folder.path() / "cloud.pcd", "DATA binary\n");
+  EXPECT_NE(header.find("WIDTH 3\nHEIGHT 2\n"), std::string::npos);
+  ASSERT_EQ(floats.size(), 24U);
+  EXPECT_TRUE(std::isnan(floats[4]));
+  EXPECT_EQ(floats[8], 1.25F);
+}
+
+TEST(CloudFile, XyzIsText) {
+  const TemporaryFolder folder;
+  write_cloud(folder.path() / "cloud.xyz", small_cloud());
+  const auto bytes = read_file(folder.path() / "cloud.xyz");
+  std::istringstream text(std::string(bytes.begin(), bytes.end()));
+  std::vector<double> numbers{std::istream_iterator<double>(text), {}};
+  ASSERT_EQ(numbers.size(), 12U);
+  EXPECT_EQ(numbers[6], 501.5);
+}
+
+TEST(CloudFile, OtherEndingsAreRefused) {
+  const TemporaryFolder folder;
+  expect_error([&] { write_cloud(folder.path() / "cloud.las", small_cloud()); }, {".las", ".ply"});
+  EXPECT_EQ(entries_in(folder.path()), 0);
+}
+
+TEST(Preview, IsAPictureWithAScaleBesideIt) {
+  const TemporaryFolder folder;
+  write_depth_preview(folder.path() / "preview.png", small_cloud());
+  const LoadedFrames loaded = read_frames({folder.path() / "preview.png"});
+  EXPECT_GT(loaded.frames.size().width, 100);
+  write_map_preview(folder.path() / "map.png", Image<double>({300, 200}, std::nan("")), "rad");
+  expect_error([&] { write_depth_preview(folder.path() / "preview.jpg", small_cloud()); },
+               {".png"});
+}
+
+TEST(Preview, RangeLeavesOutOutliers) {
+  Image<double> map({100, 100}, 5.0);
+  for (int i = 0; i < 50; ++i) map(i, 0) = 1e6;
+  const ValueRange range = robust_range(map);
+  EXPECT_LT(range.low, 5);
+  EXPECT_GT(range.high, 5);
+  EXPECT_LT(range.high, 6);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,149 @@
+// Every reader on files with random bytes changed, left out or put in: it reads them or throws
+// Error, and does nothing else. Run under the sanitizers, this is where a parser would fail.
+#include <functional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/mesh_file.h"
+#include "slipstream/io/png_check.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+/// The file with one to eight changes. Numbers in these formats are text, so digits and signs are
+/// likelier than other bytes.
+Bytes damaged(Bytes bytes, std::mt19937& random) {
+  static const std::string likely = "0123456789-.:,[]{}\n eE<>/\"";
+  const auto below = [&](std::size_t limit) { return limit == 0 ? 0 : random() % limit; };
+  for (std::size_t change = 0; change <= below(8); ++change) {
+    const auto at = static_cast<std::ptrdiff_t>(below(bytes.size()));
+    const std::uint8_t byte = below(2) == 0
+                                  ? static_cast<std::uint8_t>(random())
+                                  : static_cast<std::uint8_t>(likely[below(likely.size())]);
+    switch (below(4)) {
+      case 0:
+        bytes.insert(bytes.begin() + at, byte);
+        break;
+      case 1:
+        bytes.resize(static_cast<std::size_t>(at));
+        break;
+      case 2:
+        if (!bytes.empty()) bytes.erase(bytes.begin() + at);
+        break;
+      default:
+        if (!bytes.empty()) bytes[static_cast<std::size_t>(at)] = byte;
+    }
+  }
+  return bytes;
+}
+
+struct Format {
+  std::string name;
+  std::function<void(const std::filesystem::path&)> write;
+  std::function<void(const std::filesystem::path&)> read;
+};
+
+void PrintTo(const Format& format, std::ostream* stream) {
+  *stream << format.name;
+}
+
+Scanner some_scanner() {
+  Scanner scanner;
+  scanner.camera.size = {640, 480};
+  scanner.projector.size = {1024, 768};
+  scanner.translation = {100, 0, 0};
+  return scanner;
+}
+
+Image<std::uint8_t> some_picture() {
+  Image<std::uint8_t> picture({12, 9});
+  std::uint8_t value = 0;
+  for (std::uint8_t& pixel : picture) pixel = value += 7;
+  return picture;
+}
+
+const auto write_picture = [](const auto& path) { write_image(path, some_picture()); };
+const auto read_picture = [](const auto& path) { read_frames({path}); };
+
+const std::vector<Format> formats{
+    {"scan.yaml",
+     [](const auto& path) {
+       ScanDescription scan;
+       scan.strategy = DualFrequency{};
+       scan.projector = {1824, 1140};
+       scan.frames = {"a.png", "b.png"};
+       write_scan_description(path, scan);
+     },
+     [](const auto& path) { read_scan_description(path); }},
+    {"scanner.yaml", [](const auto& path) { write_scanner(path, some_scanner()); },
+     [](const auto& path) { require_valid(read_scanner(path)); }},
+    {"scanner.xml", [](const auto& path) { write_scanner(path, some_scanner()); },
+     [](const auto& path) { require_valid(read_scanner(path)); }},
+    {"frame.png", write_picture, read_picture},
+    {"frame.pgm", write_picture, read_picture},
+    {"frame.bmp", write_picture, read_picture},
+    {"frame.tiff", write_picture, read_picture},
+    {"mesh.ply",
+     [](const auto& path) {
+       write_file(path,
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                  "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                  "end_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
+     },
+     [](const auto& path) { read_mesh(path); }},
+    {"mesh.obj", [](const auto& path) { write_file(path, "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"); },
+     [](const auto& path) { read_mesh(path); }},
+};
+
+class DamagedFile : public testing::TestWithParam<Format> {};
+
+TEST_P(DamagedFile, IsReadOrRefused) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / GetParam().name;
+  GetParam().write(path);
+  EXPECT_NO_THROW(GetParam().read(path));
+  const Bytes whole = read_file(path);
+  std::mt19937 random(2010);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    write_file(path, damaged(whole, random));
+    try {
+      GetParam().read(path);
+    } catch (const Error& error) {
+      ++refused;
+      ASSERT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Format, DamagedFile, testing::ValuesIn(formats), [](const auto& info) {
+  std::string name = info.param.name;
+  std::replace(name.begin(), name.end(), '.', '_');
+  return name;
+});
+
+TEST(PngFault, FindsEveryTruncation) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "frame.png";
+  write_image(path, some_picture());
+  const Bytes whole = read_file(path);
+  EXPECT_EQ(png_fault(whole), "");
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_NE(png_fault(std::span(whole).first(length)), "") << length;
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

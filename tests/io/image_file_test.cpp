@@ -1,0 +1,117 @@
+#include "slipstream/io/image_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "slipstream/io/file.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+template <class Pixel>
+Image<Pixel> random_image(Size size, int full_scale) {
+  std::mt19937 random(3);
+  Image<Pixel> image(size);
+  for (Pixel& pixel : image)
+    pixel = static_cast<Pixel>(random() % static_cast<unsigned>(full_scale + 1));
+  return image;
+}
+
+TEST(Frames, ComeBackAsTheyWereWritten) {
+  const TemporaryFolder folder;
+  for (const char* ending : {"png", "tiff", "bmp", "pgm"}) {
+    const auto path = folder.path() / (std::string("frame.") + ending);
+    const auto image = random_image<std::uint8_t>({33, 17}, 255);
+    write_frames({path}, FrameSet(FrameSet::Images8{image}));
+    const LoadedFrames loaded = read_frames({path});
+    EXPECT_TRUE(loaded.warnings.empty());
+    loaded.frames.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+      ASSERT_TRUE((std::is_same_v<Pixel, std::uint8_t>));
+      for (int row = 0; row < 17; ++row) {
+        for (int column = 0; column < 33; ++column) {
+          ASSERT_EQ(frames[0](column, row), image(column, row)) << ending;
+        }
+      }
+    });
+  }
+}
+
+TEST(Frames, SixteenBitsAndUnquantisedAreExact) {
+  const TemporaryFolder folder;
+  const auto wide = random_image<std::uint16_t>({20, 10}, 4095);
+  write_frames({folder.path() / "wide.png"}, FrameSet(FrameSet::Images16{wide}, 12));
+  const FrameSet read_wide = read_frames({folder.path() / "wide.png"}, 12).frames;
+  EXPECT_EQ(read_wide.bits(), 12);
+  read_wide.visit([&](const auto& frames) { EXPECT_EQ(frames[0](7, 3), wide(7, 3)); });
+
+  Image<double> exact({20, 10}, 0.1);
+  exact(4, 5) = M_PI;
+  write_frames({folder.path() / "exact.tiff"}, FrameSet(FrameSet::ImagesUnquantised{exact}));
+  const FrameSet read_exact = read_frames({folder.path() / "exact.tiff"}).frames;
+  EXPECT_FALSE(read_exact.quantised());
+  read_exact.visit([&](const auto& frames) { EXPECT_EQ(frames[0](4, 5), M_PI); });
+}
+
+TEST(Frames, ColourIsConvertedWithAWarning) {
+  const TemporaryFolder folder;
+  const auto path = (folder.path() / "colour.png").string();
+  cv::imwrite(path, cv::Mat(8, 8, CV_8UC3, cv::Scalar(90, 90, 90)));
+  const LoadedFrames loaded = read_frames({path});
+  ASSERT_EQ(loaded.warnings.size(), 1U);
+  EXPECT_NE(loaded.warnings[0].find("colour.png"), std::string::npos);
+  loaded.frames.visit([](const auto& frames) { EXPECT_EQ(frames[0](3, 3), 90); });
+}
+
+TEST(Frames, BadOnesAreNamed) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  write_image(path("good.png"), random_image<std::uint8_t>({64, 48}, 255));
+  write_image(path("small.png"), random_image<std::uint8_t>({32, 48}, 255));
+  write_image(path("wide.png"), random_image<std::uint16_t>({64, 48}, 65535));
+  expect_error([&] { read_frames({path("good.png"), path("none.png")}); }, {"none.png"});
+  expect_error(
+      [&] {
+        read_frames({path("good.png"), path("small.png")});
+      },
+      {"small.png", "32x48", "64x48"});
+  expect_error([&] { read_frames({path("good.png"), path("wide.png")}); }, {"wide.png"});
+
+  const auto bytes = read_file(path("good.png"));
+  write_file(path("half.png"), std::span(bytes).first(bytes.size() / 2));
+  expect_error([&] { read_frames({path("half.png")}); }, {"half.png", "truncated"});
+  auto damaged = bytes;
+  damaged[bytes.size() / 2] ^= 1;
+  write_file(path("damaged.png"), damaged);
+  expect_error([&] { read_frames({path("damaged.png")}); }, {"damaged.png", "check sum"});
+  write_file(path("text.png"), "no picture");
+  expect_error([&] { read_frames({path("text.png")}); }, {"text.png"});
+  write_file(path("empty.png"), "");
+  expect_error([&] { read_frames({path("empty.png")}); }, {"empty.png"});
+}
+
+TEST(Maps, KeepNanAndThirtyTwoBits) {
+  const TemporaryFolder folder;
+  Image<double> map({5, 4}, std::numeric_limits<double>::quiet_NaN());
+  map(2, 1) = 412.3456789;
+  write_map(folder.path() / "map.tiff", map);
+  const Image<double> read = read_map(folder.path() / "map.tiff");
+  EXPECT_EQ(read(2, 1), static_cast<double>(412.3456789F));
+  EXPECT_TRUE(std::isnan(read(0, 0)));
+  expect_error([&] { write_map(folder.path() / "map.png", map); }, {"map.png", ".tiff"});
+  expect_error(
+      [&] {
+        write_image(folder.path() / "map.jpg", Image<std::uint8_t>({4, 4}));
+      },
+      {"map.jpg", ".png"});
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,96 @@
+#include "slipstream/io/scan_folder.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/file.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+TEST(ScanDescription, ComesBackAsItWasWritten) {
+  const TemporaryFolder folder;
+  ScanDescription scan;
+  scan.strategy = DualFrequency{.steps = 4, .low_steps = 3, .high = 12, .low = 0.5};
+  scan.axis = Axis::y;
+  scan.light = {.alpha_p = 200, .beta_p = 12.5};
+  scan.projector = {1824, 1140};
+  scan.bits = 12;
+  scan.frames = {folder.path() / "a.png", folder.path() / "b.png"};
+  scan.scanner = folder.path() / "scanner.yaml";
+  write_scan_description(folder.path() / "scan.yaml", scan);
+
+  const ScanDescription read = read_scan_description(folder.path() / "scan.yaml");
+  EXPECT_EQ(name_of(read.strategy), name_of(scan.strategy));
+  EXPECT_EQ(settings_of(read.strategy), settings_of(scan.strategy));
+  EXPECT_EQ(read.axis, Axis::y);
+  EXPECT_EQ(read.light.alpha_p, 200);
+  EXPECT_EQ(read.light.beta_p, 12.5);
+  EXPECT_EQ(read.projector, scan.projector);
+  EXPECT_EQ(read.bits, 12);
+  EXPECT_EQ(read.frames, scan.frames);
+  EXPECT_EQ(read.scanner, scan.scanner);
+}
+
+TEST(ScanDescription, IsAsTheDocumentationHasIt) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "scan.yaml",
+             "slipstream: 1\n"
+             "strategy: {name: dual-frequency, steps: 3, high: 16, low: 1, axis: x}\n"
+             "projector: {width: 1824, height: 1140}\n"
+             "frames: [frame_0.png, frame_1.png]\n"
+             "scanner: scanner.yaml\n");
+  const ScanDescription scan = read_scan_description(folder.path() / "scan.yaml");
+  EXPECT_EQ(std::get<DualFrequency>(scan.strategy).high, 16);
+  EXPECT_EQ(scan.frames.at(1), folder.path() / "frame_1.png");
+}
+
+TEST(ScanDescription, BadOnesAreNamed) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "scan.yaml";
+  const std::string good_strategy = "strategy: {name: pmp, steps: 3}\n";
+  const auto expect_refused = [&](const std::string& text,
+                                  std::initializer_list<std::string> parts) {
+    write_file(path, text);
+    expect_error([&] { read_scan_description(path); }, parts);
+  };
+  expect_refused("", {"scan.yaml"});
+  expect_refused("a: [", {"scan.yaml", "line"});
+  expect_refused(good_strategy + "frames: [a.png]\n", {"scan.yaml", "slipstream", "missing"});
+  expect_refused("slipstream: 2\n" + good_strategy + "frames: [a.png]\n", {"slipstream 2"});
+  expect_refused("slipstream: 1\n" + good_strategy + "frames: [a.png]\nframe: 3\n",
+                 {"scan.yaml", "'frame'", "frames"});
+  expect_refused("slipstream: 1\nstrategy: {name: pmp, stesp: 3}\nframes: [a.png]\n",
+                 {"scan.yaml", "stesp", "steps"});
+  expect_refused("slipstream: 1\nstrategy: {name: pmp, steps: 2}\nframes: [a.png]\n",
+                 {"scan.yaml", "2 steps"});
+  expect_refused("slipstream: 1\nstrategy: {name: pmp, steps: many}\nframes: [a.png]\n",
+                 {"steps", "number"});
+  expect_refused("slipstream: 1\nstrategy: {name: pmp, axis: z}\nframes: [a.png]\n",
+                 {"axis", "'z'"});
+  expect_refused("slipstream: 1\nstrategy: pmp\nframes: [a.png]\n", {"strategy"});
+  expect_refused("slipstream: 1\n" + good_strategy + "frames: []\n", {"frames"});
+  expect_refused("slipstream: 1\n" + good_strategy + "frames: [a.png]\nbits: 7\n", {"bits 7", "8"});
+  expect_refused(
+      "slipstream: 1\n" + good_strategy + "frames: [a.png]\nprojector: {width: 0, height: 3}\n",
+      {"width 0"});
+}
+
+TEST(ImagesInFolder, AreInTheOrderOfTheirNumbers) {
+  const TemporaryFolder folder;
+  for (const char* name : {"f_10.png", "f_2.png", "f_1.PNG", "notes.txt", "f_02b.png"}) {
+    write_file(folder.path() / name, "x");
+  }
+  std::string names;
+  for (const auto& path : images_in_folder(folder.path())) names += path.filename().string() + " ";
+  EXPECT_EQ(names, "f_1.PNG f_2.png f_02b.png f_10.png ");
+  expect_error([&] { images_in_folder(folder.path() / "none"); }, {"none"});
+  make_folder(folder.path() / "empty");
+  expect_error([&] { images_in_folder(folder.path() / "empty"); }, {"empty", "PNG"});
+}
+
+}  // namespace
+}  // namespace slipstream

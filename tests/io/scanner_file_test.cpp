@@ -1,0 +1,120 @@
+#include "slipstream/io/scanner_file.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "slipstream/io/file.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/shared_data.h"
+
+namespace slipstream {
+namespace {
+
+Scanner example() {
+  Scanner scanner;
+  scanner.camera.intrinsic << 900.25, 0, 320, 0, 901, 240.5, 0, 0, 1;
+  scanner.camera.distortion = make_distortion(std::array{-0.1, 0.02, 1e-3, -2e-3, 0.5});
+  scanner.camera.size = {640, 480};
+  scanner.projector.intrinsic << 1500, 0, 512, 0, 1500, 700, 0, 0, 1;
+  scanner.projector.size = {1024, 768};
+  scanner.rotation << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+  scanner.translation = {-150.5, 20, 1.0 / 3};
+  return scanner;
+}
+
+void expect_same(const Scanner& a, const Scanner& b) {
+  EXPECT_EQ(a.camera.intrinsic, b.camera.intrinsic);
+  EXPECT_EQ(a.camera.distortion, b.camera.distortion);
+  EXPECT_EQ(a.camera.size, b.camera.size);
+  EXPECT_EQ(a.projector.intrinsic, b.projector.intrinsic);
+  EXPECT_EQ(a.projector.distortion, b.projector.distortion);
+  EXPECT_EQ(a.projector.size, b.projector.size);
+  EXPECT_EQ(a.rotation, b.rotation);
+  EXPECT_EQ(a.translation, b.translation);
+}
+
+TEST(ScannerFile, ComesBackAsItWasWritten) {
+  const TemporaryFolder folder;
+  for (const char* name : {"scanner.yaml", "scanner.xml"}) {
+    write_scanner(folder.path() / name, example());
+    expect_same(read_scanner(folder.path() / name), example());
+  }
+}
+
+TEST(ScannerFile, OpensInOpenCv) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path() / "scanner.yaml";
+  write_scanner(path, example());
+  const cv::FileStorage storage(path, cv::FileStorage::READ);
+  cv::Mat translation;
+  storage["translation"] >> translation;
+  EXPECT_EQ(translation.at<double>(2), 1.0 / 3);
+  EXPECT_EQ(static_cast<int>(storage["projector_width"]), 1024);
+}
+
+std::string matrix(const char* name, int rows, int columns, const char* numbers) {
+  return std::string(name) + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
+         "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " + numbers + " ]\n";
+}
+
+const std::string head = "%YAML:1.0\n---\n";
+const char* const K = "900., 0., 320., 0., 901., 240., 0., 0., 1.";
+const char* const identity = "1., 0., 0., 0., 1., 0., 0., 0., 1.";
+
+TEST(ScannerFile, ReadsTheLayoutWithoutSizes) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "cal.yml",
+             head + matrix("cam_K", 3, 3, K) + matrix("cam_kc", 1, 5, "0.1, 0., 0., 0., 0.") +
+                 matrix("proj_K", 3, 3, K) + matrix("proj_kc", 1, 5, "0.2, 0., 0., 0., 0.") +
+                 matrix("R", 3, 3, identity) + matrix("T", 3, 1, "100., 2., 3."));
+  const Scanner scanner = read_scanner(folder.path() / "cal.yml");
+  EXPECT_EQ(scanner.camera.intrinsic(1, 1), 901);
+  EXPECT_EQ(scanner.projector.distortion.coefficients[0], 0.2);
+  EXPECT_EQ(scanner.translation.x(), 100);
+  EXPECT_EQ(scanner.camera.size, Size{});
+}
+
+TEST(ScannerFile, ReadsARealCalibration) {
+  const auto path = shared_data() / "skull" / "calibration.xml";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const Scanner scanner = read_scanner(path);
+  EXPECT_EQ(scanner.camera.size, (Size{1688, 1352}));
+  EXPECT_EQ(scanner.projector.size, (Size{1824, 1140}));
+  EXPECT_NEAR(scanner.camera.intrinsic(0, 0), 2195.12, 0.01);
+  EXPECT_NO_THROW(require_valid(scanner));
+}
+
+TEST(ScannerFile, BadOnesAreNamed) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "bad.yaml";
+  const auto expect_refused = [&](const std::string& text,
+                                  std::initializer_list<std::string> parts) {
+    write_file(path, text);
+    expect_error([&] { read_scanner(path); }, parts);
+  };
+  const std::string camera = matrix("camera_matrix", 3, 3, K);
+  const std::string pose =
+      matrix("rotation", 3, 3, identity) + matrix("translation", 3, 1, "100., 0., 0.");
+  expect_refused("", {"bad.yaml"});
+  expect_refused("not a scanner", {"bad.yaml"});
+  expect_refused(head + "a: 1\n", {"bad.yaml", "camera_matrix"});
+  expect_refused(head + camera + pose, {"bad.yaml", "projector_matrix", "missing"});
+  expect_refused(head + camera + matrix("projector_matrix", 2, 2, "1., 0., 0., 1.") + pose,
+                 {"projector_matrix", "3x3"});
+  expect_refused(
+      head + camera +
+          matrix("projector_matrix", 3, 3, "900., 0., .Nan, 0., 901., 240., 0., 0., 1.") + pose,
+      {"projector_matrix", "nan"});
+  expect_refused(head + camera + "projector_matrix: text\n" + pose, {"projector_matrix"});
+  expect_refused(head + "camera_width: -3\n" + camera + matrix("projector_matrix", 3, 3, K) + pose,
+                 {"camera_width"});
+  expect_refused(head + camera + matrix("camera_distortion", 1, 3, "1., 2., 3.") +
+                     matrix("projector_matrix", 3, 3, K) + pose,
+                 {"camera_distortion", "5"});
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,59 @@
+// A real scan taken by others, against a depth map computed independently of this project.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/reconstructor.h"
+#include "tests/shared_data.h"
+
+namespace slipstream {
+namespace {
+
+class Skull : public testing::TestWithParam<Backend> {};
+
+TEST_P(Skull, AgreesWithTheReferenceDepth) {
+  const std::filesystem::path folder = shared_data() / "skull";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const Scanner scanner = read_scanner(folder / "calibration.xml");
+  const LoadedFrames loaded = read_frames(images_in_folder(folder / "dual-frequency"));
+  const Image<std::uint16_t> reference =
+      read_grey_image(folder / "reference" / "dual-frequency-depth.png");
+
+  const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
+  const Reconstructor reconstruct(scanner, strategy, Axis::x,
+                                  {.backend = GetParam(), .minimum_modulation = 15});
+  EXPECT_EQ(reconstruct.decoder().backend_for(loaded.frames), name_of(GetParam()));
+  const Cloud cloud = reconstruct(loaded.frames).cloud;
+
+  int valid = 0, agreeing = 0, extra = 0;
+  for (std::size_t i = 0; i < reference.pixel_count(); ++i) {
+    const double z = cloud.z.begin()[i];
+    if (reference.begin()[i] == 0) {
+      extra += std::isfinite(z) ? 1 : 0;
+      continue;
+    }
+    ++valid;
+    if (std::abs(z - 0.01 * reference.begin()[i]) <= 0.02) ++agreeing;
+  }
+  EXPECT_EQ(valid, 340570);
+  EXPECT_EQ(extra, 0);
+  EXPECT_GE(agreeing, 0.995 * valid);
+  RecordProperty("agreeing_percent", std::to_string(100.0 * agreeing / valid));
+}
+
+INSTANTIATE_TEST_SUITE_P(Backend, Skull,
+                         testing::Values(Backend::equation, Backend::closed_form, Backend::lut),
+                         [](const auto& info) {
+                           std::string name(name_of(info.param));
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,163 @@
+// Noise-free, unquantised virtual scans come out at their true depth.
+#include <cmath>
+#include <string>
+#include <string_view>
+#include <tuple>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+namespace {
+
+struct DepthError {
+  double rms = 0;
+  std::size_t points = 0;
+  std::size_t lit = 0;
+};
+
+DepthError compare(const Cloud& cloud, const VirtualScan& scan) {
+  DepthError error;
+  double sum = 0;
+  for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
+    if (!std::isnan(scan.coordinate.begin()[i])) ++error.lit;
+    if (std::isnan(cloud.z.begin()[i])) continue;
+    const double difference = cloud.z.begin()[i] - scan.depth.begin()[i];
+    sum += difference * difference;
+    ++error.points;
+  }
+  error.rms = std::sqrt(sum / static_cast<double>(error.points));
+  return error;
+}
+
+enum class Bent { neither, camera, projector, both };
+
+Scanner scanner_with(Bent bent) {
+  Scanner scanner = example_scanner({160, 120});
+  if (bent == Bent::neither || bent == Bent::projector) scanner.camera.distortion = {};
+  if (bent == Bent::neither || bent == Bent::camera) scanner.projector.distortion = {};
+  return scanner;
+}
+
+using Case = std::tuple<std::string_view, Axis, Bent>;
+
+class VirtualScans : public testing::TestWithParam<Case> {};
+
+TEST_P(VirtualScans, ComeOutAtTheirTrueDepth) {
+  const auto [scene, axis, bent] = GetParam();
+  const Scanner scanner = scanner_with(bent);
+  for (const Strategy& strategy :
+       {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}),
+        Strategy(PhaseMeasuring{.steps = 5, .frequency = 1}),
+        Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1})}) {
+    const VirtualScan scan = take_scan(scanner, scene_named(scene, scanner),
+                                       pattern_set(strategy, axis), {.bits = std::nullopt});
+    for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
+      const Reconstructor reconstruct(scanner, strategy, axis, {.backend = backend});
+      const DepthError error = compare(reconstruct(scan.frames).cloud, scan);
+      EXPECT_LE(error.rms, 1e-6) << name_of(strategy) << ", " << name_of(backend);
+      EXPECT_EQ(error.points, error.lit);
+      EXPECT_GT(error.points, 1500U);
+    }
+  }
+}
+
+std::string case_name(const testing::TestParamInfo<Case>& info) {
+  static constexpr std::array<const char*, 4> bent_names{"pinhole", "camera_bent", "projector_bent",
+                                                         "both_bent"};
+  const auto [scene, axis, bent] = info.param;
+  return std::string(scene) + "_" + std::string(name_of(axis)) + "_" +
+         bent_names[static_cast<std::size_t>(bent)];
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, VirtualScans,
+    testing::Combine(testing::Values("board", "sphere", "boxes"), testing::Values(Axis::x, Axis::y),
+                     testing::Values(Bent::neither, Bent::camera, Bent::projector, Bent::both)),
+    case_name);
+
+TEST(VirtualScan, TwoDisjointBoxesStandAtTheirOwnDepths) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Strategy strategy = DualFrequency{.steps = 3, .high = 32, .low = 1};
+  const Scene boxes = scene_named("boxes", scanner);
+  const VirtualScan scan = take_scan(scanner, boxes, pattern_set(strategy, Axis::x),
+                                     {.ambient = 5, .noise_variance = 1.55, .bits = 8});
+  const Cloud cloud = Reconstructor(scanner, strategy, Axis::x)(scan.frames).cloud;
+  double near_sum = 0, far_sum = 0;
+  int near_count = 0, far_count = 0;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    const double error = cloud.z.begin()[i] - scan.depth.begin()[i];
+    if (std::isnan(error)) continue;
+    const bool near = cloud.x.begin()[i] < 0;
+    (near ? near_sum : far_sum) += error;
+    ++(near ? near_count : far_count);
+    ASSERT_LT(std::abs(error), 5);
+  }
+  ASSERT_GT(near_count, 1000);
+  ASSERT_GT(far_count, 1000);
+  EXPECT_NEAR(near_sum / near_count, 0, 0.05);
+  EXPECT_NEAR(far_sum / far_count, 0, 0.05);
+}
+
+TEST(Reconstructor, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
+  const Scanner scanner = example_scanner({160, 120});
+  const Strategy strategy = DualFrequency{};
+  const Scene statue = scene_named("statue", scanner);
+  // Bright enough to saturate in places.
+  const VirtualScan scan = take_scan(scanner, statue, pattern_set(strategy, Axis::x),
+                                     {.ambient = 70, .noise_variance = 1.55, .bits = 8});
+  const auto counts_with = [&](const ReconstructSettings& settings) {
+    return count_by_validity(
+        Reconstructor(scanner, strategy, Axis::x, settings)(scan.frames).cloud);
+  };
+  const auto of = [](const auto& counts, Validity validity) {
+    return counts[static_cast<std::size_t>(validity)];
+  };
+  const auto counts = counts_with({});
+  EXPECT_GT(of(counts, Validity::too_dark), 1000U);
+  EXPECT_GT(of(counts, Validity::saturated), 100U);
+  EXPECT_EQ(of(counts_with({.drop_saturated = false}), Validity::saturated), 0U);
+  EXPECT_GT(of(counts_with({.farthest = 600}), Validity::out_of_range), 1000U);
+}
+
+TEST(Reconstructor, AStripeFromElsewhereIsOutsideTheField) {
+  // The pictures upside down: the coordinates are good, but belong to other rays.
+  const Scanner scanner = example_scanner({160, 120});
+  const Strategy strategy = DualFrequency{};
+  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
+                                     pattern_set(strategy, Axis::y), {.bits = 8});
+  FrameSet::Images8 turned;
+  scan.frames.visit([&](const auto& views) {
+    for (const auto& view : views) {
+      turned.emplace_back(view.size());
+      for (int row = 0; row < view.height(); ++row) {
+        for (int column = 0; column < view.width(); ++column) {
+          turned.back()(column, row) =
+              static_cast<std::uint8_t>(view(view.width() - 1 - column, view.height() - 1 - row));
+        }
+      }
+    }
+  });
+  const Reconstruction result = Reconstructor(scanner, strategy, Axis::y)(FrameSet(turned));
+  const auto counts = count_by_validity(result.cloud);
+  EXPECT_GT(counts[static_cast<std::size_t>(Validity::outside_field)] +
+                counts[static_cast<std::size_t>(Validity::no_point)],
+            counts[static_cast<std::size_t>(Validity::valid)] / 4);
+}
+
+TEST(Reconstructor, RefusesWhatCannotGiveDepth) {
+  const Scanner scanner = example_scanner({160, 120});
+  EXPECT_THROW(Reconstructor(scanner, PhaseMeasuring{.steps = 3, .frequency = 8}, Axis::x), Error);
+  EXPECT_THROW(Reconstructor(scanner, DualFrequency{}, Axis::x, {.minimum_modulation = -1}), Error);
+  EXPECT_THROW(Reconstructor(scanner, DualFrequency{}, Axis::x, {.nearest = 10, .farthest = 5}),
+               Error);
+  const FrameSet small(FrameSet::Images8(6, Image<std::uint8_t>({80, 60})));
+  EXPECT_THROW(Reconstructor(scanner, DualFrequency{}, Axis::x)(small), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdlib>
+#include <filesystem>
+
+namespace slipstream {
+
+/// Real captures by others, which are not part of the project: ../shared/data beside the checkout,
+/// or where SLIPSTREAM_SHARED_DATA says. Tests that need them are skipped where there are none.
+inline std::filesystem::path shared_data() {
+  if (const char* folder = std::getenv("SLIPSTREAM_SHARED_DATA")) return folder;
+  return std::filesystem::path(SLIPSTREAM_SOURCE_FOLDER).parent_path() / "shared" / "data";
+}
+
+}  // namespace slipstream

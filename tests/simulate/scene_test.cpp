@@ -1,0 +1,118 @@
+#include "slipstream/simulate/scene.h"
+
+#include <cmath>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/statue.h"
+
+namespace slipstream {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+Eigen::Isometry3d at(const Vector& position) {
+  return Eigen::Isometry3d(Eigen::Translation3d(position));
+}
+
+/// A sphere as triangles.
+Mesh sphere_mesh(double radius) {
+  Mesh mesh;
+  append_surface(mesh, 60, 120, [radius](double u, double v) {
+    const double longitude = 2 * M_PI * u, latitude = M_PI * v;
+    return Vector(radius * std::sin(latitude) * std::cos(longitude), radius * std::cos(latitude),
+                  radius * std::sin(latitude) * std::sin(longitude));
+  });
+  return mesh;
+}
+
+TEST(Scene, RaysMeetShapesWhereTheyShould) {
+  const Ray ray{Vector::Zero(), Vector(0.1, -0.05, 1)};
+  const auto depth = [&](const Shape& shape) {
+    const auto surface = first_surface({Body{.shape = shape, .pose = at({0, 0, 500})}}, ray, 0);
+    return surface ? surface->distance : std::nan("");
+  };
+  EXPECT_DOUBLE_EQ(depth(Board{200, 200}), 500);
+  EXPECT_TRUE(std::isnan(depth(Board{90, 90})));
+  EXPECT_DOUBLE_EQ(depth(Box{Vector(200, 200, 100)}), 450);
+  const double sphere = depth(Sphere{100});
+  EXPECT_NEAR((sphere * ray.direction - Vector(0, 0, 500)).norm(), 100, 1e-10);
+  EXPECT_LT(sphere, 500);
+  EXPECT_TRUE(std::isnan(depth(Sphere{40})));
+}
+
+TEST(Scene, AMeshOfASphereIsNearlyOne) {
+  const auto tree = std::make_shared<const MeshTree>(sphere_mesh(100));
+  const Scene mesh{Body{.shape = tree, .pose = at({0, 0, 500})}};
+  const Scene exact{Body{.shape = Sphere{100}, .pose = at({0, 0, 500})}};
+  int hits = 0;
+  for (double u = -0.3; u <= 0.3; u += 0.01) {
+    for (double v = -0.3; v <= 0.3; v += 0.01) {
+      const Ray ray{Vector::Zero(), Vector(u, v, 1)};
+      const auto a = first_surface(mesh, ray, 0);
+      const auto b = first_surface(exact, ray, 0);
+      if (!a || !b || b->normal.z() > -0.3) continue;
+      ++hits;
+      ASSERT_NEAR(a->distance, b->distance, 1.5);
+      ASSERT_GT(a->normal.dot(b->normal), 0.98);
+    }
+  }
+  EXPECT_GT(hits, 500);
+}
+
+TEST(Scene, TheNearestBodyIsSeenAndShadesTheOthers) {
+  const Scene scene{Body{.shape = Board{1000, 1000}, .pose = at({0, 0, 800})},
+                    Body{.shape = Sphere{50}, .pose = at({0, 0, 500})}};
+  EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 0)->distance, 450);
+  const Vector light(300, 0, 0);
+  // The shadow of the sphere's centre falls on the board at x = -180.
+  EXPECT_TRUE(in_shadow(scene, {-180, 0, 800}, light, 0));
+  EXPECT_FALSE(in_shadow(scene, {100, 0, 800}, light, 0));
+  EXPECT_FALSE(in_shadow(scene, {0, 0, 450}, light, 0));
+}
+
+TEST(Scene, BodiesMoveFromFrameToFrame) {
+  const Scene scene{
+      Body{.shape = Board{100, 100}, .pose = at({0, 0, 500}), .motion = Vector(0, 0, -2)}};
+  EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 3)->distance, 494);
+}
+
+TEST(Scene, ChessboardHasItsSquares) {
+  const Texture board = chessboard_texture(4, 3, 10, 0.1, 0.9);
+  EXPECT_EQ(board({-19, -14, 0}), 0.1);
+  EXPECT_EQ(board({-9, -14, 0}), 0.9);
+  EXPECT_EQ(board({-9, -4, 0}), 0.1);
+  EXPECT_EQ(board({25, 0, 0}), 0.9);
+}
+
+TEST(Mesh, RefusesWhatIsNoMesh) {
+  EXPECT_THROW(MeshTree(Mesh{}), Error);
+  EXPECT_THROW(MeshTree(Mesh{{Vector::Zero()}, {{0, 0, 1}}}), Error);
+}
+
+TEST(NamedScenes, StandWhereCameraAndProjectorLook) {
+  const Scanner scanner = example_scanner();
+  const WorkingVolume volume = working_volume(scanner);
+  EXPECT_NEAR(volume.centre.z(), 600, 1e-6);
+  EXPECT_GT(volume.extent, 200);
+  EXPECT_THROW(scene_named("teapot", scanner), Error);
+  for (const std::string_view name : scene_names()) {
+    EXPECT_TRUE(first_surface(scene_named(name, scanner), {Vector::Zero(), Vector(0, 0, 1)}, 0) ||
+                name == "boxes");
+  }
+}
+
+TEST(Statue, HidesPartsOfItself) {
+  const MeshTree tree(statue());
+  // Along the axis of sight through the ring: ring first, then chest, with space between.
+  const auto ring = tree.first_hit({Vector(-0.11, -0.16, 5), Vector(0, 0, -1)});
+  const auto chest = tree.first_hit({Vector(0.02, -0.16, 5), Vector(0, 0, -1)});
+  ASSERT_TRUE(ring && chest);
+  EXPECT_GT(chest->distance - ring->distance, 0.02);
+}
+
+}  // namespace
+}  // namespace slipstream

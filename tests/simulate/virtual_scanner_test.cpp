@@ -1,0 +1,121 @@
+#include "slipstream/simulate/virtual_scanner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/strategy.h"
+
+namespace slipstream {
+namespace {
+
+const PatternSet patterns = pattern_set(PhaseMeasuring{.steps = 3, .frequency = 1}, Axis::x,
+                                        {.alpha_p = 200, .beta_p = 20});
+
+template <class Pixel>
+Image<Pixel> frame(const VirtualScan& scan, int n) {
+  Image<Pixel> copy(scan.frames.size());
+  scan.frames.visit(n, 1, [&]<class Stored>(const Frames<Stored>& frames) {
+    for (int row = 0; row < copy.height(); ++row) {
+      for (int column = 0; column < copy.width(); ++column) {
+        copy(column, row) = static_cast<Pixel>(frames[0](column, row));
+      }
+    }
+  });
+  return copy;
+}
+
+TEST(VirtualScanner, IntensityIsEquation32InLightAndShadow) {
+  const Scanner scanner = example_scanner({160, 120});
+  const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner), patterns,
+                                     {.ambient = 7, .gamma = 2.2, .bits = std::nullopt});
+  const Image<double> seen = frame<double>(scan, 1);
+  int lit = 0, dark = 0;
+  for (int row = 0; row < 120; ++row) {
+    for (int column = 0; column < 160; ++column) {
+      const double y = scan.coordinate(column, row), alpha = scan.reflectivity(column, row);
+      const double I_p = std::isnan(y) ? 0 : 255 * std::pow(patterns.intensity(1, y) / 255, 2.2);
+      ASSERT_NEAR(seen(column, row), alpha * (I_p + 7) + 7, 1e-10);
+      ++(std::isnan(y) ? dark : lit);
+    }
+  }
+  EXPECT_GT(lit, 5000);
+  EXPECT_GT(dark, 1000);
+}
+
+TEST(VirtualScanner, NoiseHasItsVarianceAndSeed) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Scene board = scene_named("board", scanner);
+  const Photometry noisy{.noise_variance = 2, .bits = std::nullopt, .seed = 5};
+  const VirtualScan clean = take_scan(scanner, board, patterns, {.bits = std::nullopt});
+  const VirtualScan scan = take_scan(scanner, board, patterns, noisy);
+  double sum = 0, squares = 0;
+  for (int n = 0; n < 3; ++n) {
+    const Image<double> a = frame<double>(scan, n), b = frame<double>(clean, n);
+    for (std::size_t i = 0; i < a.pixel_count(); ++i) {
+      const double w = a.begin()[i] - b.begin()[i];
+      sum += w;
+      squares += w * w;
+    }
+  }
+  const double count = 3.0 * 320 * 240;
+  EXPECT_NEAR(sum / count, 0, 0.01);
+  EXPECT_NEAR(squares / count, 2, 0.03);
+
+  const auto same = [&](const VirtualScan& other) {
+    const Image<double> a = frame<double>(scan, 0), b = frame<double>(other, 0);
+    return std::equal(a.begin(), a.end(), b.begin());
+  };
+  EXPECT_TRUE(same(take_scan(scanner, board, patterns, noisy)));
+  Photometry other_seed = noisy;
+  other_seed.seed = 6;
+  EXPECT_FALSE(same(take_scan(scanner, board, patterns, other_seed)));
+}
+
+TEST(VirtualScanner, RoundsAndClipsToTheBitsOfTheCamera) {
+  const Scanner scanner = example_scanner({80, 60});
+  Scene board = scene_named("board", scanner);
+  for (const int bits : {8, 10, 12, 16}) {
+    const double full_scale = (1 << bits) - 1;
+    const VirtualScan exact =
+        take_scan(scanner, board, patterns, {.ambient = 40, .bits = std::nullopt});
+    const VirtualScan scan = take_scan(scanner, board, patterns, {.ambient = 40, .bits = bits});
+    EXPECT_EQ(scan.frames.bits(), bits);
+    const Image<double> a = frame<double>(scan, 0), b = frame<double>(exact, 0);
+    for (std::size_t i = 0; i < a.pixel_count(); ++i) {
+      const double expected = std::clamp(b.begin()[i] / 255, 0.0, 1.0) * full_scale;
+      ASSERT_NEAR(a.begin()[i], expected, 0.5 + 1e-9);
+    }
+  }
+}
+
+TEST(VirtualScanner, MovingThingsAreSeenWhereTheyAreInEachFrame) {
+  const Scanner scanner = example_scanner({160, 120});
+  Scene sphere = scene_named("sphere", scanner);
+  const VirtualScan still = take_scan(scanner, sphere, patterns);
+  sphere.front().motion = {5, 0, 0};
+  const VirtualScan moving = take_scan(scanner, sphere, patterns);
+  const auto equal = [&](int n) {
+    const Image<double> a = frame<double>(still, n), b = frame<double>(moving, n);
+    return std::equal(a.begin(), a.end(), b.begin());
+  };
+  EXPECT_TRUE(equal(0));
+  EXPECT_FALSE(equal(2));
+}
+
+TEST(VirtualScanner, RefusesLightAndSensorsThatCannotBe) {
+  const Scanner scanner = example_scanner({16, 12});
+  const Scene board = scene_named("board", scanner);
+  EXPECT_THROW(take_scan(scanner, board, patterns, {.gamma = 0}), Error);
+  EXPECT_THROW(take_scan(scanner, board, patterns, {.noise_variance = -1}), Error);
+  EXPECT_THROW(take_scan(scanner, board, patterns, {.bits = 7}), Error);
+  Scanner no_baseline = scanner;
+  no_baseline.translation.setZero();
+  EXPECT_THROW(take_scan(no_baseline, board, patterns), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,58 @@
+#include "slipstream/strategy/strategy.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+TEST(Strategy, IsMadeFromItsNameAndSettings) {
+  const Strategy made =
+      make_strategy("dual-frequency", {{"steps", 4}, {"low_steps", 3}, {"high", 8}});
+  const auto& dual = std::get<DualFrequency>(made);
+  EXPECT_EQ(dual.steps, 4);
+  EXPECT_EQ(dual.low_step_count(), 3);
+  EXPECT_EQ(dual.high, 8);
+  EXPECT_EQ(frame_count(made), 7);
+  EXPECT_EQ(name_of(made), "dual-frequency");
+  EXPECT_EQ(settings_of(make_strategy(name_of(made), settings_of(made))), settings_of(made));
+}
+
+TEST(Strategy, RefusesWhatItDoesNotKnow) {
+  EXPECT_THROW(make_strategy("gray-code", {}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"high", 16}}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"steps", 2}}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"steps", 3.5}}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"steps", 1e12}}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"frequency", -1}}), Error);
+  EXPECT_THROW(make_strategy("pmp", {{"frequency", std::nan("")}}), Error);
+  EXPECT_THROW(make_strategy("dual-frequency", {{"low", 2}}), Error);
+  EXPECT_THROW(make_strategy("dual-frequency", {{"high", 15.5}}), Error);
+  EXPECT_THROW(make_strategy("dual-frequency", {{"low_steps", 2}}), Error);
+}
+
+TEST(Strategy, KnowsWhetherItGivesACoordinate) {
+  EXPECT_TRUE(has_coordinate(PhaseMeasuring{.steps = 3, .frequency = 1}));
+  EXPECT_FALSE(has_coordinate(PhaseMeasuring{.steps = 3, .frequency = 16}));
+  EXPECT_TRUE(has_coordinate(DualFrequency{}));
+}
+
+TEST(Strategy, DescribesEverySettingOnce) {
+  const auto settings = strategy_settings();
+  const auto steps = std::count_if(settings.begin(), settings.end(),
+                                   [](const auto& setting) { return setting.name == "steps"; });
+  EXPECT_EQ(steps, 1);
+  EXPECT_EQ(settings.front().strategies, "pmp, dual-frequency");
+}
+
+TEST(Strategy, RefusesFrequenciesThatTheProjectorCannotShow) {
+  EXPECT_NO_THROW(require_resolved(DualFrequency{.high = 16}, 1824));
+  EXPECT_THROW(require_resolved(DualFrequency{.high = 16}, 31), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -7,7 +7,10 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, validity_count> validity_names{
-    "valid", "too dark", "saturated", "no point", "outside the projector's field", "out of range"};
+    "valid",       "too dark",
+    "saturated",   "doubtful fringe order",
+    "no point",    "outside the projector's field",
+    "out of range"};
 
 }  // namespace
 

@@ -12,14 +12,15 @@ namespace slipstream {
 /// Why a camera pixel has a point or none.
 enum class Validity : std::uint8_t {
   valid,
-  too_dark,       ///< modulation below the threshold: shadow, dark surface, no projector light
-  saturated,      ///< some frame shows the largest grey level, so that the phase is biased
-  no_point,       ///< ray and stripe meet nowhere in front of camera and projector
-  outside_field,  ///< the point lies where the projector sends no light: its coordinate is wrong
-  out_of_range,   ///< depth outside the range asked for
+  too_dark,        ///< modulation below the threshold: shadow, dark surface, no projector light
+  saturated,       ///< some frame shows the largest grey level, so that the phase is biased
+  doubtful_order,  ///< low and high frequency disagree on the fringe order
+  no_point,        ///< ray and stripe meet nowhere in front of camera and projector
+  outside_field,   ///< the point lies where the projector sends no light: its coordinate is wrong
+  out_of_range,    ///< depth outside the range asked for
 };
 
-inline constexpr std::size_t validity_count = 6;
+inline constexpr std::size_t validity_count = 7;
 
 /// "valid", "too dark", ... as printed.
 std::string_view name_of(Validity validity);

@@ -105,7 +105,7 @@ void write_page(const fs::path& path, cv::Mat picture, const ValueRange& range,
   if (lower_case_extension(path) != ".png") {
     throw Error(fmt::format("{}: previews are PNG files; use the ending .png", path.string()));
   }
-  constexpr int longest_side = 1600;
+  constexpr int longest_side = 1000;
   const int side = std::max(picture.cols, picture.rows);
   if (side > longest_side) {
     const double scale = static_cast<double>(longest_side) / side;

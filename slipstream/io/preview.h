@@ -18,7 +18,7 @@ struct ValueRange {
 ValueRange robust_range(const Image<double>& map);
 
 /// A PNG for people: depth in colours, shaded by the surface's slope so that its form shows, with a
-/// scale in millimetres beside it. Pixels without a point are dark grey. Sides longer than 1600
+/// scale in millimetres beside it. Pixels without a point are dark grey. Sides longer than 1000
 /// pixels are reduced.
 void write_depth_preview(const std::filesystem::path& path, const Cloud& cloud);
 

@@ -11,6 +11,11 @@ int fringe_order(double wrapped_phase, double frequency, double coarse_coordinat
   return static_cast<int>(std::lround(coarse_coordinate * frequency - wrapped_phase / (2 * pi)));
 }
 
+double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
+                             int fringe_order) {
+  return coarse_coordinate * frequency - wrapped_phase / (2 * pi) - fringe_order;
+}
+
 double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency) {
   return (wrapped_phase + 2 * pi * fringe_order) / (2 * pi * frequency);
 }

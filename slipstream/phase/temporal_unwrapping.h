@@ -8,6 +8,12 @@ namespace slipstream {
 /// field: see coordinate_in_field.
 int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate);
 
+/// How far, in periods of `frequency`, the coarse coordinate lies from the one that this fringe
+/// order gives: within [-0.5, 0.5], near 0 where low and high frequency agree. Towards either end
+/// another fringe order is as likely.
+double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
+                             int fringe_order);
+
 /// Projector coordinate (phi + 2 pi k) / (2 pi f), Eqs. (1.8) and (1.17).
 double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency);
 

@@ -1,5 +1,6 @@
 #include "slipstream/reconstruct/reconstructor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -53,6 +54,7 @@ Reconstructor::Reconstructor(const Scanner& scanner, const Strategy& strategy, A
                              const ReconstructSettings& settings)
     : settings_(settings),
       axis_(axis),
+      highest_frequency_(highest_frequency(strategy)),
       triangulate_(scanner, axis, point_method(settings.backend)),
       decode_(require_coordinate(strategy), length_along(axis, scanner.projector.size),
               settings.backend) {
@@ -67,33 +69,47 @@ Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
                             camera.height));
   }
   DecodedScan decoded = decode_(frames);
-  Cloud cloud = triangulated(decoded, frames);
+  Cloud cloud = triangulated(decoded, measured(decoded, frames));
+  const double grey_level = frames.full_scale() / 255;
+  std::transform(decoded.mean.begin(), decoded.mean.end(), cloud.intensity.begin(),
+                 [&](double mean) { return static_cast<float>(mean / grey_level); });
   return {std::move(cloud), std::move(decoded)};
 }
 
-Cloud Reconstructor::triangulated(const DecodedScan& decoded, const FrameSet& frames) const {
-  const double grey_level = frames.full_scale() / 255;
-  const Image<std::uint8_t> lit =
-      modulation_mask(decoded.modulation, settings_.minimum_modulation.value_or(15 * grey_level));
-  const Image<std::uint8_t> saturated =
-      settings_.drop_saturated ? saturation_mask(frames) : Image<std::uint8_t>(frames.size());
-
-  Cloud cloud(frames.size());
+Image<Validity> Reconstructor::measured(const DecodedScan& decoded, const FrameSet& frames) const {
+  const double least = settings_.minimum_modulation.value_or(15 * frames.full_scale() / 255);
+  const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
+  const Image<std::uint8_t> saturated = saturation_mask(frames);
+  const bool one_frequency = decoded.fringe_order_doubt.empty();
+  const Image<std::uint8_t> unconfirmed =
+      one_frequency ? Image<std::uint8_t>(frames.size())
+                    : unconfirmed_fringe_orders(decoded.coordinate, decoded.fringe_order_doubt, lit,
+                                                highest_frequency_, settings_.fringe_order);
+  Image<Validity> validity(frames.size());
   for_each_row(frames.size().height, [&](int row) {
     for (int column = 0; column < frames.size().width; ++column) {
-      cloud.intensity(column, row) = static_cast<float>(decoded.mean(column, row) / grey_level);
-      Validity& validity = cloud.validity(column, row);
       if (lit(column, row) == 0) {
-        validity = Validity::too_dark;
-        continue;
+        validity(column, row) = Validity::too_dark;
+      } else if (settings_.drop_saturated && saturated(column, row) != 0) {
+        validity(column, row) = Validity::saturated;
+      } else if (unconfirmed(column, row) != 0) {
+        validity(column, row) = Validity::doubtful_order;
       }
-      if (saturated(column, row) != 0) {
-        validity = Validity::saturated;
-        continue;
-      }
+    }
+  });
+  return validity;
+}
+
+Cloud Reconstructor::triangulated(const DecodedScan& decoded, Image<Validity> validity) const {
+  Cloud cloud(validity.size());
+  cloud.validity = std::move(validity);
+  for_each_row(cloud.size().height, [&](int row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      Validity& pixel = cloud.validity(column, row);
+      if (pixel != Validity::valid) continue;
       const Eigen::Vector3d point = triangulate_(column, row, decoded.coordinate(column, row));
-      validity = validity_of(point);
-      if (validity != Validity::valid) continue;
+      pixel = validity_of(point);
+      if (pixel != Validity::valid) continue;
       cloud.x(column, row) = point.x();
       cloud.y(column, row) = point.y();
       cloud.z(column, row) = point.z();

@@ -6,6 +6,7 @@
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/geometry/triangulator.h"
+#include "slipstream/phase/fringe_order_consensus.h"
 #include "slipstream/strategy/decoder.h"
 
 namespace slipstream {
@@ -18,6 +19,8 @@ struct ReconstructSettings {
   std::optional<double> minimum_modulation;
   /// A pixel with a saturated frame is dropped (`false` keeps it, biased).
   bool drop_saturated = true;
+  /// When the fringe order of a strategy with several frequencies is believed.
+  FringeOrderConsensus fringe_order;
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;
@@ -45,11 +48,14 @@ class Reconstructor {
   [[nodiscard]] const Decoder& decoder() const { return decode_; }
 
  private:
-  [[nodiscard]] Cloud triangulated(const DecodedScan& decoded, const FrameSet& frames) const;
+  /// Why a pixel is left out before it is triangulated, and `valid` where it is not.
+  [[nodiscard]] Image<Validity> measured(const DecodedScan& decoded, const FrameSet& frames) const;
+  [[nodiscard]] Cloud triangulated(const DecodedScan& decoded, Image<Validity> validity) const;
   [[nodiscard]] Validity validity_of(const Eigen::Vector3d& point) const;
 
   ReconstructSettings settings_;
   Axis axis_;
+  double highest_frequency_;
   Triangulator triangulate_;
   Decoder decode_;
 };

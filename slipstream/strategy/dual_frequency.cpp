@@ -40,19 +40,24 @@ DecodedScan DualFrequency::decode(const FrameSet& frames, const PhaseDecoder& ph
   PhaseMaps fine = phase(frames, 0, steps);
   const PhaseMaps coarse = phase(frames, steps, low_step_count());
   Image<double> coordinate(frames.size());
+  Image<double> doubt(frames.size());
   for_each_row(frames.size().height, [&](int row) {
     for (int column = 0; column < frames.size().width; ++column) {
       const double phi_h = fine.wrapped_phase(column, row);
       const double y_l = unwrapped_coordinate(coarse.wrapped_phase(column, row), 0, low);
       const int k = fringe_order(phi_h, high, y_l);
+      doubt(column, row) = std::abs(fringe_order_residual(phi_h, high, y_l, k));
       coordinate(column, row) =
           coordinate_in_field(unwrapped_coordinate(phi_h, k, high), 1 / low, length);
     }
   });
   std::transform(fine.modulation.begin(), fine.modulation.end(), coarse.modulation.begin(),
                  fine.modulation.begin(), [](double a, double b) { return std::min(a, b); });
-  return {std::move(fine.mean), std::move(fine.modulation), std::move(fine.wrapped_phase),
-          std::move(coordinate)};
+  return {.mean = std::move(fine.mean),
+          .modulation = std::move(fine.modulation),
+          .wrapped_phase = std::move(fine.wrapped_phase),
+          .fringe_order_doubt = std::move(doubt),
+          .coordinate = std::move(coordinate)};
 }
 
 double DualFrequency::coordinate_variance(double alpha, double alpha_p,

@@ -29,8 +29,11 @@ DecodedScan PhaseMeasuring::decode(const FrameSet& frames, const PhaseDecoder& p
                                                 1 / frequency, length);
                    });
   }
-  return {std::move(maps.mean), std::move(maps.modulation), std::move(maps.wrapped_phase),
-          std::move(coordinate)};
+  return {.mean = std::move(maps.mean),
+          .modulation = std::move(maps.modulation),
+          .wrapped_phase = std::move(maps.wrapped_phase),
+          .fringe_order_doubt = {},
+          .coordinate = std::move(coordinate)};
 }
 
 double PhaseMeasuring::coordinate_variance(double alpha, double alpha_p,

@@ -139,9 +139,12 @@ bool has_coordinate(const Strategy& strategy) {
   return std::visit([](const auto& chosen) { return chosen.has_coordinate(); }, strategy);
 }
 
+double highest_frequency(const Strategy& strategy) {
+  return std::visit([](const auto& chosen) { return chosen.highest_frequency(); }, strategy);
+}
+
 void require_resolved(const Strategy& strategy, int length) {
-  const double highest =
-      std::visit([](const auto& chosen) { return chosen.highest_frequency(); }, strategy);
+  const double highest = highest_frequency(strategy);
   if (2 * highest > length) {
     throw Error(fmt::format(
         "frequency {} is too high for {} projector pixels; at most {} periods can be shown",

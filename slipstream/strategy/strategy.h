@@ -46,6 +46,9 @@ int frame_count(const Strategy& strategy);
 /// Whether the frames alone give the projector coordinate, and so a depth.
 bool has_coordinate(const Strategy& strategy);
 
+/// Most periods across the field that its patterns have.
+double highest_frequency(const Strategy& strategy);
+
 /// Throws Error when the highest frequency has less than two of the `length` projector pixels along
 /// the axis for each period, so that no projector of that size can show it.
 void require_resolved(const Strategy& strategy, int length);

@@ -29,6 +29,17 @@ TEST(FringeOrder, FindsThePeriodFromACoarseCoordinate) {
   }
 }
 
+TEST(FringeOrderResidual, IsHowFarTheCoarseCoordinateLies) {
+  constexpr double f = 16;
+  constexpr double y = 0.43;
+  const double phi = wrapped(2 * pi * f * y);
+  for (const double error : {-0.45, -0.2, 0.0, 0.3, 0.45}) {
+    const double coarse = y + error / f;
+    const int k = fringe_order(phi, f, coarse);
+    EXPECT_NEAR(fringe_order_residual(phi, f, coarse, k), error, 1e-12);
+  }
+}
+
 TEST(CoordinateInField, KeepsNoiseAtTheEndWhereItArose) {
   constexpr int length = 1000;
   EXPECT_DOUBLE_EQ(coordinate_in_field(0.3, 1, length), 0.3);

@@ -124,6 +124,27 @@ TEST(Reconstructor, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   EXPECT_GT(of(counts_with({.farthest = 600}), Validity::out_of_range), 1000U);
 }
 
+TEST(Reconstructor, ShowsNoPointOfAWrongFringeOrder) {
+  const Scanner scanner = example_scanner({640, 480});
+  const Strategy strategy = DualFrequency{.steps = 4, .high = 32, .low = 1};
+  const VirtualScan scan =
+      take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x),
+                {.ambient = 5, .noise_variance = 1.55, .bits = 8});
+  const auto wrong_with = [&](const FringeOrderConsensus& consensus) {
+    const Reconstructor reconstruct(scanner, strategy, Axis::x, {.fringe_order = consensus});
+    const Cloud cloud = reconstruct(scan.frames).cloud;
+    int wrong = 0;
+    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+      // A fringe is about 60 mm deep here.
+      if (std::abs(cloud.z.begin()[i] - scan.depth.begin()[i]) > 30) ++wrong;
+    }
+    return wrong;
+  };
+  const FringeOrderConsensus none{.fewest_neighbours = 0, .fewest_if_doubtful = 0};
+  EXPECT_GT(wrong_with(none), 20) << "else this shows nothing";
+  EXPECT_EQ(wrong_with({}), 0);
+}
+
 TEST(Reconstructor, AStripeFromElsewhereIsOutsideTheField) {
   // The pictures upside down: the coordinates are good, but belong to other rays.
   const Scanner scanner = example_scanner({160, 120});

@@ -38,7 +38,7 @@ std::string Decoder::backend_for(const FrameSet& frames) const {
       names += ", " + name;
     }
   }
-  return names;
+  return names.empty() ? std::string(name_of(Backend::equation)) : names;
 }
 
 }  // namespace slipstream

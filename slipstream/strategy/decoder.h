@@ -20,7 +20,8 @@ class Decoder {
   [[nodiscard]] DecodedScan operator()(const FrameSet& frames) const;
 
   /// The backend that decodes such frames, one word for each sinusoid that differs: "lut",
-  /// "equation", or "lut, equation" where one of two step counts has no table.
+  /// "equation", or "lut, equation" where one of two step counts has no table; "equation" for a
+  /// strategy without sinusoids.
   [[nodiscard]] std::string backend_for(const FrameSet& frames) const;
 
  private:

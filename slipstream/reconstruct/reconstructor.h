@@ -21,6 +21,9 @@ struct ReconstructSettings {
   bool drop_saturated = true;
   /// When the fringe order of a strategy with several frequencies is believed.
   FringeOrderConsensus fringe_order;
+  /// What is added to each sinusoid's phase, by its N, so that the projector's response does not
+  /// show; none where empty. Costs no time where phase is looked up.
+  PhaseCorrections phase_corrections;
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;

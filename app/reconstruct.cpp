@@ -48,7 +48,7 @@ struct ReconstructFlags {
   ScanFlags scan;
   std::optional<std::string> scanner;
   std::optional<int> bits;
-  std::string backend = "lut";
+  std::string backend = "fused";
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
@@ -267,7 +267,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"points", point_count(result.cloud)},
       {"pixels", result.cloud.z.pixel_count()},
       {"counts", counts_of(result.cloud)},
-      {"backend", reconstruct.decoder().backend_for(loaded.frames)},
+      {"backend", reconstruct.backend_for(loaded.frames)},
       {"files", std::move(files)},
       {"warnings", loaded.warnings},
       {"seconds",
@@ -337,7 +337,7 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
   command->add_option("folders", flags->folders, "scan folders: pictures, and scan.yaml or flags")
       ->required();
   command->add_option("--scanner", flags->scanner, "scanner file; where not that of scan.yaml");
-  command->add_option("--backend", flags->backend, "lut, closed-form or equation")
+  command->add_option("--backend", flags->backend, "fused, lut, closed-form or equation")
       ->capture_default_str();
   command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
   add_output_flags(*command, *flags);

@@ -163,14 +163,14 @@ TEST_F(Program, TakesABareFolderAndFlags) {
 }
 
 TEST_F(Program, BackendsGiveTheSameCloud) {
-  for (const std::string backend : {"lut", "equation", "closed-form"}) {
+  for (const std::string backend : {"lut", "equation", "closed-form", "fused"}) {
     const ProgramRun run = run_program(
         {"reconstruct", path("scan"), "--backend", backend, "--depth", path(backend + ".tiff")});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_NE(run.out.find("backend " + backend), std::string::npos) << run.out;
   }
   const Image<double> lut = read_map(path("lut.tiff"));
-  for (const char* other : {"equation.tiff", "closed-form.tiff"}) {
+  for (const char* other : {"equation.tiff", "closed-form.tiff", "fused.tiff"}) {
     const Image<double> map = read_map(path(other));
     for (std::size_t i = 0; i < map.pixel_count(); ++i) {
       ASSERT_EQ(std::isnan(map.begin()[i]), std::isnan(lut.begin()[i]));

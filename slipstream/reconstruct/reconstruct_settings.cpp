@@ -21,6 +21,11 @@ void require_valid(const ReconstructSettings& settings) {
   require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
   require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
           "more than the nearest");
+  for (const auto& [steps, correction] : settings.phase_corrections) {
+    require(correction.steps == steps, "phase correction for steps", correction.steps,
+            "the steps it stands at");
+    require(!correction.added.empty(), "phase correction, entries", 0, "1 or more");
+  }
 }
 
 }  // namespace

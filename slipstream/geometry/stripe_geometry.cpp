@@ -16,7 +16,7 @@ namespace {
 
 constexpr int nodes = 16;
 constexpr int largest_degree = 8;
-constexpr double lens_tolerance = 2e-7;  ///< of the field
+constexpr double lens_tolerance = 4e-7;  ///< of the field
 constexpr double edge_tolerance = 1e-4;  ///< of the field: it only decides what lies outside
 
 using Samples = Eigen::Matrix<double, nodes, nodes>;  ///< rows: p, columns: q

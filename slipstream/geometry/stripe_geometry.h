@@ -66,7 +66,7 @@ struct StripeGeometry {
 };
 
 /// `margin`: how far past the ends of the field points may lie, see ReconstructSettings. None where
-/// the lens is not smooth enough to be described to 2e-7 of the field, or its model has no inverse
+/// the lens is not smooth enough to be described to 4e-7 of the field, or its model has no inverse
 /// in the field. Throws Error as Triangulator does.
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin);
 

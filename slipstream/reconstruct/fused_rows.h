@@ -31,6 +31,11 @@ struct SinusoidStage {
   float sine_weight = 1;       ///< of V against U
   float sine_square = 1;       ///< its square
   float modulation_scale = 1;  ///< from the root of U^2 + sine_square V^2 to grey levels
+  /// A PhaseCorrection in turns, all around the circle and an entry further: what is added at the
+  /// turn i / segments, and how much more at the next. Empty where there is none.
+  std::vector<float> correction{};
+  std::vector<float> correction_rise{};
+  float segments = 0;
 };
 
 /// What else depends on the camera's bits and on what is asked for.
@@ -43,7 +48,7 @@ struct SinusoidLimits {
 /// Where a row of a sinusoid goes. `modulation` may be null.
 struct SinusoidRow {
   int width = 0;
-  float* turn = nullptr;  ///< wrapped phase / (2 pi), [0, 1]; 1 is 0
+  float* turn = nullptr;  ///< wrapped phase / (2 pi), [0, 1], 1 being 0; a correction may lead out
   float* mean = nullptr;
   float* modulation = nullptr;    ///< grey levels
   std::int32_t* flags = nullptr;  ///< PixelFlag

@@ -34,8 +34,24 @@ std::optional<Sinusoids> sinusoids_of(const Other&) {
   return std::nullopt;
 }
 
-SinusoidStage sinusoid_stage(int steps) {
+/// The correction's N periods one after another, and the first entry once more for a turn of 1.
+void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
+  const std::size_t count = correction.added.size();
+  const auto in_turns = [&](std::size_t i) {
+    return correction.added[i % count] / (2 * std::numbers::pi);
+  };
+  const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
+  stage.segments = static_cast<float>(segments);
+  for (std::size_t i = 0; i <= segments; ++i) {
+    stage.correction.push_back(static_cast<float>(in_turns(i)));
+    stage.correction_rise.push_back(static_cast<float>(in_turns(i + 1) - in_turns(i)));
+  }
+}
+
+SinusoidStage sinusoid_stage(int steps, const PhaseCorrections& corrections) {
   SinusoidStage stage{.steps = steps};
+  const auto correction = corrections.find(steps);
+  if (correction != corrections.end()) add_correction(stage, correction->second);
   if (const ClosedForm* form = closed_form(steps)) {
     stage.sine_weight = static_cast<float>(std::sqrt(form->sine_square));
     stage.sine_square = static_cast<float>(form->sine_square);
@@ -59,8 +75,9 @@ CoordinateStage coordinate_stage(double frequency, double widest, int length) {
 }
 
 FusedStages::LowFrequency low_frequency(const Sinusoid& low, const Sinusoid& high, int length,
-                                        const FringeOrderConsensus& consensus) {
-  return {.sinusoid = sinusoid_stage(low.steps),
+                                        const ReconstructSettings& settings) {
+  const FringeOrderConsensus& consensus = settings.fringe_order;
+  return {.sinusoid = sinusoid_stage(low.steps, settings.phase_corrections),
           .unwrap = {.ratio = static_cast<float>(high.frequency / low.frequency),
                      .largest_doubt = static_cast<float>(consensus.largest_doubt),
                      .coordinate = coordinate_stage(high.frequency, low.frequency, length)},
@@ -149,7 +166,7 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
   constexpr double widest_margin = 0.25;
   const auto sinusoids =
       std::visit([](const auto& chosen) { return sinusoids_of(chosen); }, strategy);
-  if (!sinusoids || !settings.phase_corrections.empty() || settings.field_margin > widest_margin ||
+  if (!sinusoids || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;
   }
@@ -161,13 +178,13 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
   const auto& [first, low] = *sinusoids;
   const int length = length_along(axis, scanner.projector.size);
   const double widest = low ? low->frequency : first.frequency;
-  FusedStages stages{.sinusoid = sinusoid_stage(first.steps),
+  FusedStages stages{.sinusoid = sinusoid_stage(first.steps, settings.phase_corrections),
                      .low = {},
                      .coordinate = coordinate_stage(first.frequency, widest, length),
                      .point = point_stage(*geometry, settings),
                      .rays = std::move(*rays)};
   stages.point.may_leave_field = widest < 1;
-  if (low) stages.low = low_frequency(*low, first, length, settings.fringe_order);
+  if (low) stages.low = low_frequency(*low, first, length, settings);
   return stages;
 }
 

@@ -30,7 +30,7 @@ struct FusedStages {
 };
 
 /// None where the fused pass cannot stand in for the double-precision one: for another strategy
-/// than phase-shifted sinusoids, for a phase correction, a lens too bent for StripeGeometry or RayTable, a picture narrower
+/// than phase-shifted sinusoids, a lens too bent for StripeGeometry or RayTable, a picture narrower
 /// than `least_row_width` or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& strategy, Axis axis,
                                         const ReconstructSettings& settings);

@@ -29,9 +29,8 @@ template <class Body>
 HWY_INLINE void for_each_vector(int width, const Body& body) {
   const auto count = static_cast<std::size_t>(width);
   const std::size_t lanes = hn::Lanes(FloatTag());
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) body(i);
-  if (i < count) body(count - lanes);
+  // One place that calls, so that the body is inlined and its constants stay in registers.
+  for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
 /// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:
@@ -170,15 +169,28 @@ HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const
   return {sum, greatest, C.sum(), S.sum()};
 }
 
-/// Keeps what it is given for one vector of pixels: a functor so that each kind of row is compiled
-/// on its own.
-template <bool another, bool with_modulation>
+/// corrected_phase, in turns; past either end of [0, 1] by what was added.
+HWY_INLINE Floats corrected(const SinusoidStage& stage, Floats turn) {
+  const FloatTag d;
+  const IntTag di;
+  const Floats place = hn::Mul(turn, hn::Set(d, stage.segments));
+  const Ints segment = hn::ConvertTo(di, place);
+  const Floats part = hn::Sub(place, hn::ConvertTo(d, segment));
+  const Floats added = hn::GatherIndex(d, stage.correction.data(), segment);
+  const Floats rise = hn::GatherIndex(d, stage.correction_rise.data(), segment);
+  return hn::Add(turn, hn::MulAdd(part, rise, added));
+}
+
+/// What one row of a sinusoid is to give: each kind is compiled on its own.
+template <bool another, bool with_modulation, bool with_correction>
 HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
   const Floats V = hn::Mul(hn::Set(d, stage.sine_weight), sums.V);
-  hn::StoreU(angle_in_turns(V, sums.U), d, row.turn + i);
+  Floats turn = angle_in_turns(V, sums.U);
+  if constexpr (with_correction) turn = corrected(stage, turn);
+  hn::StoreU(turn, d, row.turn + i);
 
   // V^2 of integers is exact, the square of its rounded multiple is not.
   const float weight = stage.sine_square;
@@ -204,9 +216,15 @@ HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits&
 template <bool another, bool with_modulation, class Sums>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const SinusoidRow& row, const Sums& sums) {
-  for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
-    store_sinusoid<another, with_modulation>(stage, limits, sums(i), row, i);
-  });
+  if (stage.correction.empty()) {
+    for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
+      store_sinusoid<another, with_modulation, false>(stage, limits, sums(i), row, i);
+    });
+  } else {
+    for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
+      store_sinusoid<another, with_modulation, true>(stage, limits, sums(i), row, i);
+    });
+  }
 }
 
 template <class Sums>
@@ -311,7 +329,8 @@ void PhaseRow(int width, const float* turn, float* phase) {
   const Floats two_pi = hn::Set(d, 6.2831850F);
   for_each_vector(width, [&](std::size_t i) HWY_ATTR {
     const Floats t = hn::LoadU(d, turn + i);
-    const Floats part = hn::IfThenElseZero(hn::Lt(t, hn::Set(d, 1.0F)), t);
+    Floats part = hn::Sub(t, hn::Floor(t));
+    part = hn::IfThenElseZero(hn::Lt(part, hn::Set(d, 1.0F)), part);
     hn::StoreU(hn::Min(hn::Mul(part, hn::Set(d, 6.2831853F)), two_pi), d, phase + i);
   });
 }

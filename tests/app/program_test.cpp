@@ -189,6 +189,19 @@ TEST_F(Program, SaysThatTheEquationsDecodeFiveSteps) {
   EXPECT_NE(run.out.find("backend equation"), std::string::npos) << run.out;
 }
 
+TEST_F(Program, BenchTimesEveryRow) {
+  const ProgramRun run = run_program({"bench", "--quick", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const std::string name :
+       {"general", "closed-form", "mlut", "plut", "mlut+plut", "inverse", "form1", "form2", "form3",
+        "traditional", "lut", "simd", "fused", "fused-corrected", "fused-dual", "opencv-hand"}) {
+    EXPECT_NE(run.out.find("\"name\": \"" + name + "\""), std::string::npos) << name;
+  }
+  for (const char* key : {"steps", "width", "height", "threads", "ms", "fps"}) {
+    EXPECT_NE(run.out.find("\"" + std::string(key) + "\": "), std::string::npos) << key;
+  }
+}
+
 TEST_F(Program, TakesSeveralScans) {
   fs::copy(path("scan"), path("other"), fs::copy_options::recursive);
   const ProgramRun run =

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/phase/equations.h"
+#include "slipstream/phase/phase_correction.h"
 #include "slipstream/phase/temporal_unwrapping.h"
 #include "slipstream/reconstruct/fused_reconstructor.h"
 #include "slipstream/reconstruct/vector_target.h"
@@ -152,6 +153,42 @@ TEST_P(FusedPhase, IsThatOfTheEquationsAllAroundTheCircle) {
         const PhaseSample expected = by_equations(frames, 0, steps, column, row);
         ASSERT_LE(apart_on_circle(decoding.wrapped_phase(column, row), expected.wrapped_phase),
                   phase_bound);
+      }
+    }
+  }
+}
+
+/// A correction that is no symmetric function, of some waves each period.
+PhaseCorrection wavy_correction(int steps, double amplitude) {
+  PhaseCorrection correction{steps, {}};
+  constexpr int entries = 256;
+  for (int i = 0; i < entries; ++i) {
+    const double angle = 2 * std::numbers::pi * i / entries;
+    correction.added.push_back(amplitude * (std::sin(angle) + 0.2 * std::cos(2 * angle)));
+  }
+  return correction;
+}
+
+TEST_P(FusedPhase, IsCorrected) {
+  const OnlyVectorTarget only(GetParam());
+  const Size size{33, 24};
+  for (const int steps : {3, 4, 5}) {
+    const auto frames = hard_frames<std::uint8_t>(steps, size, 8, 11);
+    const PhaseCorrection correction = wavy_correction(steps, 0.3);
+    ReconstructSettings settings;
+    settings.phase_corrections[steps] = correction;
+    const auto reconstruct = FusedReconstructor::make(
+        example_scanner(size), PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::x, settings);
+    FusedDecoding decoding;
+    (*reconstruct)(FrameSet(frames), decoding);
+    for (int row = 0; row < size.height; ++row) {
+      for (int column = 0; column < size.width; ++column) {
+        const PhaseSample measured = by_equations(frames, 0, steps, column, row);
+        if (measured.modulation < 1e-9) continue;
+        const float phase = decoding.wrapped_phase(column, row);
+        ASSERT_TRUE(phase >= 0 && phase < 2 * std::numbers::pi) << phase;
+        ASSERT_LE(apart_on_circle(phase, corrected_phase(correction, measured.wrapped_phase)),
+                  1.5 * phase_bound);
       }
     }
   }

@@ -121,6 +121,37 @@ TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
   EXPECT_NEAR(by_curve(16, 0), by_number(16, 0), 2);
 }
 
+TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
+  (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--gamma",
+                "2.4", "--steps", "3", "--low-steps", "6", "--high", "8", "--second-camera"});
+  const std::string said = out_of({"reconstruct", path("scan"), "-o", path("cloud.ply")});
+  EXPECT_TRUE(says(said, "two cameras, free of gamma")) << said;
+  const double two_cameras = rms_with("none");
+  (void)out_of({"reconstruct", path("scan"), "--one-camera"});
+  EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--match-window", "-1"}), "window"));
+
+  std::filesystem::remove(path("scan/second/scan.yaml"));
+  EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan")}), "second"));
+  // Without its folder the scan is that of one camera, and wrong.
+  const std::string json = out_of({"reconstruct", path("scan"), "--one-camera", "--json"});
+  double one_camera = NAN;
+  std::sscanf(json.c_str() + json.find("\"rms_mm\":") + 9, "%lf", &one_camera);
+  EXPECT_LT(two_cameras, one_camera / 10);
+}
+
+TEST_F(GammaProgram, ReproducesTablesAndFigures) {
+  const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
+                                   "--report", path("report.md"), "--json"});
+  for (const char* words : {"\"tables\"", "\"id\": \"4.1\"", "\"published\"", "\"improved\""}) {
+    EXPECT_TRUE(says(json, words)) << words << " in " << json;
+  }
+  EXPECT_TRUE(std::filesystem::exists(path("plots/figure-4.1.png")));
+  const auto report = read_file(path("report.md"));
+  EXPECT_TRUE(says({report.begin(), report.end()}, "(plots/figure-4.1.png)"));
+  EXPECT_TRUE(says(out_of({"reproduce", "--list"}), "section-4.5"));
+  EXPECT_TRUE(says(refusal_of({"reproduce", "table-9.9"}), "table-9.9"));
+}
+
 TEST_F(GammaProgram, RefusesBadInput) {
   simulate("4");
   EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--gamma", "bright"}), "bright"));

@@ -81,8 +81,9 @@ std::string markdown_of(const Done& done, const fs::path& folder) {
   }
   for (const std::string& note : done.result.notes) text += note + "\n\n";
   for (const fs::path& plot : done.plots) {
-    text += fmt::format("![{}]({})\n\n", plot.stem().string(),
-                        fs::absolute(plot).lexically_proximate(fs::current_path() / folder).string());
+    text +=
+        fmt::format("![{}]({})\n\n", plot.stem().string(),
+                    fs::absolute(plot).lexically_proximate(fs::current_path() / folder).string());
   }
   return text;
 }

@@ -57,9 +57,10 @@ bool says(const std::string& text, const std::string& words) {
 TEST_F(GammaProgram, CalibratesTheScannerFileThatReconstructUses) {
   simulate("6");
   (void)out_of({"calibrate", "gamma", path("scan"), "-o", path("scan/scanner.yaml"), "--map",
-                path("gamma.tiff")});
+                path("gamma.tiff"), "--histogram", path("gamma.png")});
   const Response response = read_response(path("scan/scanner.yaml")).value();
   EXPECT_NEAR(std::get<PowerLaw>(response).gamma, 2.4, 0.005);
+  EXPECT_TRUE(std::filesystem::exists(path("gamma.png")));
   EXPECT_EQ(read_map(path("gamma.tiff")).size(), (Size{128, 96}));
 
   (void)out_of({"simulate", path("three"), "--scene", "board", "--camera", "128x96", "--gamma",

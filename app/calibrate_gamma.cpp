@@ -19,6 +19,7 @@
 #include "slipstream/gamma/measurement.h"
 #include "slipstream/gamma/response.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/plot_file.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 
@@ -34,6 +35,7 @@ struct CalibrateGammaFlags {
   std::optional<std::string> scanner;
   std::string output;
   std::string map;
+  std::string histogram;
   double minimum_modulation = 0;
 };
 
@@ -87,6 +89,23 @@ struct ScanGamma {
   double standard_error = 0;
 };
 
+void write_pixel_files(const CalibrateGammaFlags& flags, const Image<double>& map,
+                       const Histogram& counted, Output& output) {
+  if (!flags.map.empty()) {
+    write_map(flags.map, map);
+    output.document["map"] = flags.map;
+  }
+  if (!flags.histogram.empty()) {
+    write_plot(flags.histogram, BarPlot{"Gamma of every pixel",
+                                        "gamma",
+                                        "pixels",
+                                        counted.low,
+                                        counted.high,
+                                        {counted.counts.begin(), counted.counts.end()}});
+    output.document["histogram"] = flags.histogram;
+  }
+}
+
 ScanGamma from_scans(const CalibrateGammaFlags& flags, const AveragedScans& scans, Output& output) {
   const int steps = step_counts(scans.scan.strategy).front();
   const FrameSet frames = scans.frames.mean();
@@ -120,12 +139,11 @@ ScanGamma from_scans(const CalibrateGammaFlags& flags, const AveragedScans& scan
         {"spread", estimate.spread},
         {"pixels", estimate.pixels},
         {"histogram", {{"low", counted.low}, {"high", counted.high}, {"counts", counted.counts}}}};
-    if (!flags.map.empty()) {
-      write_map(flags.map, map);
-      output.document["map"] = flags.map;
-    }
-  } else if (!flags.map.empty()) {
-    throw Error(fmt::format("--map: {} steps give no gamma for each pixel; it takes 5", steps));
+    write_pixel_files(flags, map, counted, output);
+  } else if (!flags.map.empty() || !flags.histogram.empty()) {
+    throw Error(fmt::format("{} {}: {} steps give no gamma for each pixel; it takes 5",
+                            flags.map.empty() ? "--histogram" : "--map",
+                            flags.map.empty() ? flags.histogram : flags.map, steps));
   }
   if (!fit.accepted() && fit.refusal != BlindRefusal::no_distortion) {
     throw Error(
@@ -246,6 +264,7 @@ void add_calibrate_gamma(CLI::App& calibrate, SharedFlags& shared, Command& chos
                       "scanner file to add to; where not that of scan.yaml");
   command->add_option("-o,--output", flags->output, "the scanner file to write: .yaml or .xml");
   command->add_option("--map", flags->map, "gamma of every pixel: .tiff");
+  command->add_option("--histogram", flags->histogram, "gamma of the pixels, counted: .png");
   command->add_option("--min-modulation", flags->minimum_modulation,
                       "least modulation, grey levels of 255; 16 where not given");
   add_scan_flags(*command, flags->scan);

@@ -22,6 +22,7 @@
 #include "slipstream/io/preview.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/phase_matcher.h"
 #include "slipstream/reconstruct/reconstructor.h"
 
 namespace slipstream::app {
@@ -51,6 +52,8 @@ struct ReconstructFlags {
   std::optional<int> bits;
   std::string backend = "fused";
   std::string gamma = "scanner";
+  bool one_camera = false;
+  PhaseMatchSettings match;
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
@@ -125,6 +128,24 @@ Scanner scanner_for(const ScanDescription& scan, Size camera) {
     throw Error(fmt::format("{}: {}", scan.scanner->string(), error.what()));
   }
   return scanner;
+}
+
+/// The cloud of a scan with two cameras, by matching their phases.
+Reconstruction match_cameras(const ScanDescription& scan, const FrameSet& frames,
+                             ReconstructFlags flags, Output& output) {
+  flags.scanner.reset();
+  const ScanDescription second = describe(*scan.second_camera, flags);
+  if (name_of(second.strategy) != name_of(scan.strategy) ||
+      settings_of(second.strategy) != settings_of(scan.strategy) || second.axis != scan.axis) {
+    throw Error(fmt::format("{}: another strategy than the first camera's; both see one projector",
+                            scan.second_camera->string()));
+  }
+  const LoadedFrames loaded = read_frames(second.frames, second.bits);
+  for (const std::string& warning : loaded.warnings) output.warn(warning);
+  const PhaseMatcher match(scanner_for(scan, frames.size()),
+                           scanner_for(second, loaded.frames.size()), scan.strategy, scan.axis,
+                           flags.settings, flags.match);
+  return match(frames, loaded.frames);
 }
 
 /// With several scans "{name}" in an output's path stands for the scan's folder.
@@ -261,11 +282,15 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
   for (const std::string& warning : loaded.warnings) output.warn(warning);
   const double read = watch.lap();
-  const GammaChoice gamma = choose_gamma(flags.gamma, scan, loaded.frames);
+  const bool two_cameras = scan.second_camera && !flags.one_camera;
+  const GammaChoice gamma =
+      two_cameras ? GammaChoice{{}, {{"source", "two cameras"}}, "two cameras, free of gamma"}
+                  : choose_gamma(flags.gamma, scan, loaded.frames);
   const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size(), gamma);
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
-  const Reconstruction result = reconstruct(loaded.frames);
+  const Reconstruction result =
+      two_cameras ? match_cameras(scan, loaded.frames, flags, output) : reconstruct(loaded.frames);
   const double computed = watch.lap();
   nlohmann::json files = write_outputs(flags, folder, result);
 
@@ -352,6 +377,12 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
           "--gamma", flags->gamma,
           "the response the phase is corrected for: scanner (as its file says, if it does), "
           "blind (from the frames), none, or a number")
+      ->capture_default_str();
+  command->add_flag("--one-camera", flags->one_camera,
+                    "use the first camera alone where the scan has two");
+  command
+      ->add_option("--match-window", flags->match.window,
+                   "two cameras: half the width of the window whose plane gives the depth, pixels")
       ->capture_default_str();
   command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
   add_output_flags(*command, *flags);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -31,8 +32,13 @@ struct SinusoidStage {
   float sine_weight = 1;       ///< of V against U
   float sine_square = 1;       ///< its square
   float modulation_scale = 1;  ///< from the root of U^2 + sine_square V^2 to grey levels
-  /// A PhaseCorrection in turns, all around the circle and an entry further: what is added at the
-  /// turn i / segments, and how much more at the next. Empty where there is none.
+  /// A PhaseCorrection in turns, as an odd polynomial of r, how far N turns are from a whole one:
+  /// the coefficients of r^19, r^17, ..., r. A gamma's correction is one. Empty where there is no
+  /// correction, or only the table below says it.
+  static constexpr std::size_t wave_terms = 10;
+  std::vector<float> correction_wave{};
+  /// The table itself, all around the circle and an entry further: what is added at the turn
+  /// i / segments, and how much more at the next. Empty where there is a wave or no correction.
   std::vector<float> correction{};
   std::vector<float> correction_rise{};
   float segments = 0;

@@ -58,6 +58,7 @@ struct SinusoidRow {
   float* mean = nullptr;
   float* modulation = nullptr;    ///< grey levels
   std::int32_t* flags = nullptr;  ///< PixelFlag
+  bool past_cache = false;        ///< `mean` is aligned to whole vectors and written past the cache
   bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
                          ///< mean left alone
 };
@@ -94,6 +95,9 @@ struct UnwrappedRow {
 /// flags `hidden` is NaN, so that it confirms no neighbour.
 void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
                 std::int32_t hidden, const UnwrappedRow& row);
+
+/// After rows that were written past the cache, before another thread reads them.
+void flush_past_cache();
 
 /// Wrapped phase in [0, 2 pi) from turns.
 void phase_row(int width, const float* turn, float* phase);
@@ -136,6 +140,7 @@ struct PointRow {
   float* y = nullptr;
   float* z = nullptr;
   Validity* validity = nullptr;
+  bool past_cache = false;  ///< x, y, z are aligned to whole vectors and written past the cache
 };
 
 /// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates.

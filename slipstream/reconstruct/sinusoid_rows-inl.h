@@ -33,6 +33,12 @@ HWY_INLINE void for_each_vector(int width, const Body& body) {
   for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
+/// Past the cache a picture that does not fit in it is not read before it is written.
+HWY_INLINE void store(Floats values, float* to, bool past_cache) {
+  if (past_cache) return hn::Stream(values, FloatTag(), to);
+  hn::StoreU(values, FloatTag(), to);
+}
+
 /// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:
 /// a third of a division's time.
 HWY_INLINE Floats quotient(Floats a, Floats b) {
@@ -225,7 +231,8 @@ HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits&
   hn::StoreU(flags, di, row.flags + i);
 
   if constexpr (!another) {
-    hn::StoreU(hn::Mul(hn::ConvertTo(d, sums.sum), hn::Set(d, limits.mean_scale)), d, row.mean + i);
+    store(hn::Mul(hn::ConvertTo(d, sums.sum), hn::Set(d, limits.mean_scale)), row.mean + i,
+          row.past_cache);
   }
   if constexpr (with_modulation) {
     Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));

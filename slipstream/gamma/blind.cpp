@@ -175,7 +175,7 @@ Fit fitted(const std::vector<Sample>& samples, int steps, double gamma, Offset o
     fit.standard_error = std::sqrt(scatter) / determinant;
     const double limited = std::clamp(step, -0.1 * fit.gamma, 0.1 * fit.gamma);
     fit.gamma = std::clamp(fit.gamma + limited, least_gamma / 2, 2 * largest_gamma);
-    if (std::abs(step) < 1e-11) break;
+    if (std::abs(step) < 1e-9) break;
   }
   return fit;
 }

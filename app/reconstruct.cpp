@@ -241,7 +241,7 @@ class ReconstructorOfScans {
     const std::string wanted =
         fmt::format("{} {} {} {} {} {}", scan.scanner->string(),
                     nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-                    name_of(scan.axis), text_of(camera), gamma.document.dump());
+                    name_of(scan.axis), text_of(camera), json_of(gamma).dump());
     if (wanted != made_for_) {
       settings_.phase_corrections = gamma.corrections;
       reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
@@ -284,7 +284,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const double read = watch.lap();
   const bool two_cameras = scan.second_camera && !flags.one_camera;
   const GammaChoice gamma =
-      two_cameras ? GammaChoice{{}, {{"source", "two cameras"}}, "two cameras, free of gamma"}
+      two_cameras ? GammaChoice{.source = "two cameras", .sentence = "two cameras, free of gamma"}
                   : choose_gamma(flags.gamma, scan, loaded.frames);
   const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size(), gamma);
   const double tables = watch.lap();
@@ -300,7 +300,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"pixels", result.cloud.z.pixel_count()},
       {"counts", counts_of(result.cloud)},
       {"backend", reconstruct.backend_for(loaded.frames)},
-      {"gamma", gamma.document},
+      {"gamma", json_of(gamma)},
       {"files", std::move(files)},
       {"warnings", loaded.warnings},
       {"seconds",

@@ -107,9 +107,11 @@ double median_residual(const std::vector<Sample>& samples, const std::vector<Com
 
 /// The gamma that most pixels agree on, within 1 %.
 double agreed_gamma(const std::vector<Sample>& samples, int steps) {
-  constexpr double step = 1.02;
+  const int count = static_cast<int>(std::ceil(std::log(largest_gamma / least_gamma) / 0.02));
   double best_gamma = 1, best = std::numeric_limits<double>::infinity();
-  for (double gamma = least_gamma; gamma < largest_gamma * step; gamma *= step) {
+  for (int i = 0; i <= count; ++i) {
+    const double gamma =
+        least_gamma * std::pow(largest_gamma / least_gamma, static_cast<double>(i) / count);
     const double residual =
         median_residual(samples, predicted(samples, gamma, steps, coarse_pieces));
     if (residual < best) {
@@ -173,7 +175,7 @@ Fit fitted(const std::vector<Sample>& samples, int steps, double gamma, Offset o
     fit.standard_error = std::sqrt(scatter) / determinant;
     const double limited = std::clamp(step, -0.1 * fit.gamma, 0.1 * fit.gamma);
     fit.gamma = std::clamp(fit.gamma + limited, least_gamma / 2, 2 * largest_gamma);
-    if (std::abs(step) < 1e-11) break;
+    if (std::abs(step) < 1e-9) break;
   }
   return fit;
 }

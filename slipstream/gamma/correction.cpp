@@ -31,7 +31,7 @@ double root_between(const Function& f, double low, double high) {
     if (!(place > low && place < high)) place = std::midpoint(low, high);
     if (place == low || place == high) break;
     const double value = f(place);
-    if (std::abs(value) < 1e-16) return place;
+    if (std::abs(value) < 4e-15) return place;  // the rounding of f
     if (value < 0) {
       low = place;
       f_low = value;

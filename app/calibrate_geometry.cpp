@@ -165,7 +165,7 @@ nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const L
   const Eigen::Matrix3d& K = lens.intrinsic;
   nlohmann::json scores = nlohmann::json::array();
   for (const LensModelScore& score : choice.scores) {
-    scores.push_back({{"coefficients", score.coefficients}, {"left_out_rms", score.rms}});
+    scores.push_back({{"coefficients", score.coefficients}, {"left_out_error", score.error}});
   }
   return {{"focal_px", {K(0, 0), K(1, 1)}},
           {"focal_deviation_px", json_of_vector(deviation.focal)},

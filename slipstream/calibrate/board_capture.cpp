@@ -47,8 +47,12 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   const ProjectorMap map =
       projector_map(along_x.frames, decoded(along_x, projector.width), along_y.frames,
                     decoded(along_y, projector.height), projector, settings.minimum_modulation);
-  BoardView view{name, std::move(found->places), std::move(found->pixels), {}};
-  view.projector = projector_corners(map, view.camera, settings.neighbourhood);
+  BoardView view{name, std::move(found->places), std::move(found->pixels), {}, {}};
+  for (const ProjectorCorner& corner :
+       projector_corners(map, view.camera, settings.neighbourhood)) {
+    view.projector.push_back(corner.pixel);
+    view.slopes.push_back(corner.slope);
+  }
   const int lit = lit_corners(view);
   if (lit < fewest_lit) {
     return {std::nullopt,

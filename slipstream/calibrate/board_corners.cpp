@@ -300,8 +300,8 @@ std::optional<BoardCorners> find_board(const CalibrationBoard& board,
   }
   std::optional<Detection> found = find_chessboard(size, mean, brightest);
   if (!found) return std::nullopt;
-  constexpr double third_of_square = 1.0 / 3;
-  refine(mean, found->corners, third_of_square);
+  constexpr double half_square = 0.5;
+  refine(mean, found->corners, half_square);
   order_as_seen(board, found->corners);
   require_whole(board, mean, found->corners);
   return board_corners(all_places(board), found->corners, std::move(found->detector));

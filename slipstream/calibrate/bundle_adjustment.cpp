@@ -4,12 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
+#include <map>
 #include <mutex>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <ceres/autodiff_cost_function.h>
-#include <ceres/covariance.h>
+#include <ceres/crs_matrix.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
@@ -56,30 +57,64 @@ void set_lens(Lens& lens, const LensNumbers& numbers) {
   std::copy(numbers.begin() + 4, numbers.end(), lens.distortion.coefficients.begin());
 }
 
-/// Where a device sees a corner: from the board to the camera, from there to the device, through
-/// its lens. One form for both devices, so that it is compiled once.
-struct ReprojectionError {
+template <class T>
+using Vector2 = Eigen::Matrix<T, 2, 1>;
+template <class T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+template <class T>
+Vector3<T> moved(const T* pose, const Vector3<T>& point) {
+  Vector3<T> result;
+  ceres::AngleAxisRotatePoint(pose, point.data(), result.data());
+  for (int i = 0; i < 3; ++i) result[i] += pose[3 + i];
+  return result;
+}
+
+/// Pixel at which a device sees a point of its own frame.
+template <class T>
+Vector2<T> pixel_of(const T* lens, const Vector3<T>& point) {
+  const Vector2<T> direction(point.x() / point.z(), point.y() / point.z());
+  const Vector2<T> bent = distort_untilted(lens + 4, direction);
+  return {lens[0] * bent.x() + lens[2], lens[1] * bent.y() + lens[3]};
+}
+
+/// How far off the camera sees a corner, in standard deviations.
+struct CameraError {
   Eigen::Vector2d seen;
   double deviation;  ///< pixels
 
   template <class T>
-  bool operator()(const T* lens, const T* device, const T* pose, const T* place,
-                  T* residual) const {
-    std::array<T, 3> in_camera, in_device;
-    moved(pose, place, in_camera.data());
-    moved(device, in_camera.data(), in_device.data());
-    const Eigen::Matrix<T, 2, 1> direction(in_device[0] / in_device[2],
-                                           in_device[1] / in_device[2]);
-    const Eigen::Matrix<T, 2, 1> bent = distort_untilted(lens + 4, direction);
-    residual[0] = (lens[0] * bent.x() + lens[2] - seen.x()) / deviation;
-    residual[1] = (lens[1] * bent.y() + lens[3] - seen.y()) / deviation;
+  bool operator()(const T* lens, const T* pose, const T* place, T* residual) const {
+    const Vector3<T> in_camera = moved<T>(pose, Vector3<T>(place[0], place[1], place[2]));
+    const Vector2<T> predicted = pixel_of(lens, in_camera);
+    for (int i = 0; i < 2; ++i) residual[i] = (seen[i] - predicted[i]) / deviation;
     return true;
   }
+};
+
+/// How far off camera and projector see a corner, in standard deviations; the projector's without
+/// what comes of the camera's.
+struct PairError {
+  Eigen::Vector2d camera_seen, projector_seen;
+  Eigen::Matrix2d slope;
+  double camera_deviation, projector_deviation;  ///< pixels
 
   template <class T>
-  static void moved(const T* pose, const T* point, T* result) {
-    ceres::AngleAxisRotatePoint(pose, point, result);
-    for (int i = 0; i < 3; ++i) result[i] += pose[3 + i];
+  bool operator()(const T* camera, const T* projector, const T* rig, const T* pose, const T* place,
+                  T* residual) const {
+    const Vector3<T> in_camera = moved<T>(pose, Vector3<T>(place[0], place[1], place[2]));
+    const Vector2<T> in_camera_picture = pixel_of(camera, in_camera);
+    const Vector2<T> in_projector_picture = pixel_of(projector, moved<T>(rig, in_camera));
+    const T camera_x = camera_seen.x() - in_camera_picture.x();
+    const T camera_y = camera_seen.y() - in_camera_picture.y();
+    residual[0] = camera_x / camera_deviation;
+    residual[1] = camera_y / camera_deviation;
+    for (int i = 0; i < 2; ++i) {
+      const T carried_over = slope(i, 0) * camera_x + slope(i, 1) * camera_y;
+      residual[2 + i] =
+          (projector_seen[i] - in_projector_picture[i] - carried_over) / projector_deviation;
+    }
+    return true;
   }
 };
 
@@ -119,15 +154,8 @@ struct Parameters {
 
   LensNumbers camera, projector;
   PoseNumbers rig;
-  PoseNumbers camera_itself{};  ///< the camera's frame in its own: held
   std::vector<PoseNumbers> poses;
   std::vector<Eigen::Vector3d> places;
-};
-
-/// Standard deviations of the pixels, per device.
-struct PixelDeviations {
-  double camera = 1;
-  double projector = 1;
 };
 
 /// While any lives, Ceres logs nothing: a step that fails is tried again smaller, and a library
@@ -154,7 +182,30 @@ class QuietCeres {
   static inline int level_before = 0;
 };
 
-constexpr double huber_reach = 2.5;  // standard deviations
+/// Diagonal of the inverse of J^T J; none where that is singular.
+std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+  for (std::size_t row = 0; row + 1 < jacobian.rows.size(); ++row) {
+    for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
+      for (int j = jacobian.rows[row]; j < jacobian.rows[row + 1]; ++j) {
+        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+        normal(jacobian.cols[a], jacobian.cols[b]) += jacobian.values[a] * jacobian.values[b];
+      }
+    }
+  }
+  if (!(normal.diagonal().array() > 0).all()) return std::nullopt;
+  // Pixels, radians and millimetres are brought to one scale.
+  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factors(scaled);
+  constexpr double least_pivot = 1e-13;
+  if (!(factors.vectorD().minCoeff() > least_pivot)) return std::nullopt;
+  const Eigen::MatrixXd inverse =
+      factors.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  return inverse.diagonal().cwiseProduct(scale.cwiseAbs2());
+}
+
+constexpr double huber_reach = 3;  // standard deviations
 
 class BundleProblem {
  public:
@@ -163,18 +214,18 @@ class BundleProblem {
                 const PixelDeviations& deviations)
       : parameters_(state) {
     for (std::size_t v = 0; v < views.size(); ++v) add_view(views[v], v, deviations);
-    hold(parameters_.camera_itself.data());
     settle_lens(parameters_.camera, settings.hold_camera, settings.camera_coefficients);
     settle_lens(parameters_.projector, settings.hold_projector, settings.projector_coefficients);
+    if (settings.hold_rig) hold(parameters_.rig.data());
     settle_places(printed, settings.print_deviation);
   }
 
-  void solve() {
+  void solve(double tolerance) {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_SCHUR;
     options.max_num_iterations = 200;
-    options.function_tolerance = 1e-9;
-    options.parameter_tolerance = 1e-9;
+    options.function_tolerance = tolerance;
+    options.parameter_tolerance = tolerance;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
@@ -187,22 +238,35 @@ class BundleProblem {
 
   /// False where the data do not determine the parameters.
   bool estimate(BundleDeviation& deviation) {
-    ceres::Covariance::Options options;
-    options.num_threads = 1;
-    ceres::Covariance covariance(options);
-    const std::array<const double*, 3> blocks{parameters_.camera.data(),
-                                              parameters_.projector.data(), parameters_.rig.data()};
-    std::vector<std::pair<const double*, const double*>> wanted;
-    for (const double* block : blocks) {
-      if (problem_.HasParameterBlock(block)) wanted.emplace_back(block, block);
+    ceres::Problem::EvaluateOptions options;
+    options.apply_loss_function = false;
+    std::vector<double*> blocks;
+    problem_.GetParameterBlocks(&blocks);
+    std::map<const double*, int> first_column;
+    int columns = 0;
+    for (double* block : blocks) {
+      if (problem_.IsParameterBlockConstant(block)) continue;
+      options.parameter_blocks.push_back(block);
+      first_column[block] = columns;
+      columns += problem_.ParameterBlockTangentSize(block);
     }
-    if (!covariance.Compute(wanted, &problem_)) return false;
-    deviation.camera = lens_deviation(covariance, parameters_.camera);
-    deviation.projector = lens_deviation(covariance, parameters_.projector);
-    Eigen::Matrix<double, 6, 6, Eigen::RowMajor> rig;
-    covariance.GetCovarianceBlock(blocks[2], blocks[2], rig.data());
-    deviation.rotation = rig.diagonal().head<3>().cwiseSqrt();
-    deviation.translation = rig.diagonal().tail<3>().cwiseSqrt();
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) return false;
+    const std::optional<Eigen::VectorXd> variances = variances_of(jacobian);
+    if (!variances) return false;
+    const auto deviations = [&](const double* block, int count) -> Eigen::VectorXd {
+      const auto found = first_column.find(block);
+      if (found == first_column.end()) return Eigen::VectorXd::Zero(count);
+      Eigen::VectorXd result = Eigen::VectorXd::Zero(count);
+      const int free = problem_.ParameterBlockTangentSize(block);
+      result.head(free) = variances->segment(found->second, free).cwiseSqrt();
+      return result;
+    };
+    deviation.camera = lens_deviation(deviations(parameters_.camera.data(), lens_size));
+    deviation.projector = lens_deviation(deviations(parameters_.projector.data(), lens_size));
+    const Eigen::VectorXd rig = deviations(parameters_.rig.data(), 6);
+    deviation.rotation = rig.head<3>();
+    deviation.translation = rig.tail<3>();
     return true;
   }
 
@@ -211,22 +275,20 @@ class BundleProblem {
     for (std::size_t i = 0; i < view.places.size(); ++i) {
       double* place = parameters_.places[static_cast<std::size_t>(view.places[i])].data();
       double* pose = parameters_.poses[v].data();
-      if (view.camera[i].allFinite()) {
-        add(view.camera[i], deviations.camera, parameters_.camera.data(),
-            parameters_.camera_itself.data(), pose, place);
-      }
       if (view.projector[i].allFinite()) {
-        add(view.projector[i], deviations.projector, parameters_.projector.data(),
-            parameters_.rig.data(), pose, place);
+        using Cost = ceres::AutoDiffCostFunction<PairError, 4, lens_size, lens_size, 6, 6, 3>;
+        problem_.AddResidualBlock(
+            new Cost(new PairError{view.camera[i], view.projector[i], slope_at(view, i),
+                                   deviations.camera, deviations.projector}),
+            new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
+            parameters_.projector.data(), parameters_.rig.data(), pose, place);
+      } else if (view.camera[i].allFinite()) {
+        using Cost = ceres::AutoDiffCostFunction<CameraError, 2, lens_size, 6, 3>;
+        problem_.AddResidualBlock(new Cost(new CameraError{view.camera[i], deviations.camera}),
+                                  new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
+                                  pose, place);
       }
     }
-  }
-
-  void add(const Eigen::Vector2d& seen, double deviation, double* lens, double* device,
-           double* pose, double* place) {
-    using Cost = ceres::AutoDiffCostFunction<ReprojectionError, 2, lens_size, 6, 6, 3>;
-    problem_.AddResidualBlock(new Cost(new ReprojectionError{seen, deviation}),
-                              new ceres::HuberLoss(huber_reach), lens, device, pose, place);
   }
 
   void hold(double* block) {
@@ -257,14 +319,8 @@ class BundleProblem {
     }
   }
 
-  LensDeviation lens_deviation(const ceres::Covariance& covariance, const LensNumbers& lens) {
-    LensDeviation deviation;
-    if (!problem_.HasParameterBlock(lens.data())) return deviation;
-    Eigen::Matrix<double, lens_size, lens_size, Eigen::RowMajor> block;
-    covariance.GetCovarianceBlock(lens.data(), lens.data(), block.data());
-    const Eigen::Matrix<double, lens_size, 1> each = block.diagonal().cwiseMax(0).cwiseSqrt();
-    deviation.focal = each.head<2>();
-    deviation.principal_point = each.segment<2>(2);
+  static LensDeviation lens_deviation(const Eigen::VectorXd& each) {
+    LensDeviation deviation{each.head<2>(), each.segment<2>(2), {}};
     std::copy_n(each.data() + 4, untilted_coefficient_count, deviation.coefficients.begin());
     return deviation;
   }
@@ -282,41 +338,64 @@ double robust_deviation(std::vector<double> sizes) {
   return std::max(1.4826 * *middle, least);
 }
 
-PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {
-  std::vector<double> camera, projector;
-  const auto collect = [](const std::vector<Eigen::Vector2d>& residuals,
-                          std::vector<double>& sizes) {
-    for (const Eigen::Vector2d& residual : residuals) {
-      if (!residual.allFinite()) continue;
-      sizes.push_back(std::abs(residual.x()));
-      sizes.push_back(std::abs(residual.y()));
-    }
-  };
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    collect(camera_residuals(views[v], state.scanner, state.poses[v], state.places), camera);
-    collect(projector_residuals(views[v], state.scanner, state.poses[v], state.places), projector);
-  }
-  return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
-}
-
 }  // namespace
 
 BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
                             const std::vector<Eigen::Vector3d>& printed,
                             const BundleSettings& settings, BundleDeviation* deviation) {
   const QuietCeres quiet;
+  const int rounds = settings.pixel_deviations ? 1 : 3;
   BundleState state = std::move(start);
-  PixelDeviations deviations = pixel_deviations(views, state);
-  for (int round = 0; round < settings.rounds; ++round) {
+  PixelDeviations deviations = settings.pixel_deviations.value_or(pixel_deviations(views, state));
+  for (int round = 0; round < rounds; ++round) {
     BundleProblem problem(views, state, printed, settings, deviations);
-    problem.solve();
+    problem.solve(settings.pixel_deviations ? 1e-7 : 1e-9);  // the start was adjusted or not
     problem.parameters().write_to(state);
     deviations = pixel_deviations(views, state);
-    if (round + 1 == settings.rounds && deviation != nullptr && !problem.estimate(*deviation)) {
+    if (round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation)) {
       throw Error("the poses do not determine the calibration; tilt the board differently in each");
     }
   }
   return state;
+}
+
+PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {
+  std::vector<double> camera, projector;
+  const auto collect = [](const Eigen::Vector2d& residual, std::vector<double>& sizes) {
+    if (!residual.allFinite()) return;
+    sizes.push_back(std::abs(residual.x()));
+    sizes.push_back(std::abs(residual.y()));
+  };
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto of_camera = camera_residuals(views[v], state.scanner, state.poses[v], state.places);
+    const auto of_projector =
+        projector_residuals(views[v], state.scanner, state.poses[v], state.places);
+    for (std::size_t i = 0; i < of_camera.size(); ++i) {
+      collect(of_camera[i], camera);
+      if (!of_projector[i].allFinite()) continue;
+      collect(of_projector[i] - slope_at(views[v], i) * of_camera[i], projector);
+    }
+  }
+  return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
+}
+
+double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
+                          const PixelDeviations& deviations) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto of_camera = camera_residuals(views[v], state.scanner, state.poses[v], state.places);
+    const auto of_projector =
+        projector_residuals(views[v], state.scanner, state.poses[v], state.places);
+    for (std::size_t i = 0; i < of_camera.size(); ++i) {
+      if (!of_projector[i].allFinite()) continue;
+      const Eigen::Vector2d own = of_projector[i] - slope_at(views[v], i) * of_camera[i];
+      sum += (of_camera[i] / deviations.camera).squaredNorm() +
+             (own / deviations.projector).squaredNorm();
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
 }
 
 std::vector<Eigen::Vector2d> camera_residuals(const BoardView& view, const Scanner& scanner,

@@ -19,6 +19,13 @@ struct BundleState {
   std::vector<Eigen::Vector3d> places;   ///< the board's corners in its own frame, mm
 };
 
+/// Standard deviations of the components of the distances between corners as seen and as predicted,
+/// pixels; the projector's without what comes of the camera's (BoardView::slopes).
+struct PixelDeviations {
+  double camera = 1;
+  double projector = 1;
+};
+
 /// What a bundle adjustment may change.
 struct BundleSettings {
   /// How many of the distortion coefficients, in OpenCV's order, are free: 0, 1, 2, 4, 5, 8 or 12.
@@ -29,9 +36,9 @@ struct BundleSettings {
   bool hold_projector = false;  ///< its lens stays as it is
   /// Standard deviation of a corner from where it should be printed, mm; none: places are held.
   std::optional<double> print_deviation = std::nullopt;
-  /// How often the standard deviations of the pixels are taken anew and everything is moved again;
-  /// once is enough from a start that was adjusted.
-  int rounds = 3;
+  bool hold_rig = false;  ///< projector and camera stay as they stand
+  /// Where known; none: estimated, robustly, three times while everything moves.
+  std::optional<PixelDeviations> pixel_deviations = std::nullopt;
 };
 
 /// Standard deviations of a lens.
@@ -57,6 +64,13 @@ struct BundleDeviation {
 BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
                             const std::vector<Eigen::Vector3d>& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);
+
+PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state);
+
+/// Mean over the corners of all views of the squared distances in both devices, in squares of the
+/// standard deviations, as bundle_adjusted sees them: 4 where these are right.
+double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
+                          const PixelDeviations& deviations);
 
 /// Seen minus predicted, pixels, for each corner of a view; NaN where it was not seen.
 std::vector<Eigen::Vector2d> camera_residuals(const BoardView& view, const Scanner& scanner,

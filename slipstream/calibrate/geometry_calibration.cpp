@@ -134,7 +134,7 @@ void require_one_rig(const std::vector<BoardView>& views, const BundleState& sta
 std::vector<std::optional<BoardQuality>> left_out_qualities(
     const std::vector<BoardView>& views, const BundleState& state,
     const std::vector<Eigen::Vector3d>& printed, BundleSettings settings) {
-  settings.rounds = 1;
+  settings.pixel_deviations = pixel_deviations(views, state);
   std::vector<std::optional<BoardQuality>> qualities(views.size());
   for_each_row(static_cast<int>(views.size()), [&](int pose) {
     const auto v = static_cast<std::size_t>(pose);

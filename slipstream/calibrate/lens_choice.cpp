@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "slipstream/image/parallel_rows.h"
@@ -10,74 +9,48 @@
 namespace slipstream {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+/// Of few poses one is left out at a time; of many a quarter, for the time it takes.
+std::size_t fold_count(std::size_t poses) {
+  constexpr std::size_t few = 6, parts = 4;
+  return poses <= few ? poses : parts;
+}
 
-/// One device alone, in the camera's place.
-struct OneDevice {
+/// Some of the poses.
+struct Part {
   std::vector<BoardView> views;
   BundleState state;
 };
 
-OneDevice alone(std::vector<BoardView> views, BundleState state, Device device) {
-  if (device == Device::projector) {
-    Eigen::Isometry3d to_projector = Eigen::Isometry3d::Identity();
-    to_projector.linear() = state.scanner.rotation;
-    to_projector.translation() = state.scanner.translation;
-    state.scanner.camera = state.scanner.projector;
-    for (Eigen::Isometry3d& pose : state.poses) pose = to_projector * pose;
+Part part_of(const std::vector<BoardView>& views, const BundleState& state, std::size_t fold,
+             std::size_t folds, bool left_out) {
+  Part part{{}, {state.scanner, {}, state.places}};
+  for (std::size_t pose = 0; pose < views.size(); ++pose) {
+    if ((pose % folds == fold) != left_out) continue;
+    part.views.push_back(views[pose]);
+    part.state.poses.push_back(state.poses[pose]);
   }
-  for (BoardView& view : views) {
-    if (device == Device::projector) view.camera = view.projector;
-    view.projector.assign(view.places.size(), {nan, nan});
-  }
-  return {std::move(views), std::move(state)};
+  return part;
 }
 
-/// Poses that are left out together: every `most_folds`th.
-constexpr std::size_t most_folds = 6;
-
-/// Some poses of a device, and the rest.
-struct Split {
-  OneDevice kept, left_out;
-};
-
-Split split(const OneDevice& device, std::size_t fold, std::size_t folds) {
-  Split result;
-  result.kept.state.scanner = result.left_out.state.scanner = device.state.scanner;
-  result.kept.state.places = result.left_out.state.places = device.state.places;
-  for (std::size_t pose = 0; pose < device.views.size(); ++pose) {
-    OneDevice& part = pose % folds == fold ? result.left_out : result.kept;
-    part.views.push_back(device.views[pose]);
-    part.state.poses.push_back(device.state.poses[pose]);
-  }
-  return result;
-}
-
-/// Mean squared distance of the corners of the poses that a fold leaves out, pixels^2.
-double left_out_error(const OneDevice& device, int coefficients, std::size_t fold,
-                      std::size_t folds) {
-  auto [kept, left_out] = split(device, fold, folds);
-  auto& k = kept.state.scanner.camera.distortion.coefficients;
-  std::fill(k.begin() + coefficients, k.end(), 0.0);
-  const std::vector<Eigen::Vector3d>& places = device.state.places;
+/// Mean squared error of the poses that a fold leaves out.
+double left_out_error(const std::vector<BoardView>& views, const BundleState& state,
+                      BundleSettings settings, std::size_t fold, std::size_t folds) {
+  Part kept = part_of(views, state, fold, folds, false);
+  const auto forget = [](Lens& lens, int coefficients) {
+    auto& k = lens.distortion.coefficients;
+    std::fill(k.begin() + coefficients, k.end(), 0.0);
+  };
+  forget(kept.state.scanner.camera, settings.camera_coefficients);
+  forget(kept.state.scanner.projector, settings.projector_coefficients);
   const BundleState calibrated =
-      bundle_adjusted(kept.views, std::move(kept.state), places,
-                      {.camera_coefficients = coefficients, .rounds = 1});
+      bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
 
+  Part left_out = part_of(views, state, fold, folds, true);
   left_out.state.scanner = calibrated.scanner;
-  const BundleState explained = bundle_adjusted(left_out.views, std::move(left_out.state), places,
-                                                {.hold_camera = true, .rounds = 1});
-  double sum = 0;
-  int count = 0;
-  for (std::size_t v = 0; v < left_out.views.size(); ++v) {
-    for (const Eigen::Vector2d& residual : camera_residuals(left_out.views[v], explained.scanner,
-                                                            explained.poses[v], explained.places)) {
-      if (!residual.allFinite()) continue;
-      sum += residual.squaredNorm();
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : 0;
+  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
+  const BundleState explained =
+      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
+  return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
 }
 
 double mean(const std::vector<double>& values) {
@@ -120,20 +93,25 @@ const char* name_of_lens_model(int coefficients) {
 
 LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
                              Device device) {
-  const OneDevice one = alone(views, state, device);
-  const std::size_t folds = std::min(views.size(), most_folds);
-  std::vector<std::vector<double>> errors(lens_models.size(), std::vector<double>(folds));
-  for_each_row(static_cast<int>(lens_models.size() * folds), [&](int task) {
-    const auto model = static_cast<std::size_t>(task) / folds;
-    const auto fold = static_cast<std::size_t>(task) % folds;
-    errors[model][fold] = left_out_error(one, lens_models[model], fold, folds);
-  });
-
+  const std::size_t folds = fold_count(views.size());
+  BundleSettings settings;
+  settings.pixel_deviations = pixel_deviations(views, state);
+  std::vector<std::vector<double>> errors;
   std::size_t best = 0;
   LensChoice choice;
-  for (std::size_t model = 0; model < lens_models.size(); ++model) {
-    if (mean(errors[model]) < mean(errors[best])) best = model;
-    choice.scores.push_back({lens_models[model], std::sqrt(mean(errors[model]))});
+  for (const int coefficients : lens_models) {
+    (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
+        coefficients;
+    std::vector<double> by_fold(folds);
+    for_each_row(static_cast<int>(folds), [&](int fold) {
+      const auto f = static_cast<std::size_t>(fold);
+      by_fold[f] = left_out_error(views, state, settings, f, folds);
+    });
+    errors.push_back(by_fold);
+    choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
+    if (mean(by_fold) < mean(errors[best])) best = errors.size() - 1;
+    const bool gains_nothing_more = errors.size() > best + 2;
+    if (gains_nothing_more) break;
   }
   std::size_t chosen = 0;
   while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;

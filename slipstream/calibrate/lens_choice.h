@@ -18,7 +18,7 @@ const char* name_of_lens_model(int coefficients);
 /// How well a lens model foresees poses that it was not calibrated with.
 struct LensModelScore {
   int coefficients = 0;
-  double rms = 0;  ///< of the left-out poses' corners, pixels
+  double error = 0;  ///< RMS of the left-out poses' corners, in standard deviations
 };
 
 struct LensChoice {
@@ -30,10 +30,10 @@ struct LensChoice {
 enum class Device { camera, projector };
 
 /// The simplest lens model that the data support: each is calibrated without some of the
-/// poses, a sixth or, of six and fewer, one, for each in turn, and then has to explain the corners
-/// of those with nothing free but the board's place. Chosen is the one with the fewest coefficients
-/// that is not worse than the best by more than the standard error of the difference. `state` is
-/// what the calibrations start from; the board's corners stay where it says.
+/// poses, a quarter or, of six and fewer, one, for each in turn, and then has to explain how
+/// both devices see those with nothing free but the board's place. Chosen is the one with the
+/// fewest coefficients that is not worse than the best by more than the standard error of the
+/// difference. `state` is what the calibrations start from; the board's corners stay where it says.
 LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
                              Device device);
 

@@ -70,6 +70,13 @@ Eigen::Vector2d at(const Vector8& h, const Eigen::Vector2d& point) {
          (h.tail<2>().dot(point) + 1);
 }
 
+/// Its derivative at the corner.
+Eigen::Matrix2d slope_at_corner(const Vector8& h) {
+  Eigen::Matrix2d slope;
+  slope << h[0] - h[2] * h[6], h[1] - h[2] * h[7], h[3] - h[5] * h[6], h[4] - h[5] * h[7];
+  return slope;
+}
+
 /// Linear least squares for h with the samples' weights times `factors`.
 std::optional<Vector8> fitted(const std::vector<Sample>& samples,
                               const std::vector<double>& factors) {
@@ -106,7 +113,7 @@ std::vector<double> starting_factors(const std::vector<Sample>& samples) {
   return factors;
 }
 
-Eigen::Vector2d projector_corner(const ProjectorMap& map, const Eigen::Vector2d& corner,
+ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d& corner,
                                  double radius) {
   constexpr double least_share = 0.3;  // of the pixels about the corner
   constexpr std::size_t fewest_samples = 24;
@@ -116,14 +123,15 @@ Eigen::Vector2d projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
   const std::vector<Sample>& samples = about.samples;
   const bool enough = samples.size() >= fewest_samples &&
                       static_cast<double>(samples.size()) >= least_share * about.pixels;
-  if (!enough) return {nan, nan};
+  const ProjectorCorner none{{nan, nan}, Eigen::Matrix2d::Constant(nan)};
+  if (!enough) return none;
 
   std::vector<double> factors = starting_factors(samples);
   std::vector<double> residuals(samples.size());
   Vector8 h = Vector8::Zero();
   for (int round = 0; round < rounds; ++round) {
     const std::optional<Vector8> fit = fitted(samples, factors);
-    if (!fit) return {nan, nan};
+    if (!fit) return none;
     h = *fit;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       residuals[i] = (at(h, samples[i].camera) - samples[i].projector).norm();
@@ -133,7 +141,7 @@ Eigen::Vector2d projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
       factors[i] = tukey(residuals[i], reach_in_deviations * deviation);
     }
   }
-  return at(h, Eigen::Vector2d::Zero()) + about.middle;
+  return {at(h, Eigen::Vector2d::Zero()) + about.middle, slope_at_corner(h) / radius};
 }
 
 double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i) {
@@ -168,10 +176,10 @@ ProjectorMap projector_map(const FrameSet& frames_x, const DecodedScan& along_x,
   return map;
 }
 
-std::vector<Eigen::Vector2d> projector_corners(const ProjectorMap& map,
+std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map,
                                                const std::vector<Eigen::Vector2d>& corners,
                                                double share) {
-  std::vector<Eigen::Vector2d> result(corners.size());
+  std::vector<ProjectorCorner> result(corners.size());
   for_each_row(static_cast<int>(corners.size()), [&](int corner) {
     const auto i = static_cast<std::size_t>(corner);
     constexpr double least_radius = 4;  // pixels

@@ -23,11 +23,17 @@ ProjectorMap projector_map(const FrameSet& frames_x, const DecodedScan& along_x,
                            const FrameSet& frames_y, const DecodedScan& along_y, Size projector,
                            double minimum_modulation);
 
+/// A corner in the projector's picture.
+struct ProjectorCorner {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d slope;  ///< d pixel / d camera pixel
+};
+
 /// Where the projector would see what the camera sees at `corners` (pixels): the homography from
 /// camera to projector fitted, robustly, to the reliable pixels within a radius of each corner
 /// (Moreno and Taubin 2012, "Simple, accurate, and robust projector-camera calibration"). The
 /// radius is `share` of the distance to the next corner. NaN where too few pixels are reliable.
-std::vector<Eigen::Vector2d> projector_corners(const ProjectorMap& map,
+std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map,
                                                const std::vector<Eigen::Vector2d>& corners,
                                                double share);
 

@@ -173,14 +173,14 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
   if (camera.scores.empty() && projector.scores.empty()) return;
   page.gap();
   page.line(
-      "RMS, in pixels, of the corners of a pose that was left out of the calibration, over "
+      "RMS error, in standard deviations, of how both devices see poses that were left out, over "
       "all poses in turn. Chosen is the simplest model that is not clearly worse than the "
       "best.");
   page.gap();
   page.line("| model | camera | projector |");
   page.line("| --- | --- | --- |");
   const auto score = [](const LensChoice& choice, std::size_t i) {
-    return i < choice.scores.size() ? fmt::format("{:.4f}", choice.scores[i].rms)
+    return i < choice.scores.size() ? fmt::format("{:.4f}", choice.scores[i].error)
                                     : std::string("-");
   };
   for (std::size_t i = 0; i < lens_models.size(); ++i) {

@@ -73,8 +73,8 @@ TEST(BundleAdjustment, StandardDeviationsAreTheSpreadOfTheResults) {
   for (int run = 0; run < runs; ++run) {
     const VirtualViews boards =
         virtual_views(truth, board, places, 5, 0.1, static_cast<std::uint32_t>(run + 1));
-    const BundleState found = bundle_adjusted(boards.views, {truth, boards.poses, places}, places,
-                                              {.rounds = 2}, &deviation);
+    const BundleState found =
+        bundle_adjusted(boards.views, {truth, boards.poses, places}, places, {}, &deviation);
     const double error = found.scanner.camera.intrinsic(0, 0) - truth.camera.intrinsic(0, 0);
     squares += error * error / runs;
     predicted += deviation.camera.focal.x() / runs;

@@ -1,14 +1,83 @@
 #include "slipstream/calibrate/geometry_calibration.h"
 
+#include <cmath>
+#include <numbers>
+
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "slipstream/calibrate/board_capture.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream {
 namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+double angle_between(const Scanner& a, const Scanner& b) {
+  return Eigen::AngleAxisd(a.rotation.transpose() * b.rotation).angle();
+}
+
+/// The frames of a board under a strategy's patterns along one axis.
+AxisScan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy, Axis axis,
+                 std::uint64_t seed) {
+  return {strategy,
+          take_scan(scanner, {sheet}, pattern_set(strategy, axis),
+                    {.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = seed, .rays = 6})
+              .frames};
+}
+
+// From frames to the scanner, against known truth. Under the sanitizers with fewer poses.
+TEST(GeometryCalibration, OfVirtualBoardsIsTheTrueScanner) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int count = 4;
+  constexpr double tolerance = 10;  // times that of twelve poses of a finer camera
+  const Scanner truth = example_scanner({320, 240});
+#else
+  constexpr int count = 12;
+  constexpr double tolerance = 1;
+  const Scanner truth = example_scanner({640, 480});
+#endif
+  const CalibrationBoard board{.columns = 13, .rows = 9, .spacing = 15};
+  const Strategy strategy = DualFrequency{.steps = 4, .high = 16, .low = 1};
+  const Image<std::uint8_t> picture = draw_board(board, 60);
+  const double mm_per_pixel = board.spacing / 60;
+  Body sheet{.shape = Board{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel},
+             .texture = picture_texture(picture, mm_per_pixel, 0.08, 0.85)};
+  std::vector<BoardView> views;
+  for (const Eigen::Isometry3d& pose :
+       board_poses(truth, count, picture.width() * mm_per_pixel, picture.height() * mm_per_pixel)) {
+    sheet.pose = pose;
+    const std::uint64_t seed = 2 * views.size() + 1;
+    const BoardCapture capture =
+        board_capture("pose" + std::to_string(views.size()), board,
+                      scan_of(truth, sheet, strategy, Axis::x, seed),
+                      scan_of(truth, sheet, strategy, Axis::y, seed + 1), truth.projector.size);
+    ASSERT_TRUE(capture.view) << capture.told;
+    views.push_back(*capture.view);
+  }
+  const GeometryCalibration found =
+      calibrate_geometry(views, board, truth.camera.size, truth.projector.size,
+                         {.camera_coefficients = 4, .projector_coefficients = 4});
+  const Scanner& scanner = found.state.scanner;
+  for (const auto& [lens, true_lens] :
+       {std::pair(scanner.camera, truth.camera), std::pair(scanner.projector, truth.projector)}) {
+    const Eigen::Matrix3d& K = lens.intrinsic;
+    const Eigen::Matrix3d& true_K = true_lens.intrinsic;
+    EXPECT_NEAR(K(0, 0), true_K(0, 0), tolerance * 1e-3 * true_K(0, 0));
+    EXPECT_NEAR(K(1, 1), true_K(1, 1), tolerance * 1e-3 * true_K(1, 1));
+    EXPECT_NEAR(K(0, 2), true_K(0, 2), tolerance);
+    EXPECT_NEAR(K(1, 2), true_K(1, 2), tolerance);
+  }
+  EXPECT_NEAR(scanner.translation.norm(), truth.translation.norm(),
+              tolerance * 1e-3 * truth.translation.norm());
+  EXPECT_LT(angle_between(scanner, truth), tolerance * 0.02 * degree);
+  EXPECT_LT(found.rms.camera, 0.15);
+  EXPECT_LT(found.rms.projector, 0.25);
+}
 
 class CalibrationOfCorners : public testing::Test {
  protected:
@@ -32,7 +101,7 @@ TEST_F(CalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
   const GeometryCalibration found = calibrated(views, {});
   EXPECT_LE(found.camera_lens.coefficients, 1);
   EXPECT_GE(found.projector_lens.coefficients, 1);
-  EXPECT_EQ(found.camera_lens.scores.size(), lens_models.size());
+  EXPECT_GE(found.camera_lens.scores.size(), 3U);
   const auto& k = found.state.scanner.camera.distortion.coefficients;
   EXPECT_EQ(k[4], 0);
 }

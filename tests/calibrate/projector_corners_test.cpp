@@ -34,7 +34,13 @@ const std::vector<Eigen::Vector2d> corners{{40.3, 50.6}, {60.1, 50.2}, {40.4, 70
 TEST(ProjectorCorners, OfAPlaneAreExact) {
   const auto found = projector_corners(true_map(), corners, 0.7);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    EXPECT_LT((found[i] - truth_at(corners[i])).norm(), 1e-9);
+    EXPECT_LT((found[i].pixel - truth_at(corners[i])).norm(), 1e-9);
+    constexpr double step = 1e-4;  // pixels
+    for (int axis = 0; axis < 2; ++axis) {
+      const Eigen::Vector2d moved = corners[i] + step * Eigen::Vector2d::Unit(axis);
+      const Eigen::Vector2d slope = (truth_at(moved) - truth_at(corners[i])) / step;
+      EXPECT_LT((found[i].slope.col(axis) - slope).norm(), 1e-5);
+    }
   }
 }
 
@@ -50,7 +56,7 @@ TEST(ProjectorCorners, WrongFringesAndUnreliablePixelsDoNotMoveThem) {
   }
   const auto found = projector_corners(map, corners, 0.7);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    EXPECT_LT((found[i] - truth_at(corners[i])).norm(), 1e-6);
+    EXPECT_LT((found[i].pixel - truth_at(corners[i])).norm(), 1e-6);
   }
 }
 
@@ -60,9 +66,9 @@ TEST(ProjectorCorners, AreNoneWhereTooLittleIsLit) {
     for (int column = 0; column < 50; ++column) map.weight(column, row) = 0;
   }
   const auto found = projector_corners(map, corners, 0.5);
-  EXPECT_FALSE(found[0].allFinite());
-  EXPECT_TRUE(found[1].allFinite());
-  EXPECT_FALSE(found[2].allFinite());
+  EXPECT_FALSE(found[0].pixel.allFinite());
+  EXPECT_TRUE(found[1].pixel.allFinite());
+  EXPECT_FALSE(found[2].pixel.allFinite());
 }
 
 TEST(ProjectorCorners, ReliableIsWhatBothScansLightAndNeitherSaturates) {

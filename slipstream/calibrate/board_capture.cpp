@@ -25,8 +25,10 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
   if (board.kind == BoardKind::chessboard) {
     const std::optional<Size> seen = chessboard_size(pictures);
     if (seen && seen != Size{board.columns, board.rows}) {
-      return fmt::format("a chessboard of {}x{} corners is seen, not of {}x{}; check --corners",
-                         seen->width, seen->height, board.columns, board.rows);
+      return fmt::format(
+          "no chessboard of {}x{} corners is seen whole, but one of at least {}x{}; check "
+          "--corners",
+          board.columns, board.rows, seen->width, seen->height);
     }
   }
   return fmt::format("no {} of {}x{} corners is seen{}", name_of(board.kind), board.columns,

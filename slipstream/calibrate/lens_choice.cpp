@@ -59,7 +59,8 @@ double mean(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-/// Whether `errors` are worse than `best`, fold by fold, by more than the standard error.
+/// Whether `errors` are worse than `best`, fold by fold, by more than the standard error, and by
+/// more than the half percent for which nobody wants further coefficients.
 bool clearly_worse(const std::vector<double>& errors, const std::vector<double>& best) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
@@ -67,7 +68,8 @@ bool clearly_worse(const std::vector<double>& errors, const std::vector<double>&
   double squares = 0;
   for (const double difference : differences) squares += std::pow(difference - average, 2);
   const auto n = static_cast<double>(differences.size());
-  return average > std::sqrt(squares / (n - 1) / n);
+  constexpr double least_share = 0.005;
+  return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
 }
 
 }  // namespace

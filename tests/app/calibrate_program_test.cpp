@@ -80,7 +80,7 @@ TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
   const TemporaryFolder out;
   const fs::path file = out.path() / "scanner.yaml";
   expect_bad_input(run_program({"calibrate", "geometry", poses(), "-o", file, "--corners", "9x7"}),
-                   {"0 of 4 poses", "7x5 corners is seen, not of 9x7"});
+                   {"0 of 4 poses", "no chessboard of 9x7 corners"});
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board9"}), {"board9", "no such pose"});
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board01", "--exclude", "board02"}),
                    {"2 of 4 poses", "at least 3"});

@@ -99,6 +99,7 @@ constexpr int fine_pieces = 8192;
 /// Half of the pixels are nearer to that gamma than this, grey levels.
 double median_residual(const std::vector<Sample>& samples, const std::vector<Complex>& model) {
   std::vector<double> residuals;
+  residuals.reserve(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     residuals.push_back(std::abs(samples[i].constraint - model[i]) * samples[i].modulation);
   }
@@ -148,6 +149,7 @@ Fit fitted(const std::vector<Sample>& samples, int steps, double gamma, Offset o
       return (above[i] - below[i]) * (samples[i].modulation / (2 * h));
     };
     std::vector<double> sizes;
+    sizes.reserve(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i) sizes.push_back(std::abs(residual(i)));
     const double scale = std::max(deviation_from_median(median(sizes)), 1e-10);
 

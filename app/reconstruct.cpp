@@ -49,6 +49,7 @@ struct ReconstructFlags {
   std::optional<std::string> scanner;
   std::optional<int> bits;
   std::string backend = "lut";
+  std::string unwrapping = "consensus";
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
@@ -83,6 +84,7 @@ ScanDescription describe(const fs::path& folder, const ReconstructFlags& flags) 
   }
   scan.strategy = strategy_from(flags.scan, scan.strategy);
   scan.axis = axis_from(flags.scan, scan.axis);
+  scan.light = light_from(flags.scan, scan.light);
   scan.projector = projector_from(flags.scan, scan.projector);
   scan.bits = flags.bits.value_or(scan.bits);
   if (scan.bits != 0 && (scan.bits < 8 || scan.bits > 16)) {
@@ -214,10 +216,12 @@ class ReconstructorOfScans {
   explicit ReconstructorOfScans(const ReconstructSettings& settings) : settings_(settings) {}
 
   const Reconstructor& for_scan(const ScanDescription& scan, Size camera) {
-    const std::string wanted = fmt::format(
-        "{} {} {} {} {}", scan.scanner->string(), nlohmann::json(settings_of(scan.strategy)).dump(),
-        name_of(scan.strategy), name_of(scan.axis), text_of(camera));
+    const std::string wanted =
+        fmt::format("{} {} {} {} {} {} {}", scan.scanner->string(),
+                    nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
+                    name_of(scan.axis), text_of(camera), scan.light.alpha_p, scan.light.beta_p);
     if (wanted != made_for_) {
+      settings_.cue.light = scan.light;
       reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
       made_for_ = wanted;
     }
@@ -279,6 +283,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
 void reconstruct(ReconstructFlags flags, Output& output) {
   require_good_paths(flags);
   flags.settings.backend = backend_named(flags.backend);
+  flags.settings.cue.unwrapping = unwrapping_named(flags.unwrapping);
   flags.settings.drop_saturated = !flags.keep_saturated;
   ReconstructorOfScans reconstructors(flags.settings);
   output.document["scans"] = nlohmann::json::array();
@@ -338,6 +343,14 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
       ->required();
   command->add_option("--scanner", flags->scanner, "scanner file; where not that of scan.yaml");
   command->add_option("--backend", flags->backend, "lut, closed-form or equation")
+      ->capture_default_str();
+  command
+      ->add_option("--unwrapping", flags->unwrapping,
+                   "fringe order from a cue in the same frames: consensus, likelihood or published")
+      ->capture_default_str();
+  command
+      ->add_option("--ambient", flags->settings.cue.ambient,
+                   "ambient light, grey levels of 255, which a cue in 3 frames needs")
       ->capture_default_str();
   command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
   add_output_flags(*command, *flags);

@@ -4,6 +4,7 @@
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/phase/phase_decoder.h"
+#include "slipstream/strategy/cue_settings.h"
 #include "slipstream/strategy/decoded_scan.h"
 #include "slipstream/strategy/strategy.h"
 
@@ -13,8 +14,9 @@ namespace slipstream {
 class Decoder {
  public:
   /// `length`: projector pixels along the axis of the patterns. Throws Error for a strategy whose
-  /// settings are out of range or too fine for that projector.
-  Decoder(Strategy strategy, int length, Backend backend);
+  /// settings are out of range or too fine for that projector. `cue`: what a cue multiplexed into
+  /// the patterns needs beside them.
+  Decoder(Strategy strategy, int length, Backend backend, const CueSettings& cue = {});
 
   /// Throws Error when there are not as many frames as the strategy has patterns.
   [[nodiscard]] DecodedScan operator()(const FrameSet& frames) const;
@@ -27,6 +29,7 @@ class Decoder {
  private:
   Strategy strategy_;
   int length_;
+  CueSettings cue_;
   PhaseDecoder phase_;
 };
 

@@ -49,6 +49,9 @@ void set(std::optional<int>& target, const std::string& name, double value) {
 void set(double& target, const std::string&, double value) {
   target = value;
 }
+void set(std::optional<double>& target, const std::string&, double value) {
+  target = value;
+}
 
 std::optional<double> get(int value) {
   return value;
@@ -57,6 +60,9 @@ std::optional<double> get(const std::optional<int>& value) {
   return value;
 }
 std::optional<double> get(double value) {
+  return value;
+}
+std::optional<double> get(const std::optional<double>& value) {
   return value;
 }
 

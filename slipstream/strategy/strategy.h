@@ -8,12 +8,13 @@
 
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/strategy/dual_frequency.h"
+#include "slipstream/strategy/phase_channel_multiplexing.h"
 #include "slipstream/strategy/phase_measuring.h"
 
 namespace slipstream {
 
 /// The registry: every pattern set that slipstream projects and decodes. A new one is added here.
-using Strategy = std::variant<PhaseMeasuring, DualFrequency>;
+using Strategy = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing>;
 
 /// Settings by the names that struct, scan.yaml and command line share.
 using StrategySettings = std::map<std::string, double>;

@@ -49,6 +49,7 @@ int run_program(int argc, char** argv) {
   add_patterns(program, shared, chosen);
   add_simulate(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
+  add_calibrate(program, shared, chosen);
 
   try {
     program.parse(argc, argv);

@@ -1,6 +1,10 @@
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -8,8 +12,11 @@
 #include "app/commands.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
+#include "slipstream/error/error.h"
+#include "slipstream/gamma/precompensation.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 
 namespace slipstream::app {
@@ -20,12 +27,49 @@ struct PatternsFlags {
   std::string folder;
   ScanFlags scan;
   int bits = 8;
+  std::optional<std::string> precompensate;
+  int uniform = 0;
 };
+
+/// A gamma, or the response that a scanner file holds.
+Response response_from(const std::string& text) {
+  double gamma = 0;
+  const auto [rest, failure] = std::from_chars(text.data(), text.data() + text.size(), gamma);
+  if (failure == std::errc() && rest == text.data() + text.size()) {
+    require_gamma(gamma, "--precompensate");
+    return PowerLaw{gamma};
+  }
+  const std::optional<Response> response = read_response(text);
+  if (!response) {
+    throw Error(fmt::format("{}: no gamma in it; slipstream calibrate gamma puts it there", text));
+  }
+  return *response;
+}
 
 Image<std::uint8_t> as_8_bits(const Image<std::uint16_t>& picture) {
   Image<std::uint8_t> narrow(picture.size());
   std::copy(picture.begin(), picture.end(), narrow.begin());
   return narrow;
+}
+
+/// Pictures of one grey level each, from 0 to 255, for `calibrate gamma --uniform`.
+void write_uniform(const PatternsFlags& flags, Output& output) {
+  if (flags.uniform < 4 || flags.uniform > 256) {
+    throw Error(fmt::format("--uniform {} is out of range; 4 to 256 pictures", flags.uniform));
+  }
+  const Size projector = projector_from(flags.scan, {1920, 1080});
+  const fs::path folder = flags.folder;
+  make_folder(folder);
+  for (int i = 0; i < flags.uniform; ++i) {
+    const auto level = static_cast<std::uint8_t>(std::lround(255.0 * i / (flags.uniform - 1)));
+    const fs::path file = folder / fmt::format("level_{:03}.png", level);
+    write_image(file, Image<std::uint8_t>(projector, level));
+    output.document["patterns"].push_back(file.string());
+  }
+  output.say(
+      "wrote {} uniform patterns to {}; take a picture of each under the same name, and run: "
+      "slipstream calibrate gamma --uniform THAT_FOLDER",
+      flags.uniform, folder.string());
 }
 
 void write_patterns(const PatternsFlags& flags, Output& output) {
@@ -35,7 +79,8 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   scan.light = light_from(flags.scan, {});
   scan.projector = projector_from(flags.scan, {1920, 1080});
   require_resolved(scan.strategy, length_along(scan.axis, scan.projector));
-  const PatternSet patterns = pattern_set(scan.strategy, scan.axis, scan.light);
+  PatternSet patterns = pattern_set(scan.strategy, scan.axis, scan.light);
+  if (flags.precompensate) patterns = precompensated(patterns, response_from(*flags.precompensate));
 
   const fs::path folder = flags.folder;
   Progress progress("patterns", patterns.count);
@@ -69,12 +114,21 @@ void add_patterns(CLI::App& program, SharedFlags& shared, Command& chosen) {
   add_scan_flags(*command, flags->scan);
   command->add_option("--bits", flags->bits, "grey levels of the projector: 8 to 16 bits")
       ->capture_default_str();
+  command->add_option("--precompensate", flags->precompensate,
+                      "a gamma, or a scanner file that holds one: its inverse is applied to the "
+                      "pictures, so that the projector's light is as meant");
+  command->add_option(
+      "--uniform", flags->uniform,
+      "so many uniform pictures from black to white instead, to measure gamma with");
   add_shared_flags(*command, shared);
   command->footer(
       "Example:\n  slipstream patterns patterns --strategy dual-frequency --steps 3 --high 16 "
       "--low 1 --axis x --projector 1824x1140");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { write_patterns(*flags, output); }; });
+  command->callback([flags, &chosen] {
+    chosen = [flags](Output& output) {
+      flags->uniform != 0 ? write_uniform(*flags, output) : write_patterns(*flags, output);
+    };
+  });
 }
 
 }  // namespace slipstream::app

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
+#include "app/gamma_choice.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
 #include "slipstream/cloud/normals.h"
@@ -50,6 +51,7 @@ struct ReconstructFlags {
   std::optional<int> bits;
   std::string backend = "lut";
   std::string unwrapping = "consensus";
+  std::string gamma = "scanner";
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
@@ -215,12 +217,15 @@ class ReconstructorOfScans {
  public:
   explicit ReconstructorOfScans(const ReconstructSettings& settings) : settings_(settings) {}
 
-  const Reconstructor& for_scan(const ScanDescription& scan, Size camera) {
+  const Reconstructor& for_scan(const ScanDescription& scan, Size camera,
+                                const GammaChoice& gamma) {
     const std::string wanted =
-        fmt::format("{} {} {} {} {} {} {}", scan.scanner->string(),
+        fmt::format("{} {} {} {} {} {} {} {}", scan.scanner->string(),
                     nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-                    name_of(scan.axis), text_of(camera), scan.light.alpha_p, scan.light.beta_p);
+                    name_of(scan.axis), text_of(camera), gamma.document.dump(), scan.light.alpha_p,
+                    scan.light.beta_p);
     if (wanted != made_for_) {
+      settings_.phase_corrections = gamma.corrections;
       settings_.cue.light = scan.light;
       reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
       made_for_ = wanted;
@@ -260,8 +265,10 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
   for (const std::string& warning : loaded.warnings) output.warn(warning);
   const double read = watch.lap();
-  const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size());
+  const GammaChoice gamma = choose_gamma(flags.gamma, scan, loaded.frames);
+  const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size(), gamma);
   const double tables = watch.lap();
+  if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
   const Reconstruction result = reconstruct(loaded.frames);
   const double computed = watch.lap();
   nlohmann::json files = write_outputs(flags, folder, result);
@@ -272,6 +279,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"pixels", result.cloud.z.pixel_count()},
       {"counts", counts_of(result.cloud)},
       {"backend", reconstruct.decoder().backend_for(loaded.frames)},
+      {"gamma", gamma.document},
       {"files", std::move(files)},
       {"warnings", loaded.warnings},
       {"seconds",
@@ -351,6 +359,12 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
   command
       ->add_option("--ambient", flags->settings.cue.ambient,
                    "ambient light, grey levels of 255, which a cue in 3 frames needs")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--gamma", flags->gamma,
+          "the response the phase is corrected for: scanner (as its file says, if it does), "
+          "blind (from the frames), none, or a number")
       ->capture_default_str();
   command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
   add_output_flags(*command, *flags);

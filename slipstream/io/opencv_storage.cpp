@@ -96,18 +96,105 @@ std::optional<Entries> entries_from_xml(const std::string& text) {
   return entries;
 }
 
+bool is_xml(const std::string& text) {
+  return text.find_first_not_of(" \t\r\n") == text.find('<');
+}
+
+std::string joined(const std::vector<double>& numbers, std::string_view separator) {
+  return fmt::format("{}", fmt::join(numbers, separator));
+}
+
+std::string yaml_of(const std::string& name, const StoredMatrix& entry) {
+  if (entry.rows == 1 && entry.columns == 1) return fmt::format("{}: {}\n", name, entry.numbers[0]);
+  return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: [ {} ]\n",
+                     name, entry.rows, entry.columns, joined(entry.numbers, ", "));
+}
+
+/// Entries at the top of YAML start in the first column, and what belongs to them does not.
+std::string with_yaml_entries(const std::string& text, const Entries& entries) {
+  std::istringstream lines(text);
+  std::string kept, end;
+  bool dropping = false;
+  for (std::string line; std::getline(lines, line);) {
+    const bool starts_entry = !line.empty() && line[0] != ' ' && line[0] != '\t';
+    if (starts_entry) dropping = entries.contains(line.substr(0, line.find(':')));
+    if (line == "...") {
+      end = "...\n";
+    } else if (!dropping) {
+      kept += line + '\n';
+    }
+  }
+  for (const auto& [name, entry] : entries) {
+    if (entry.rows > 0) kept += yaml_of(name, entry);
+  }
+  return kept + end;
+}
+
+std::string with_xml_entries(const std::string& text, const Entries& entries) {
+  pugi::xml_document document;
+  document.load_buffer(text.data(), text.size(), pugi::parse_full);
+  pugi::xml_node root = document.child("opencv_storage");
+  for (const auto& [name, entry] : entries) {
+    while (root.remove_child(name.c_str())) {
+    }
+    if (entry.rows == 0) continue;
+    pugi::xml_node node = root.append_child(name.c_str());
+    if (entry.rows == 1 && entry.columns == 1) {
+      node.text().set(fmt::format("{}", entry.numbers[0]).c_str());
+      continue;
+    }
+    node.append_attribute("type_id").set_value("opencv-matrix");
+    node.append_child("rows").text().set(entry.rows);
+    node.append_child("cols").text().set(entry.columns);
+    node.append_child("dt").text().set("d");
+    node.append_child("data").text().set(joined(entry.numbers, " ").c_str());
+  }
+  std::ostringstream changed;
+  document.save(changed, "  ");
+  return changed.str();
+}
+
+bool same_numbers(const StoredMatrix& a, const StoredMatrix& b) {
+  return a.rows == b.rows && a.columns == b.columns && a.numbers == b.numbers;
+}
+
 }  // namespace
+
+Entries opencv_entries(const std::string& text, const std::string& name) {
+  std::optional<Entries> entries = is_xml(text) ? entries_from_xml(text) : entries_from_yaml(text);
+  if (!entries) {
+    throw Error(fmt::format("{}: not a scanner file; OpenCV's YAML or XML is wanted", name));
+  }
+  return *std::move(entries);
+}
 
 Entries read_opencv_storage(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = read_file(path);
-  const std::string text(bytes.begin(), bytes.end());
-  const bool xml = text.find_first_not_of(" \t\r\n") == text.find('<');
-  std::optional<Entries> entries = xml ? entries_from_xml(text) : entries_from_yaml(text);
-  if (!entries) {
-    throw Error(
-        fmt::format("{}: not a scanner file; OpenCV's YAML or XML is wanted", path.string()));
+  return opencv_entries(std::string(bytes.begin(), bytes.end()), path.string());
+}
+
+std::string with_entries(const std::string& text, const Entries& entries, const std::string& name) {
+  const Entries before = opencv_entries(text, name);
+  std::string changed =
+      is_xml(text) ? with_xml_entries(text, entries) : with_yaml_entries(text, entries);
+  const auto refuse = [&](const std::string& entry) {
+    throw Error(fmt::format("{}: {} cannot be replaced in its layout; each entry begins a line",
+                            name, entry));
+  };
+  Entries after;
+  try {
+    after = opencv_entries(changed, name);
+  } catch (const Error&) {
+    refuse("an entry");
   }
-  return *std::move(entries);
+  for (const auto& [key, entry] : entries) {
+    const bool there = after.contains(key);
+    if (entry.rows == 0 ? there : !there || !same_numbers(after.at(key), entry)) refuse(key);
+  }
+  for (const auto& [key, entry] : before) {
+    if (!entries.contains(key) && !after.contains(key)) refuse(key);
+  }
+  return changed;
 }
 
 }  // namespace slipstream

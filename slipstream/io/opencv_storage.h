@@ -20,4 +20,15 @@ struct StoredMatrix {
 /// file.
 std::map<std::string, StoredMatrix> read_opencv_storage(const std::filesystem::path& path);
 
+/// The same of such a file's text; `name` is what a message calls it.
+std::map<std::string, StoredMatrix> opencv_entries(const std::string& text,
+                                                   const std::string& name);
+
+/// The text of a FileStorage file (YAML or XML) with those entries in place of any of their names
+/// and all else as it was. An entry without rows is taken away. Throws Error, calling it `name`,
+/// when the text is no such file or is laid out so that an entry cannot be replaced.
+std::string with_entries(const std::string& text,
+                         const std::map<std::string, StoredMatrix>& entries,
+                         const std::string& name);
+
 }  // namespace slipstream

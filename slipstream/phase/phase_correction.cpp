@@ -5,7 +5,24 @@
 #include <cstddef>
 #include <numbers>
 
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
 namespace slipstream {
+
+void require_valid(const PhaseCorrection& correction, int steps) {
+  if (correction.steps != steps || steps < 3) {
+    throw Error(
+        fmt::format("the phase correction of {} steps stands at {}; both are one N, 3 or more",
+                    correction.steps, steps));
+  }
+  const bool finite = std::all_of(correction.added.begin(), correction.added.end(),
+                                  [](double added) { return std::isfinite(added); });
+  if (correction.added.empty() || !finite) {
+    throw Error(fmt::format("the phase correction of {} steps is empty or not finite", steps));
+  }
+}
 
 double corrected_phase(const PhaseCorrection& correction, double phi) {
   constexpr double two_pi = 2 * std::numbers::pi;

@@ -16,6 +16,9 @@ struct PhaseCorrection {
 /// One correction for each N that needs one; an N that is not there is left alone.
 using PhaseCorrections = std::map<int, PhaseCorrection>;
 
+/// Throws Error unless the correction is for that many steps, N >= 3, and has finite entries.
+void require_valid(const PhaseCorrection& correction, int steps);
+
 /// The wrapped phase without the projector's response, rad, [0, 2 pi). `phi` is in [0, 2 pi).
 double corrected_phase(const PhaseCorrection& correction, double phi);
 

@@ -47,14 +47,27 @@ double mean_of(std::span<const Number> I) {
   return static_cast<double>(sum) / static_cast<double>(I.size());  // (1.3)
 }
 
-template <class Pixel>
-PhaseMaps decode_by_equations(const Frames<Pixel>& frames) {
-  return decode_pixels<double>(frames, PhaseEquations(static_cast<int>(frames.size())));
+/// `sample` with its phase corrected, where there is a correction.
+template <class Pixel, class Sample>
+PhaseMaps decode_and_correct(const Frames<Pixel>& frames, const PhaseCorrection* correction,
+                             const Sample& sample) {
+  if (correction == nullptr) return decode_pixels<double>(frames, sample);
+  return decode_pixels<double>(frames, [&](std::span<const double> I) {
+    PhaseSample pixel = sample(I);
+    pixel.wrapped_phase = corrected_phase(*correction, pixel.wrapped_phase);
+    return pixel;
+  });
 }
 
 template <class Pixel>
-PhaseMaps decode_by_closed_form(const Frames<Pixel>& frames, const ClosedForm& form) {
-  return decode_pixels<double>(frames, [&](std::span<const double> I) -> PhaseSample {
+PhaseMaps decode_by_equations(const Frames<Pixel>& frames, const PhaseCorrection* correction) {
+  return decode_and_correct(frames, correction, PhaseEquations(static_cast<int>(frames.size())));
+}
+
+template <class Pixel>
+PhaseMaps decode_by_closed_form(const Frames<Pixel>& frames, const ClosedForm& form,
+                                const PhaseCorrection* correction) {
+  return decode_and_correct(frames, correction, [&](std::span<const double> I) -> PhaseSample {
     const auto [U, V] = table_index<double>(form, I);
     return {mean_of(I), form.modulation(U, V), form.wrapped_phase(U, V)};
   });
@@ -83,11 +96,19 @@ Backend backend_named(std::string_view name) {
   throw Error(fmt::format("backend '{}' is not known; it is equation, closed-form or lut", name));
 }
 
-PhaseDecoder::PhaseDecoder(Backend backend, const std::vector<int>& steps) : backend_(backend) {
+PhaseDecoder::PhaseDecoder(Backend backend, const std::vector<int>& steps,
+                           PhaseCorrections corrections)
+    : backend_(backend), corrections_(std::move(corrections)) {
+  for (const auto& [N, correction] : corrections_) require_valid(correction, N);
   if (backend != Backend::lut) return;
   for (const int N : steps) {
-    if (closed_form(N) != nullptr) tables_.try_emplace(N, N);
+    if (closed_form(N) != nullptr) tables_.try_emplace(N, N, correction_for(N));
   }
+}
+
+const PhaseCorrection* PhaseDecoder::correction_for(int steps) const {
+  const auto found = corrections_.find(steps);
+  return found == corrections_.end() ? nullptr : &found->second;
 }
 
 Backend PhaseDecoder::backend_for(int steps, const FrameSet& frames) const {
@@ -104,8 +125,11 @@ PhaseMaps PhaseDecoder::operator()(const FrameSet& frames, int first, int steps)
     if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
       if (backend == Backend::lut) return decode_by_tables(views, tables_.at(steps));
     }
-    if (backend == Backend::closed_form) return decode_by_closed_form(views, *closed_form(steps));
-    return decode_by_equations(views);
+    const PhaseCorrection* correction = correction_for(steps);
+    if (backend == Backend::closed_form) {
+      return decode_by_closed_form(views, *closed_form(steps), correction);
+    }
+    return decode_by_equations(views, correction);
   });
 }
 

@@ -7,6 +7,7 @@
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/image/image.h"
 #include "slipstream/phase/equations.h"
+#include "slipstream/phase/phase_correction.h"
 #include "slipstream/phase/phase_tables.h"
 
 namespace slipstream {
@@ -35,8 +36,10 @@ struct PhaseMaps {
 /// where it cannot.
 class PhaseDecoder {
  public:
-  /// Tables are built here, once, for those of `steps` that have one.
-  PhaseDecoder(Backend backend, const std::vector<int>& steps);
+  /// Tables are built here, once, for those of `steps` that have one. Every phase is corrected by
+  /// what `corrections` has for its N, whichever the backend. Throws Error for a correction that is
+  /// empty or for another N than it stands at.
+  PhaseDecoder(Backend backend, const std::vector<int>& steps, PhaseCorrections corrections = {});
 
   /// The backend that really decodes `steps` frames like those: `equation` where the one asked for
   /// has no form for that N or that pixel.
@@ -46,7 +49,10 @@ class PhaseDecoder {
   [[nodiscard]] PhaseMaps operator()(const FrameSet& frames, int first, int steps) const;
 
  private:
+  [[nodiscard]] const PhaseCorrection* correction_for(int steps) const;
+
   Backend backend_;
+  PhaseCorrections corrections_;
   std::map<int, PhaseTables> tables_;
 };
 

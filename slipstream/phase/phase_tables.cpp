@@ -18,7 +18,7 @@ int largest_sum(const std::array<int, 6>& weights) {
 
 }  // namespace
 
-PhaseTables::PhaseTables(int steps) : form_(closed_form(steps)) {
+PhaseTables::PhaseTables(int steps, const PhaseCorrection* correction) : form_(closed_form(steps)) {
   if (form_ == nullptr) {
     throw Error(fmt::format("no phase table for {} steps; there is one for 3, 4 and 6", steps));
   }
@@ -32,7 +32,8 @@ PhaseTables::PhaseTables(int steps) : form_(closed_form(steps)) {
     const int V = row - largest_V_;
     for (int U = -largest_U_; U <= largest_U_; ++U) {
       mlut_[position(U, V)] = form_->modulation(U, V);
-      plut_[position(U, V)] = form_->wrapped_phase(U, V);
+      const double phi = form_->wrapped_phase(U, V);
+      plut_[position(U, V)] = correction == nullptr ? phi : corrected_phase(*correction, phi);
     }
   });
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "slipstream/phase/closed_form.h"
+#include "slipstream/phase/phase_correction.h"
 
 namespace slipstream {
 
@@ -12,8 +13,9 @@ namespace slipstream {
 /// N = 3: 4.2 MB each; N = 4: 2.1 MB; N = 6: 16.7 MB.
 class PhaseTables {
  public:
-  /// Throws Error when `steps` is not 3, 4 or 6.
-  explicit PhaseTables(int steps);
+  /// Throws Error when `steps` is not 3, 4 or 6. With a correction the PLUT holds corrected phase,
+  /// which costs nothing later; null: none.
+  explicit PhaseTables(int steps, const PhaseCorrection* correction = nullptr);
 
   [[nodiscard]] const ClosedForm& form() const { return *form_; }
   /// Largest |U| and |V| that 8-bit frames reach.
@@ -22,7 +24,7 @@ class PhaseTables {
 
   /// B^c in grey levels, |U| <= largest_U(), |V| <= largest_V().
   [[nodiscard]] double mlut(int U, int V) const { return mlut_[position(U, V)]; }
-  /// phi in rad, [0, 2 pi).
+  /// phi in rad, [0, 2 pi), corrected where the tables were made so.
   [[nodiscard]] double plut(int U, int V) const { return plut_[position(U, V)]; }
 
  private:

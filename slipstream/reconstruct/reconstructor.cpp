@@ -57,7 +57,7 @@ Reconstructor::Reconstructor(const Scanner& scanner, const Strategy& strategy, A
       highest_frequency_(highest_frequency(strategy)),
       triangulate_(scanner, axis, point_method(settings.backend)),
       decode_(require_coordinate(strategy), length_along(axis, scanner.projector.size),
-              settings.backend, settings.cue) {
+              settings.backend, settings.phase_corrections, settings.cue) {
   require_valid(settings);
 }
 

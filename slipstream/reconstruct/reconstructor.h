@@ -24,6 +24,9 @@ struct ReconstructSettings {
   /// Of a strategy whose fringe order comes from a cue in the same frames: the light of its
   /// patterns and of the room, and the rule by which it is unwrapped.
   CueSettings cue;
+  /// What is added to each sinusoid's phase, by its N, so that the projector's response does not
+  /// show; none where empty. Costs no time where phase is looked up.
+  PhaseCorrections phase_corrections;
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;

@@ -103,8 +103,10 @@ View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame) {
   return view;
 }
 
-/// Frame n as the sensor sees it, grey levels of 8 bits, before rounding.
-Image<double> expose(const View& view, const PatternSet& patterns, int n,
+/// Frame n as the sensor sees it, grey levels of 8 bits, before rounding. `view`: a View or a
+/// VirtualScan.
+template <class Seen>
+Image<double> expose(const Seen& view, const PatternSet& patterns, int n,
                      const Photometry& photometry) {
   const auto& [beta, gamma, noise_variance, bits, seed] = photometry;
   const double noise = std::sqrt(noise_variance);
@@ -171,6 +173,16 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
   }
   return {digitised(std::move(exposures), photometry.bits), std::move(first.depth),
           std::move(first.coordinate), std::move(first.reflectivity)};
+}
+
+FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
+                    const Photometry& photometry) {
+  require_valid(photometry);
+  std::vector<Image<double>> exposures;
+  for (int n = 0; n < patterns.count; ++n) {
+    exposures.push_back(expose(scan, patterns, n, photometry));
+  }
+  return digitised(std::move(exposures), photometry.bits);
 }
 
 }  // namespace slipstream

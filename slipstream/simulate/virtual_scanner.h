@@ -36,4 +36,10 @@ struct VirtualScan {
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {});
 
+/// The frames of other patterns, or with other light, from where `scan` was taken: of the scene as
+/// it stood then, without tracing its rays again. The patterns vary along the same axis. Throws
+/// Error where the photometry is not valid.
+FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
+                    const Photometry& photometry);
+
 }  // namespace slipstream

@@ -1,20 +1,18 @@
 #include "slipstream/strategy/decoder.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
 
 namespace slipstream {
-namespace {
-
-std::vector<int> step_counts(const Strategy& strategy) {
-  return std::visit([](const auto& chosen) { return chosen.step_counts(); }, strategy);
-}
-
-}  // namespace
-
-Decoder::Decoder(Strategy strategy, int length, Backend backend, const CueSettings& cue)
-    : strategy_(strategy), length_(length), cue_(cue), phase_(backend, step_counts(strategy)) {
+Decoder::Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections,
+                 const CueSettings& cue)
+    : strategy_(strategy),
+      length_(length),
+      cue_(cue),
+      phase_(backend, step_counts(strategy), std::move(corrections)) {
   std::visit([](const auto& chosen) { chosen.require_valid(); }, strategy_);
   require_resolved(strategy_, length);
   require_valid(cue_);

@@ -13,10 +13,11 @@ namespace slipstream {
 /// Frames of a strategy to mean, modulation, phase and projector coordinate. Tables are built once.
 class Decoder {
  public:
-  /// `length`: projector pixels along the axis of the patterns. Throws Error for a strategy whose
-  /// settings are out of range or too fine for that projector. `cue`: what a cue multiplexed into
-  /// the patterns needs beside them.
-  Decoder(Strategy strategy, int length, Backend backend, const CueSettings& cue = {});
+  /// `length`: projector pixels along the axis of the patterns. Every phase is corrected by what
+  /// `corrections` has for its N. `cue`: what a cue multiplexed into the patterns needs beside them.
+  /// Throws Error for a strategy whose settings are out of range or too fine for that projector.
+  Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections = {},
+          const CueSettings& cue = {});
 
   /// Throws Error when there are not as many frames as the strategy has patterns.
   [[nodiscard]] DecodedScan operator()(const FrameSet& frames) const;

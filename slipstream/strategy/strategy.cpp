@@ -141,6 +141,10 @@ int frame_count(const Strategy& strategy) {
   return std::visit([](const auto& chosen) { return chosen.frame_count(); }, strategy);
 }
 
+std::vector<int> step_counts(const Strategy& strategy) {
+  return std::visit([](const auto& chosen) { return chosen.step_counts(); }, strategy);
+}
+
 bool has_coordinate(const Strategy& strategy) {
   return std::visit([](const auto& chosen) { return chosen.has_coordinate(); }, strategy);
 }

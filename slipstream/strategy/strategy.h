@@ -44,6 +44,9 @@ StrategySettings settings_of(const Strategy& strategy);
 /// Frames of one scan.
 int frame_count(const Strategy& strategy);
 
+/// N of each of its sinusoids, in the order of their frames.
+std::vector<int> step_counts(const Strategy& strategy);
+
 /// Whether the frames alone give the projector coordinate, and so a depth.
 bool has_coordinate(const Strategy& strategy);
 

@@ -1,6 +1,7 @@
 // Every reader on files with random bytes changed, left out or put in: it reads them or throws
 // Error, and does nothing else. Run under the sanitizers, this is where a parser would fail.
 #include <functional>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/png_check.h"
+#include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/io/temporary_folder.h"
@@ -76,6 +78,12 @@ Image<std::uint8_t> some_picture() {
 const auto write_picture = [](const auto& path) { write_image(path, some_picture()); };
 const auto read_picture = [](const auto& path) { read_frames({path}); };
 
+const auto write_curve = [](const auto& path) {
+  const std::array values{0.0, 0.25, 0.5, 0.75, 1.0}, light{0.0, 0.1, 0.3, 0.6, 1.0};
+  write_response(std::nullopt, path, response_curve(values, light), 2, 0.01);
+};
+const auto read_curve = [](const auto& path) { (void)read_response(path); };
+
 const std::vector<Format> formats{
     {"scan.yaml",
      [](const auto& path) {
@@ -90,6 +98,8 @@ const std::vector<Format> formats{
      [](const auto& path) { require_valid(read_scanner(path)); }},
     {"scanner.xml", [](const auto& path) { write_scanner(path, some_scanner()); },
      [](const auto& path) { require_valid(read_scanner(path)); }},
+    {"response.yaml", write_curve, read_curve},
+    {"response.xml", write_curve, read_curve},
     {"frame.png", write_picture, read_picture},
     {"frame.pgm", write_picture, read_picture},
     {"frame.bmp", write_picture, read_picture},

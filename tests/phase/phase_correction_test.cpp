@@ -3,7 +3,11 @@
 #include <cmath>
 #include <numbers>
 
+#include <limits>
+
 #include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
 
 namespace slipstream {
 namespace {
@@ -33,6 +37,15 @@ TEST(PhaseCorrection, StaysOnTheCircle) {
   EXPECT_NEAR(corrected_phase(up, two_pi - 0.05), 0.05, 1e-12);
   EXPECT_NEAR(corrected_phase(down, 0.05), two_pi - 0.05, 1e-12);
   EXPECT_LT(corrected_phase({4, {-1e-18}}, 0), two_pi);
+}
+
+TEST(PhaseCorrection, IsRefusedWhereItIsNone) {
+  EXPECT_NO_THROW(require_valid(PhaseCorrection{3, {0}}, 3));
+  EXPECT_THROW(require_valid(PhaseCorrection{3, {}}, 3), Error);
+  EXPECT_THROW(require_valid(PhaseCorrection{3, {0}}, 4), Error);
+  EXPECT_THROW(require_valid(PhaseCorrection{2, {0}}, 2), Error);
+  EXPECT_THROW(require_valid(PhaseCorrection{3, {std::numeric_limits<double>::infinity()}}, 3),
+               Error);
 }
 
 }  // namespace

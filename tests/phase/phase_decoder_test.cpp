@@ -1,5 +1,6 @@
 #include "slipstream/phase/phase_decoder.h"
 
+#include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
@@ -55,6 +56,30 @@ TEST(PhaseDecoder, SaysWhereItFallsBackToTheEquations) {
   EXPECT_EQ(decode.backend_for(3, twelve_bits), Backend::equation);
   expect_equal_maps(decode(eight_bits, 0, 5),
                     PhaseDecoder(Backend::equation, {5})(eight_bits, 0, 5));
+}
+
+TEST(PhaseDecoder, CorrectsThePhaseInEveryBackend) {
+  const FrameSet frames(random_images<std::uint8_t>(9, 255));
+  PhaseCorrections corrections;
+  for (const int N : {3, 4, 6}) corrections[N] = {N, {0, 0.02, 0.01, -0.01, -0.02}};
+  for (const int N : {3, 4, 6, 5}) {
+    const PhaseMaps plain = PhaseDecoder(Backend::equation, {N})(frames, 0, N);
+    for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
+      const PhaseMaps maps = PhaseDecoder(backend, {N}, corrections)(frames, 0, N);
+      for (std::size_t i = 0; i < maps.mean.pixel_count(); ++i) {
+        const double phi = plain.wrapped_phase.begin()[i];
+        const double wanted =
+            corrections.contains(N) ? corrected_phase(corrections.at(N), phi) : phi;
+        ASSERT_NEAR(std::remainder(maps.wrapped_phase.begin()[i] - wanted, 6.283185307179586), 0,
+                    1e-12);
+        ASSERT_NEAR(maps.modulation.begin()[i], plain.modulation.begin()[i], 1e-9);
+      }
+    }
+  }
+}
+
+TEST(PhaseDecoder, RefusesACorrectionForAnotherN) {
+  EXPECT_THROW(PhaseDecoder(Backend::lut, {3}, {{3, {4, {0}}}}), Error);
 }
 
 TEST(Backend, HasNames) {

@@ -45,7 +45,7 @@ struct Shown {
 
   [[nodiscard]] DecodedScan decoded(Unwrapping unwrapping) const {
     const CueSettings cue{.light = light, .ambient = ambient, .unwrapping = unwrapping};
-    return Decoder(strategy, length, Backend::equation, cue)(frames());
+    return Decoder(strategy, length, Backend::equation, {}, cue)(frames());
   }
 };
 

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "app/commands.h"
+
+namespace slipstream::app {
+
+/// Each adds a kind of calibration to the group `calibrate`.
+void add_calibrate_gamma(CLI::App& calibrate, SharedFlags& shared, Command& chosen);
+
+}  // namespace slipstream::app

@@ -1,0 +1,86 @@
+#include "app/gamma_choice.h"
+
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/gamma/blind.h"
+#include "slipstream/gamma/correction.h"
+#include "slipstream/io/response_file.h"
+
+namespace slipstream::app {
+namespace {
+
+GammaChoice with_response(const Response& response, const std::vector<int>& steps,
+                          std::string_view source) {
+  GammaChoice choice{phase_corrections(response, steps), {{"source", source}}, ""};
+  if (const auto* law = std::get_if<PowerLaw>(&response)) {
+    choice.document["gamma"] = law->gamma;
+    choice.sentence = fmt::format("phase corrected for gamma {:.5g} ({})", law->gamma, source);
+  } else {
+    choice.document["curve"] = true;
+    choice.sentence = fmt::format("phase corrected for the measured response ({})", source);
+  }
+  return choice;
+}
+
+/// Of the scan's sinusoids the one that is surest of its gamma; where all refuse, the first.
+BlindGamma surest_gamma(const std::vector<int>& steps, const FrameSet& frames) {
+  std::optional<BlindGamma> surest;
+  int first = 0;
+  for (const int N : steps) {
+    const BlindGamma found = find_gamma(frames, first, N);
+    first += N;
+    const bool better =
+        !surest || (found.accepted() &&
+                    (!surest->accepted() || found.standard_error < surest->standard_error));
+    if (better) surest = found;
+  }
+  return surest.value_or(BlindGamma{.refusal = BlindRefusal::no_power_law});
+}
+
+GammaChoice blind_choice(const std::vector<int>& steps, const FrameSet& frames) {
+  const BlindGamma found = surest_gamma(steps, frames);
+  const std::string value = fmt::format("gamma {:.5g}, standard error {:.2g}, from {} pixels",
+                                        found.gamma, found.standard_error, found.pixels);
+  GammaChoice choice;
+  if (found.accepted()) {
+    choice = with_response(PowerLaw{found.gamma}, steps, "blind");
+    choice.sentence = fmt::format("phase corrected blind: {}", value);
+  } else {
+    choice.document = {
+        {"source", "blind"}, {"gamma", found.gamma}, {"refused", reason_of(found.refusal)}};
+    choice.sentence =
+        fmt::format("phase left alone: {} ({} would fit best)", reason_of(found.refusal), value);
+  }
+  choice.document["standard_error"] = found.standard_error;
+  choice.document["pixels"] = found.pixels;
+  return choice;
+}
+
+}  // namespace
+
+GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
+                         const FrameSet& frames) {
+  const std::vector<int> steps = step_counts(scan.strategy);
+  if (flag == "blind") return blind_choice(steps, frames);
+  if (flag == "scanner") {
+    const std::optional<Response> response =
+        scan.scanner ? read_response(*scan.scanner) : std::nullopt;
+    if (response) return with_response(*response, steps, "scanner file");
+  }
+  if (flag == "scanner" || flag == "none") return {{}, {{"source", "none"}}, ""};
+  double gamma = 0;
+  const auto [rest, failure] = std::from_chars(flag.data(), flag.data() + flag.size(), gamma);
+  if (failure != std::errc() || rest != flag.data() + flag.size()) {
+    throw Error(
+        fmt::format("--gamma {} is not known; it is scanner, blind, none or a number", flag));
+  }
+  require_gamma(gamma, "--gamma");
+  return with_response(PowerLaw{gamma}, steps, "given");
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,117 @@
+#include "slipstream/gamma/correction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/gamma/distortion.h"
+
+namespace slipstream {
+namespace {
+
+using std::numbers::pi;
+
+/// The root of a rising function between two places, f(low) <= 0 <= f(high), to rounding: the
+/// false position where it shrinks the bracket well, the middle where not.
+template <class Function>
+double root_between(const Function& f, double low, double high) {
+  double f_low = f(low), f_high = f(high);
+  if (f_low >= 0) return low;
+  if (f_high <= 0) return high;
+  double width = high - low;
+  for (int i = 0; i < 200; ++i) {
+    double place = low - f_low * (high - low) / (f_high - f_low);
+    if (i % 3 == 2 && high - low > width / 8) place = std::midpoint(low, high);
+    if (i % 3 == 2) width = high - low;
+    if (!(place > low && place < high)) place = std::midpoint(low, high);
+    if (place == low || place == high) break;
+    const double value = f(place);
+    if (std::abs(value) < 1e-16) return place;
+    if (value < 0) {
+      low = place;
+      f_low = value;
+      f_high /= 2;  // keeps the other end from standing still (Illinois)
+    } else {
+      high = place;
+      f_high = value;
+      f_low /= 2;
+    }
+    if (high - low < 1e-15) break;
+  }
+  return std::midpoint(low, high);
+}
+
+/// Brings the measured phase to [0, pi / N], where measured and true phase agree at both ends and
+/// rise together, and the solution back.
+template <class Model>
+double solve(const Model& model, int steps, double measured) {
+  const double half = pi / steps;
+  const double period = std::floor(measured / half);
+  const double within = measured - period * half;
+  const bool mirrored = std::fmod(period, 2) != 0;
+  const double target = mirrored ? half - within : within;
+  const double phi = root_between(
+      [&](double trial) { return distorted_phase(model, steps, trial) - target; }, 0, half);
+  return period * half + (mirrored ? half - phi : phi);
+}
+
+void require_steps(int steps) {
+  if (steps < 3) throw Error(fmt::format("{} steps are out of range; 3 or more", steps));
+}
+
+double added_at(const Response& response, int steps, double place) {
+  const double measured = 2 * pi * place / steps;
+  return true_phase(response, steps, measured) - measured;
+}
+
+}  // namespace
+
+double true_phase(const Response& response, int steps, double measured) {
+  return solve(response, steps, measured);
+}
+
+double true_phase(const HarmonicRatios& G, int steps, double measured) {
+  return solve(G, steps, measured);
+}
+
+PhaseCorrection phase_correction(const Response& response, int steps, double accuracy) {
+  require_steps(steps);
+  if (const auto* law = std::get_if<PowerLaw>(&response)) require_gamma(law->gamma, "gamma");
+  constexpr std::size_t shortest = 256, longest = 65536;
+
+  // The first half of the period; the second is the first in reverse with the other sign.
+  std::vector<double> half;
+  for (std::size_t i = 0; i <= shortest / 2; ++i) {
+    half.push_back(added_at(response, steps, static_cast<double>(i) / shortest));
+  }
+  for (std::size_t length = shortest; length < longest; length *= 2) {
+    double worst = 0;
+    std::vector<double> denser{half.front()};
+    for (std::size_t i = 0; i + 1 < half.size(); ++i) {
+      const double between =
+          added_at(response, steps, (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+      worst = std::max(worst, std::abs(between - std::midpoint(half[i], half[i + 1])));
+      denser.insert(denser.end(), {between, half[i + 1]});
+    }
+    if (worst <= accuracy) break;
+    half = std::move(denser);
+  }
+  PhaseCorrection correction{steps, half};
+  for (std::size_t i = half.size() - 2; i > 0; --i) correction.added.push_back(-half[i]);
+  return correction;
+}
+
+PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts) {
+  PhaseCorrections corrections;
+  for (const int steps : step_counts) {
+    if (!corrections.contains(steps)) corrections[steps] = phase_correction(response, steps);
+  }
+  return corrections;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "slipstream/gamma/response.h"
+#include "slipstream/pattern/pattern_set.h"
+
+namespace slipstream {
+
+/// The pictures that a projector of that response turns into the light of `patterns`: the inverse
+/// response is applied before projection. What people do instead of correcting the phase; it costs
+/// grey levels, because the pictures are rounded to the projector's after it.
+PatternSet precompensated(const PatternSet& patterns, const Response& response);
+
+/// The light that a projector of that response makes of `patterns`, as a pattern set of its own.
+PatternSet through(const PatternSet& patterns, const Response& response);
+
+}  // namespace slipstream

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace slipstream {
+
+/// Range of gamma that slipstream models, measures and corrects.
+inline constexpr double least_gamma = 0.5;
+inline constexpr double largest_gamma = 11;
+
+/// The projector's light is its pattern's value to the power gamma: Liu 2010, Eq. (4.2).
+struct PowerLaw {
+  double gamma = 1;
+};
+
+/// A measured response: value of the pattern to light, both from 0 to 1, rising throughout; a
+/// monotone cubic passes through the points.
+struct ResponseCurve {
+  std::vector<double> values;  ///< of the pattern, from 0 to 1, rising
+  std::vector<double> light;   ///< at each of them, from 0 to 1, rising
+  std::vector<double> slopes;  ///< of the curve there, d light / d value
+};
+
+/// How the light of projector and camera together answers a pattern's value.
+using Response = std::variant<PowerLaw, ResponseCurve>;
+
+/// Throws Error, naming `what`, unless gamma is in [least_gamma, largest_gamma].
+void require_gamma(double gamma, std::string_view what);
+
+/// The curve through the intensities (grey levels of the camera) measured at the values of uniform
+/// patterns, [0, 1] of the projector's range, in any order. Scaled so that the darkest is 0 and the
+/// brightest 1: ambient light and reflectivity drop out. Neighbours that noise put in the wrong
+/// order are averaged. Throws Error unless there are 3 or more values, all different, 0 and 1 among
+/// them, and the intensity rises from 0 to 1.
+ResponseCurve response_curve(std::span<const double> values, std::span<const double> intensities);
+
+/// Light, [0, 1], at a pattern's value; values outside [0, 1] are taken for the nearest inside.
+double light_at(const Response& response, double value);
+
+/// The value, [0, 1], whose light that is: the inverse of light_at.
+double value_for(const Response& response, double light);
+
+}  // namespace slipstream

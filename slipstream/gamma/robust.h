@@ -1,0 +1,30 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace slipstream {
+
+/// The middle value; reorders what it is given, which is not empty.
+inline double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Tukey's weight of a residual in units of the standard deviation: 1 at 0, 0 from 4.685 on, where
+/// it keeps 95 % of the efficiency of least squares on Gaussian noise.
+inline double tukey_weight(double residual) {
+  const double share = residual / 4.685;
+  const double rest = 1 - share * share;
+  return rest > 0 ? rest * rest : 0;
+}
+
+/// The standard deviation of Gaussian values with that median of their magnitudes.
+inline double deviation_from_median(double median_magnitude) {
+  return 1.4826 * median_magnitude;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,74 @@
+#include "slipstream/io/response_file.h"
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/opencv_storage.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* gamma_entry = "gamma";
+constexpr const char* error_entry = "gamma_standard_error";
+constexpr const char* values_entry = "response_values";
+constexpr const char* light_entry = "response_light";
+
+StoredMatrix row_of(std::vector<double> numbers) {
+  return {1, static_cast<int>(numbers.size()), std::move(numbers)};
+}
+
+bool is_xml(const fs::path& path) {
+  return lower_case_extension(path) == ".xml";
+}
+
+}  // namespace
+
+std::optional<Response> read_response(const fs::path& scanner_file) {
+  const std::map<std::string, StoredMatrix> entries = read_opencv_storage(scanner_file);
+  try {
+    if (entries.contains(values_entry) || entries.contains(light_entry)) {
+      if (!entries.contains(values_entry) || !entries.contains(light_entry)) {
+        throw Error(fmt::format("{} and {} go together", values_entry, light_entry));
+      }
+      return response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
+    }
+    if (!entries.contains(gamma_entry)) return std::nullopt;
+    const std::vector<double>& numbers = entries.at(gamma_entry).numbers;
+    if (numbers.size() != 1) throw Error("gamma is not a number");
+    require_gamma(numbers[0], gamma_entry);
+    return PowerLaw{numbers[0]};
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", scanner_file.string(), error.what()));
+  }
+}
+
+void write_response(const std::optional<fs::path>& from, const fs::path& to,
+                    const Response& response, double gamma, double standard_error) {
+  if (from && is_xml(*from) != is_xml(to)) {
+    throw Error(fmt::format("{}: {} is {}; give the output the same ending", to.string(),
+                            from->string(), is_xml(*from) ? "XML" : "YAML"));
+  }
+  std::map<std::string, StoredMatrix> entries{{gamma_entry, row_of({gamma})},
+                                              {error_entry, row_of({standard_error})},
+                                              {values_entry, {}},
+                                              {light_entry, {}}};
+  if (const auto* curve = std::get_if<ResponseCurve>(&response)) {
+    entries[values_entry] = row_of(curve->values);
+    entries[light_entry] = row_of(curve->light);
+  }
+  std::string text = is_xml(to) ? "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n"
+                                : "%YAML:1.0\n---\ngamma: 1\n";
+  if (from) {
+    const std::vector<std::uint8_t> bytes = read_file(*from);
+    text.assign(bytes.begin(), bytes.end());
+  }
+  write_file(to, with_entries(text, entries, from.value_or(to).string()));
+}
+
+}  // namespace slipstream

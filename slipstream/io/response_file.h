@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "slipstream/gamma/response.h"
+
+namespace slipstream {
+
+/// The response that a scanner file holds, if it does: `response_values` and `response_light`, two
+/// rows of numbers (a measured curve), or `gamma`. Throws Error, naming file and entry, for one
+/// that is not of its form or out of range.
+std::optional<Response> read_response(const std::filesystem::path& scanner_file);
+
+/// Writes the scanner file `from` to `to` (which may be the same) with this response in place of
+/// the one in it; every other entry stays, those that slipstream does not know too. `gamma`: the
+/// power law nearest to a curve, or its own; `standard_error`: of gamma. `from` may be missing: the
+/// new file then holds the response alone. Throws Error where both names do not end alike in .xml
+/// or not.
+void write_response(const std::optional<std::filesystem::path>& from,
+                    const std::filesystem::path& to, const Response& response, double gamma,
+                    double standard_error);
+
+}  // namespace slipstream

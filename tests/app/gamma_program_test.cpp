@@ -1,0 +1,142 @@
+// The program on scans of a projector with gamma.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/response_file.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+class GammaProgram : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  /// Runs the program and expects it to succeed.
+  [[nodiscard]] static std::string out_of(const std::vector<std::string>& arguments) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.out + run.err;
+  }
+  /// Runs the program and expects it to refuse its input in one line.
+  [[nodiscard]] static std::string refusal_of(const std::vector<std::string>& arguments) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    return run.err;
+  }
+  /// RMS error against truth of scan/, mm.
+  [[nodiscard]] double rms_with(const std::string& gamma) const {
+    const std::string json = out_of({"reconstruct", path("scan"), "--gamma", gamma, "--json"});
+    const std::string key = "\"rms_mm\":";
+    double rms = NAN;
+    std::sscanf(json.c_str() + json.find(key) + key.size(), "%lf", &rms);
+    return rms;
+  }
+  void simulate(const std::string& steps) const {
+    (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--gamma",
+                  "2.4", "--noise", "0.2", "--steps", steps, "--low-steps", "6", "--high", "8"});
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+bool says(const std::string& text, const std::string& words) {
+  return text.find(words) != std::string::npos;
+}
+
+TEST_F(GammaProgram, CalibratesTheScannerFileThatReconstructUses) {
+  simulate("6");
+  (void)out_of({"calibrate", "gamma", path("scan"), "-o", path("scan/scanner.yaml"), "--map",
+                path("gamma.tiff")});
+  const Response response = read_response(path("scan/scanner.yaml")).value();
+  EXPECT_NEAR(std::get<PowerLaw>(response).gamma, 2.4, 0.005);
+  EXPECT_EQ(read_map(path("gamma.tiff")).size(), (Size{128, 96}));
+
+  (void)out_of({"simulate", path("three"), "--scene", "board", "--camera", "128x96", "--gamma",
+                "2.4", "--noise", "0.2", "--steps", "3", "--low-steps", "6", "--high", "8"});
+  const auto depth_error = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"reconstruct", path("three"), "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const std::string json = out_of(arguments);
+    double rms = NAN;
+    std::sscanf(json.c_str() + json.find("\"rms_mm\":") + 9, "%lf", &rms);
+    return rms;
+  };
+  const std::vector<std::string> scanner{"--scanner", path("scan/scanner.yaml")};
+  const double corrected = depth_error(scanner);
+  EXPECT_LT(corrected, depth_error({}) / 10);
+  EXPECT_NEAR(corrected, depth_error({"--gamma", "2.4"}), 0.02 * corrected);
+}
+
+TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
+  simulate("4");
+  EXPECT_LT(rms_with("blind"), rms_with("none") / 3);
+  simulate("3");
+  // The low frequency has six steps and says what gamma is.
+  EXPECT_LT(rms_with("blind"), rms_with("none") / 10);
+  (void)out_of({"simulate", path("scan"), "--camera", "128x96", "--gamma", "2.4", "--strategy",
+                "pmp", "--steps", "3"});
+  const std::string said = out_of({"reconstruct", path("scan"), "--gamma", "blind"});
+  EXPECT_TRUE(says(said, "left alone: ambient light")) << said;
+}
+
+TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
+  (void)out_of({"patterns", path("levels"), "--uniform", "18", "--projector", "64x48"});
+  // What a camera sees of them: two thirds of the light, in front of some ambient light.
+  for (int i = 0; i < 18; ++i) {
+    char name[64];
+    std::snprintf(name, sizeof name, "levels/level_%03d.png", 15 * i);
+    const double light = std::pow(15 * i / 255.0, 1.8);
+    write_image(path(name), Image<std::uint8_t>(
+                                {40, 30}, static_cast<std::uint8_t>(std::lround(8 + 170 * light))));
+  }
+  const std::string said = out_of(
+      {"calibrate", "gamma", "--uniform", path("levels"), "--response", "-o", path("curve.yaml")});
+  EXPECT_TRUE(says(said, "gamma 1.8") || says(said, "gamma 1.79")) << said;
+  const Response response = read_response(path("curve.yaml")).value();
+  EXPECT_NEAR(light_at(response, 0.5), std::pow(0.5, 1.8), 0.003);
+
+  // Half light takes a brighter picture.
+  const std::vector<std::string> patterns{"patterns",    path("patterns"), "--strategy",
+                                          "pmp",         "--steps",        "4",
+                                          "--projector", "64x48",          "--precompensate"};
+  auto with_curve = patterns, with_number = patterns;
+  with_curve.push_back(path("curve.yaml"));
+  with_number.push_back("1.8");
+  (void)out_of(with_curve);
+  const Image<std::uint16_t> by_curve = read_grey_image(path("patterns/pattern_00.png"));
+  (void)out_of(with_number);
+  const Image<std::uint16_t> by_number = read_grey_image(path("patterns/pattern_00.png"));
+  EXPECT_NEAR(by_number(16, 0), 255 * std::pow(0.5, 1 / 1.8), 1);
+  EXPECT_NEAR(by_curve(16, 0), by_number(16, 0), 2);
+}
+
+TEST_F(GammaProgram, RefusesBadInput) {
+  simulate("4");
+  EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--gamma", "bright"}), "bright"));
+  EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--gamma", "20"}), "0.5 to 11"));
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma"}), "--uniform"));
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "--response"}), "--uniform"));
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "--map", path("m.tiff")}), "5"));
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "-o", path("s.xml")}), ".xml"));
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("nowhere")}), "nowhere"));
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", "--uniform", path("scan")}), "level"));
+  EXPECT_TRUE(says(refusal_of({"patterns", path("p"), "--uniform", "2"}), "4 to 256"));
+  EXPECT_TRUE(
+      says(refusal_of({"patterns", path("p"), "--precompensate", path("scan/scanner.yaml")}),
+           "no gamma"));
+  EXPECT_FALSE(std::filesystem::exists(path("s.xml")));
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "slipstream/noise/phase_noise.h"
+#include "slipstream/noise/reflectivity.h"
 #include "slipstream/phase/equations.h"
 #include "slipstream/phase/temporal_unwrapping.h"
 
@@ -30,7 +30,7 @@ double MultiplexedCue::coordinate(const MultiplexedPixel& pixel) const {
   const auto& [alpha_p, beta_p] = settings_.light;
   const double beta = settings_.ambient;
   if (strategy_.steps >= 5) return wrapped_angle(pixel.cue_sine, pixel.cue) / (2 * pi);  // (3.88)
-  const double alpha = 2 * pixel.modulation / (alpha_p * c1_);                           // (3.59)
+  const double alpha = reflectivity(pixel.modulation, alpha_p, c1_);                     // (3.59)
   if (!(alpha > 1e-9)) return 0;
   const double R =
       strategy_.steps == 3

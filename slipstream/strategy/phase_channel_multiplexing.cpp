@@ -1,7 +1,6 @@
 #include "slipstream/strategy/phase_channel_multiplexing.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -11,9 +10,10 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/phase_noise.h"
+#include "slipstream/noise/predicted_variance.h"
 #include "slipstream/pattern/sinusoid.h"
 #include "slipstream/phase/neighbourhood_fringe_order.h"
+#include "slipstream/phase/phase_channel.h"
 #include "slipstream/phase/temporal_unwrapping.h"
 #include "slipstream/strategy/multiplexed_cue.h"
 
@@ -22,51 +22,22 @@ namespace {
 
 using std::numbers::pi;
 
-/// Weights of the N frames in the cue's channel, (1.3), (3.70), (3.86) and (3.85).
-struct CueWeights {
-  std::vector<double> cosine;
-  std::vector<double> sine;
-};
-
-CueWeights cue_weights(int steps) {
-  CueWeights weights;
-  const double N = steps;
-  for (int n = 0; n < steps; ++n) {
-    if (steps == 3) {
-      weights.cosine.push_back(1 / N);
-      weights.sine.push_back(0);
-    } else if (steps == 4) {
-      weights.cosine.push_back((n % 2 == 0 ? 1 : -1) / N);
-      weights.sine.push_back(0);
-    } else {
-      weights.cosine.push_back(2 / N * std::cos(4 * pi * n / N));
-      weights.sine.push_back(2 / N * std::sin(4 * pi * n / N));
-    }
-  }
-  return weights;
-}
-
 /// `grey_level`: a grey level of 8 bits in those of the frames.
 Image<MultiplexedPixel> multiplexed_pixels(const FrameSet& frames, const PhaseMaps& maps,
                                            double grey_level) {
-  const CueWeights weights = cue_weights(frames.count());
+  const int N = frames.count();
+  const Image<double> cue = N == 3   ? maps.mean
+                            : N == 4 ? weighted_sum(frames, 0, half_phase_weights())
+                                     : weighted_sum(frames, 0, channel_cosines(N, 2));
+  const Image<double> cue_sine =
+      N < 5 ? Image<double>(frames.size()) : weighted_sum(frames, 0, channel_sines(N, 2));
   Image<MultiplexedPixel> pixels(frames.size());
-  frames.visit([&](const auto& views) {
-    for_each_row(frames.size().height, [&](int row) {
-      for (int column = 0; column < frames.size().width; ++column) {
-        double cosine = 0, sine = 0;
-        for (std::size_t n = 0; n < views.size(); ++n) {
-          const auto I = static_cast<double>(views[n](column, row));
-          cosine += weights.cosine[n] * I;
-          sine += weights.sine[n] * I;
-        }
-        pixels(column, row) = {.modulation = maps.modulation(column, row) / grey_level,
-                               .wrapped_phase = maps.wrapped_phase(column, row),
-                               .cue = cosine / grey_level,
-                               .cue_sine = sine / grey_level};
-      }
-    });
-  });
+  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
+    pixels.begin()[i] = {.modulation = maps.modulation.begin()[i] / grey_level,
+                         .wrapped_phase = maps.wrapped_phase.begin()[i],
+                         .cue = cue.begin()[i] / grey_level,
+                         .cue_sine = cue_sine.begin()[i] / grey_level};
+  }
   return pixels;
 }
 
@@ -203,8 +174,7 @@ DecodedScan PhaseChannelMultiplexing::decode(const FrameSet& frames, const Phase
 
 double PhaseChannelMultiplexing::coordinate_variance(double alpha, double alpha_p,
                                                      double noise_variance) const {
-  const double variance = phase_variance(steps, c1() * alpha, alpha_p, noise_variance);
-  return slipstream::coordinate_variance(variance, f_h());
+  return multiplexed_coordinate_variance(steps, alpha, alpha_p, c1(), f_h(), noise_variance);
 }
 
 }  // namespace slipstream

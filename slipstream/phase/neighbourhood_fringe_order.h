@@ -20,7 +20,7 @@ struct NeighbourhoodChoice {
   double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
   /// So many of the eight neighbours that hold in the end what the pixel said alone show an edge
   /// that the wrapped phase does not, one of whole periods: there the pixel's own choice stands.
-  int hidden_edge = 2;
+  int hidden_edge = 1;
   int passes = 3;
 };
 

@@ -331,7 +331,7 @@ TEST_F(Program, FullDisk) {
   }
   const ProgramRun cloud = run_program({"reconstruct", path("scan"), "-o", disk + "/cloud.ply"});
   const int left_of_cloud = entries_in(disk);
-  const ProgramRun scan = run_program({"simulate", disk + "/scan", "--camera", "640x480"});
+  const ProgramRun scan = run_program({"simulate", disk + "/scan", "--camera", "320x240"});
   const bool described = fs::exists(disk + "/scan/scan.yaml");
   ::umount(disk.c_str());
   expect_refused(cloud, 1, {"cloud.ply", "No space left"});

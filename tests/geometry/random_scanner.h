@@ -12,7 +12,7 @@ namespace slipstream {
 
 /// A camera and a projector of random lenses that look at one place 300 to 1500 mm away from 50 to
 /// 400 mm apart.
-inline Scanner random_scanner(unsigned seed, double distortion = 0) {
+inline Scanner random_scanner(unsigned seed, double distortion = 0, Size camera = {640, 480}) {
   std::mt19937 random(seed);
   const auto uniform = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
@@ -31,7 +31,7 @@ inline Scanner random_scanner(unsigned seed, double distortion = 0) {
     return made;
   };
   Scanner scanner;
-  scanner.camera = lens({640, 480});
+  scanner.camera = lens(camera);
   scanner.projector = lens({1024, 768});
   const double distance = uniform(300, 1500);
   const double around = uniform(0, 2 * std::numbers::pi);

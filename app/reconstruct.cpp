@@ -19,6 +19,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/preview.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
@@ -55,6 +56,8 @@ struct ReconstructFlags {
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
+  bool uncertainty = false;
+  PhotometricCalibration photometry;  ///< as far as flags say it
   OutputFiles files;
 };
 
@@ -129,6 +132,39 @@ Scanner scanner_for(const ScanDescription& scan, Size camera) {
   return scanner;
 }
 
+/// What the flags say of light and sensor, else the scanner's file. Throws Error where neither says
+/// what is needed.
+PhotometricCalibration photometry_for(const ScanDescription& scan, const ReconstructFlags& flags) {
+  PhotometricCalibration known = read_photometric_calibration(*scan.scanner);
+  if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
+  if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
+  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&scan.strategy);
+  if (pcmp != nullptr && pcmp->steps == 3 && !known.ambient) {
+    throw Error(
+        fmt::format("{}: no ambient light in it, which pcmp of 3 frames needs; measure it "
+                    "with slipstream calibrate ambient, or give --ambient",
+                    scan.scanner->string()));
+  }
+  if (flags.uncertainty && !known.noise_variance) {
+    throw Error(
+        fmt::format("{}: no noise variance in it, which --uncertainty needs; measure it "
+                    "with slipstream calibrate noise, or give --noise-variance",
+                    scan.scanner->string()));
+  }
+  return known;
+}
+
+/// Median of the standard deviations of depth, mm.
+double median_depth_sigma(const Uncertainty& uncertainty) {
+  std::vector<float> sigma;
+  std::copy_if(uncertainty.z.begin(), uncertainty.z.end(), std::back_inserter(sigma),
+               [](float value) { return std::isfinite(value); });
+  if (sigma.empty()) return 0;
+  const auto middle = sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2);
+  std::nth_element(sigma.begin(), middle, sigma.end());
+  return *middle;
+}
+
 /// With several scans "{name}" in an output's path stands for the scan's folder.
 std::string for_scan(const std::string& path, const fs::path& folder) {
   static constexpr std::string_view placeholder = "{name}";
@@ -155,7 +191,8 @@ void require_good_paths(const ReconstructFlags& flags) {
 
 /// What was written, by its name in the JSON document.
 nlohmann::json write_outputs(const ReconstructFlags& flags, const fs::path& folder,
-                             const Reconstruction& result) {
+                             const Reconstruction& result,
+                             const std::optional<Uncertainty>& uncertainty) {
   nlohmann::json written = nlohmann::json::object();
   const auto write = [&](const char* name, const std::string& asked, const auto& writer) {
     if (asked.empty()) return;
@@ -170,7 +207,9 @@ nlohmann::json write_outputs(const ReconstructFlags& flags, const fs::path& fold
   write("cloud", flags.files.cloud, [&](const std::string& path) {
     const std::optional<Normals> normals =
         flags.normals ? std::optional(surface_normals(result.cloud)) : std::nullopt;
-    write_cloud(path, result.cloud, normals ? &*normals : nullptr);
+    write_cloud(path, result.cloud,
+                {.normals = normals ? &*normals : nullptr,
+                 .uncertainty = uncertainty ? &*uncertainty : nullptr});
   });
   write_as_map("depth", flags.files.depth, result.cloud.z);
   write_as_map("coordinate", flags.files.coordinate, result.decoded.coordinate);
@@ -217,16 +256,19 @@ class ReconstructorOfScans {
  public:
   explicit ReconstructorOfScans(const ReconstructSettings& settings) : settings_(settings) {}
 
-  const Reconstructor& for_scan(const ScanDescription& scan, Size camera,
-                                const GammaChoice& gamma) {
-    const std::string wanted =
-        fmt::format("{} {} {} {} {} {} {} {}", scan.scanner->string(),
-                    nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-                    name_of(scan.axis), text_of(camera), gamma.document.dump(), scan.light.alpha_p,
-                    scan.light.beta_p);
+  const Reconstructor& for_scan(const ScanDescription& scan, Size camera, const GammaChoice& gamma,
+                                const PhotometricCalibration& photometry) {
+    const std::string wanted = fmt::format(
+        "{} {} {} {} {} {} {} {} {} {}", scan.scanner->string(),
+        nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
+        name_of(scan.axis), text_of(camera), gamma.document.dump(), scan.light.alpha_p,
+        scan.light.beta_p, photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
     if (wanted != made_for_) {
       settings_.phase_corrections = gamma.corrections;
       settings_.cue.light = scan.light;
+      settings_.cue.ambient = photometry.ambient.value_or(settings_.cue.ambient);
+      settings_.cue.noise_variance =
+          photometry.noise_variance.value_or(settings_.cue.noise_variance);
       reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
       made_for_ = wanted;
     }
@@ -249,6 +291,10 @@ void tell(const nlohmann::json& scan, Output& output) {
   if (scan.contains("rms_mm")) {
     output.say("  RMS error against truth: {:.4g} mm", scan["rms_mm"].get<double>());
   }
+  if (scan.contains("median_sigma_z_mm")) {
+    output.say("  uncertainty of depth: median sigma {:.4g} mm",
+               scan["median_sigma_z_mm"].get<double>());
+  }
   const auto& seconds = scan["seconds"];
   output.say("  time: {:.0f} ms to read, {:.0f} for tables, {:.0f} to reconstruct, {:.0f} to write",
              1e3 * seconds["read"].get<double>(), 1e3 * seconds["tables"].get<double>(),
@@ -266,12 +312,16 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   for (const std::string& warning : loaded.warnings) output.warn(warning);
   const double read = watch.lap();
   const GammaChoice gamma = choose_gamma(flags.gamma, scan, loaded.frames);
-  const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size(), gamma);
+  const Reconstructor& reconstruct =
+      reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry_for(scan, flags));
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
   const Reconstruction result = reconstruct(loaded.frames);
   const double computed = watch.lap();
-  nlohmann::json files = write_outputs(flags, folder, result);
+  const std::optional<Uncertainty> uncertainty =
+      flags.uncertainty ? std::optional(reconstruct.uncertainty(result, loaded.frames))
+                        : std::nullopt;
+  nlohmann::json files = write_outputs(flags, folder, result, uncertainty);
 
   nlohmann::json told = {
       {"scan", folder.string()},
@@ -284,6 +334,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"warnings", loaded.warnings},
       {"seconds",
        {{"read", read}, {"tables", tables}, {"reconstruct", computed}, {"write", watch.lap()}}}};
+  if (uncertainty) told["median_sigma_z_mm"] = median_depth_sigma(*uncertainty);
   if (const auto rms = error_against_truth(folder, result.cloud)) told["rms_mm"] = *rms;
   return told;
 }
@@ -324,6 +375,10 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   command.add_option("--preview", files.preview, "depth as a coloured picture with a scale: .png")
       ->group(group);
   command.add_flag("--normals", flags.normals, "surface normals into the cloud")->group(group);
+  command
+      .add_flag("--uncertainty", flags.uncertainty,
+                "standard deviation of each point, by the frames' noise, into the cloud")
+      ->group(group);
 }
 
 void add_point_flags(CLI::App& command, ReconstructFlags& flags) {
@@ -356,10 +411,10 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
       ->add_option("--unwrapping", flags->unwrapping,
                    "fringe order from a cue in the same frames: consensus, likelihood or published")
       ->capture_default_str();
-  command
-      ->add_option("--ambient", flags->settings.cue.ambient,
-                   "ambient light, grey levels of 255, which a cue in 3 frames needs")
-      ->capture_default_str();
+  command->add_option("--ambient", flags->photometry.ambient,
+                      "ambient light, grey levels of 255, where not that of the scanner file");
+  command->add_option("--noise-variance", flags->photometry.noise_variance,
+                      "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
   command
       ->add_option(
           "--gamma", flags->gamma,

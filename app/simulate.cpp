@@ -13,8 +13,10 @@
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
@@ -78,6 +80,18 @@ void write_truth(const fs::path& folder, const VirtualScan& virtual_scan) {
   write_map(folder / "reflectivity.tiff", virtual_scan.reflectivity);
 }
 
+/// What a calibration of light and sensor would find, rounding included.
+PhotometricCalibration photometric_truth(const Photometry& photometry) {
+  double variance = photometry.noise_variance;
+  if (photometry.bits) {
+    const double step = 255.0 / ((1 << *photometry.bits) - 1);
+    variance += quantisation_variance * step * step;
+  }
+  PhotometricCalibration truth{.ambient = photometry.ambient, .noise_variance = {}};
+  if (variance > 0) truth.noise_variance = variance;
+  return truth;
+}
+
 void simulate(const SimulateFlags& flags, Output& output) {
   const Scanner scanner = scanner_from(flags);
   ScanDescription scan;
@@ -106,6 +120,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
   if (virtual_scan.frames.quantised()) scan.bits = virtual_scan.frames.bits();
   write_frames(scan.frames, virtual_scan.frames);
   write_scanner(*scan.scanner, scanner);
+  write_photometric_calibration(scan.scanner, *scan.scanner, photometric_truth(photometry));
   write_truth(folder / "truth", virtual_scan);
   write_scan_description(folder / "scan.yaml", scan);
 

@@ -5,6 +5,7 @@
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/uncertainty.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/phase/fringe_order_consensus.h"
 #include "slipstream/strategy/decoder.h"
@@ -51,6 +52,11 @@ class Reconstructor {
   /// Throws Error when the frames are not of the camera's size or not as many as the strategy's.
   [[nodiscard]] Reconstruction operator()(const FrameSet& frames) const;
 
+  /// How sure each point of a scan is under noise of settings.cue.noise_variance on each frame:
+  /// sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the derivative of the point.
+  /// `frames` are those that the scan was made from.
+  [[nodiscard]] Uncertainty uncertainty(const Reconstruction& scan, const FrameSet& frames) const;
+
   [[nodiscard]] const Decoder& decoder() const { return decode_; }
 
  private:
@@ -61,6 +67,7 @@ class Reconstructor {
 
   ReconstructSettings settings_;
   Axis axis_;
+  Strategy strategy_;
   double highest_frequency_;
   Triangulator triangulate_;
   Decoder decode_;

@@ -14,8 +14,9 @@ namespace slipstream {
 class Decoder {
  public:
   /// `length`: projector pixels along the axis of the patterns. Every phase is corrected by what
-  /// `corrections` has for its N. `cue`: what a cue multiplexed into the patterns needs beside them.
-  /// Throws Error for a strategy whose settings are out of range or too fine for that projector.
+  /// `corrections` has for its N. `cue`: what a cue multiplexed into the patterns needs beside
+  /// them. Throws Error for a strategy whose settings are out of range or too fine for that
+  /// projector.
   Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections = {},
           const CueSettings& cue = {});
 

@@ -55,6 +55,8 @@ struct PhaseChannelMultiplexing {
   /// lie outside the field.
   [[nodiscard]] DecodedScan decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
                                    const CueSettings& cue) const;
+  /// B_1^c over alpha alpha_p / 2, (3.57): c_1.
+  [[nodiscard]] double modulation_share() const { return c1(); }
   /// Predicted variance of y, Eq. (3.63) for any N, where the fringe order is right.
   [[nodiscard]] double coordinate_variance(double alpha, double alpha_p,
                                            double noise_variance) const;

@@ -35,6 +35,8 @@ struct PhaseMeasuring {
   /// `length`: projector pixels along the axis.
   [[nodiscard]] DecodedScan decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
                                    const CueSettings& cue) const;
+  /// B^c over alpha alpha_p / 2, by which noise is judged from the modulation.
+  [[nodiscard]] static double modulation_share() { return 1; }
   /// Predicted variance of y, Eq. (3.40): see phase_variance.
   [[nodiscard]] double coordinate_variance(double alpha, double alpha_p,
                                            double noise_variance) const;

@@ -162,6 +162,17 @@ void require_resolved(const Strategy& strategy, int length) {
   }
 }
 
+double coordinate_variance(const Strategy& strategy, double modulation, double noise_variance) {
+  return std::visit(
+      [&](const auto& chosen) {
+        // Alpha and alpha_p bear on the noise by their product alone.
+        constexpr double alpha_p = 2;
+        return chosen.coordinate_variance(modulation / chosen.modulation_share(), alpha_p,
+                                          noise_variance);
+      },
+      strategy);
+}
+
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light) {
   std::visit([](const auto& chosen) { chosen.require_valid(); }, strategy);
   require_valid(light);

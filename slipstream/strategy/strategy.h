@@ -57,6 +57,11 @@ double highest_frequency(const Strategy& strategy);
 /// the axis for each period, so that no projector of that size can show it.
 void require_resolved(const Strategy& strategy, int length);
 
+/// Predicted variance of y (fields^2) at a pixel of that modulation (grey levels, as DecodedScan
+/// tells it) under noise of sigma_w^2 (grey levels^2): what coordinate_variance of the strategy
+/// says for the reflectivity that gives this modulation, Eqs. (3.6), (3.59).
+double coordinate_variance(const Strategy& strategy, double modulation, double noise_variance);
+
 /// What the projector shows.
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light = {});
 

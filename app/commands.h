@@ -25,5 +25,6 @@ void add_patterns(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_bench(CLI::App& program, SharedFlags& shared, Command& chosen);
 
 }  // namespace slipstream::app

@@ -50,6 +50,7 @@ int run_program(int argc, char** argv) {
   add_simulate(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
   add_calibrate(program, shared, chosen);
+  add_bench(program, shared, chosen);
 
   try {
     program.parse(argc, argv);

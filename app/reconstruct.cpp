@@ -50,7 +50,7 @@ struct ReconstructFlags {
   ScanFlags scan;
   std::optional<std::string> scanner;
   std::optional<int> bits;
-  std::string backend = "lut";
+  std::string backend = "fused";
   std::string unwrapping = "consensus";
   std::string gamma = "scanner";
   ReconstructSettings settings;
@@ -328,7 +328,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"points", point_count(result.cloud)},
       {"pixels", result.cloud.z.pixel_count()},
       {"counts", counts_of(result.cloud)},
-      {"backend", reconstruct.decoder().backend_for(loaded.frames)},
+      {"backend", reconstruct.backend_for(loaded.frames)},
       {"gamma", gamma.document},
       {"files", std::move(files)},
       {"warnings", loaded.warnings},
@@ -405,7 +405,7 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
   command->add_option("folders", flags->folders, "scan folders: pictures, and scan.yaml or flags")
       ->required();
   command->add_option("--scanner", flags->scanner, "scanner file; where not that of scan.yaml");
-  command->add_option("--backend", flags->backend, "lut, closed-form or equation")
+  command->add_option("--backend", flags->backend, "fused, lut, closed-form or equation")
       ->capture_default_str();
   command
       ->add_option("--unwrapping", flags->unwrapping,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -11,7 +12,11 @@
 
 #else
 
+#include <algorithm>
+
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #endif
 
@@ -21,6 +26,10 @@ namespace slipstream {
 
 // The thread sanitizer cannot see inside oneTBB as distributions build it and reports every
 // hand-over between its threads as a race. Threads that it sees let it judge the bodies.
+int parallel_threads() {
+  return 2;
+}
+
 void for_each_row(int height, const std::function<void(int row)>& body) {
   std::atomic<int> next_row = 0;
   std::exception_ptr first_failure;
@@ -35,13 +44,19 @@ void for_each_row(int height, const std::function<void(int row)>& body) {
     }
   };
   {
-    std::vector<std::jthread> threads(2);
+    std::vector<std::jthread> threads(static_cast<std::size_t>(parallel_threads()));
     std::generate(threads.begin(), threads.end(), [&] { return std::jthread(work); });
   }
   if (first_failure) std::rethrow_exception(first_failure);
 }
 
 #else
+
+int parallel_threads() {
+  const auto allowed = static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  return std::min(allowed, tbb::this_task_arena::max_concurrency());
+}
 
 void for_each_row(int height, const std::function<void(int row)>& body) {
   tbb::parallel_for(0, height, body);

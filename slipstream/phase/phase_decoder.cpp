@@ -14,10 +14,11 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<Backend, std::string_view>, 3> backend_names{{
+constexpr std::array<std::pair<Backend, std::string_view>, 4> backend_names{{
     {Backend::equation, "equation"},
     {Backend::closed_form, "closed-form"},
     {Backend::lut, "lut"},
+    {Backend::fused, "fused"},
 }};
 
 /// Walks the pixels; `sample` turns the N intensities of one into a PhaseSample.
@@ -93,14 +94,16 @@ Backend backend_named(std::string_view name) {
   for (const auto& [backend, known] : backend_names) {
     if (known == name) return backend;
   }
-  throw Error(fmt::format("backend '{}' is not known; it is equation, closed-form or lut", name));
+  throw Error(
+      fmt::format("backend '{}' is not known; it is equation, closed-form, lut or fused", name));
 }
 
 PhaseDecoder::PhaseDecoder(Backend backend, const std::vector<int>& steps,
                            PhaseCorrections corrections)
-    : backend_(backend), corrections_(std::move(corrections)) {
+    : backend_(backend == Backend::fused ? Backend::lut : backend),
+      corrections_(std::move(corrections)) {
   for (const auto& [N, correction] : corrections_) require_valid(correction, N);
-  if (backend != Backend::lut) return;
+  if (backend_ != Backend::lut) return;
   for (const int N : steps) {
     if (closed_form(N) != nullptr) tables_.try_emplace(N, N, correction_for(N));
   }

@@ -12,14 +12,16 @@
 
 namespace slipstream {
 
-/// How phase is computed. All agree to 1e-12 rad; they differ in speed.
+/// How phase is computed. All but `fused` agree to 1e-12 rad; they differ in speed.
 enum class Backend {
   equation,     ///< Eqs. (1.3)-(1.7), any N, any pixel
   closed_form,  ///< Eqs. (2.1)-(2.3), (2.13)-(2.15), N = 3, 4, 6, any pixel
   lut,          ///< MLUT and PLUT, Eqs. (2.4)-(2.18), N = 3, 4, 6, 8-bit pixels
+  fused,        ///< frames to cloud in one pass, in float: see FusedReconstructor; `lut` where it
+                ///< cannot and where phase alone is computed
 };
 
-/// "equation", "closed-form", "lut".
+/// "equation", "closed-form", "lut", "fused".
 std::string_view name_of(Backend backend);
 
 /// The backend of that name; throws Error for any other.

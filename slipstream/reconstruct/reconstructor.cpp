@@ -1,161 +1,87 @@
 #include "slipstream/reconstruct/reconstructor.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string_view>
+#include <mutex>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/phase/modulation_mask.h"
+#include "slipstream/reconstruct/double_reconstructor.h"
 
 namespace slipstream {
 namespace {
 
-PointMethod point_method(Backend backend) {
-  switch (backend) {
-    case Backend::equation:
-      return PointMethod::inverse;
-    case Backend::closed_form:
-      return PointMethod::form1;
-    case Backend::lut:
-      return PointMethod::form3;
-  }
-  return PointMethod::inverse;
+Image<double> widened(const Image<float>& image) {
+  Image<double> wide(image.size());
+  std::copy(image.begin(), image.end(), wide.begin());
+  return wide;
 }
 
-void require_valid(const ReconstructSettings& settings) {
-  const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
-    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
-  };
-  const double least = settings.minimum_modulation.value_or(0);
-  require(least >= 0 && std::isfinite(least), "minimum modulation", least, "0 grey levels or more");
-  require(settings.field_margin >= 0, "field margin", settings.field_margin, "0 or more");
-  require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
-  require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
-          "more than the nearest");
-}
-
-const Strategy& require_coordinate(const Strategy& strategy) {
-  if (!has_coordinate(strategy)) {
-    throw Error(fmt::format(
-        "{}: more than one period covers the field, so these frames alone give no depth; use "
-        "frequency 1 or dual-frequency",
-        name_of(strategy)));
-  }
-  return strategy;
+Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const FrameSet& frames) {
+  FusedDecoding decoding;
+  reconstruct(frames, decoding);
+  FusedCloud points;
+  reconstruct(frames, points);
+  Cloud cloud;
+  cloud.x = widened(points.x);
+  cloud.y = widened(points.y);
+  cloud.z = widened(points.z);
+  cloud.intensity = std::move(points.intensity);
+  cloud.validity = std::move(points.validity);
+  return {std::move(cloud),
+          {.mean = widened(decoding.mean),
+           .modulation = widened(decoding.modulation),
+           .wrapped_phase = widened(decoding.wrapped_phase),
+           .fringe_order_doubt = widened(decoding.fringe_order_doubt),
+           .coordinate = widened(decoding.coordinate)}};
 }
 
 }  // namespace
 
+/// The double-precision path, whose tables take long to build: built when it is first wanted.
+class Reconstructor::InDouble {
+ public:
+  InDouble(const Scanner& scanner, const Strategy& strategy, Axis axis,
+           const ReconstructSettings& settings)
+      : scanner_(scanner), strategy_(strategy), axis_(axis), settings_(settings) {}
+
+  const DoubleReconstructor& operator()() {
+    std::call_once(once_, [this] { built_.emplace(scanner_, strategy_, axis_, settings_); });
+    return *built_;
+  }
+
+ private:
+  Scanner scanner_;
+  Strategy strategy_;
+  Axis axis_;
+  ReconstructSettings settings_;
+  std::once_flag once_;
+  std::optional<DoubleReconstructor> built_;
+};
+
 Reconstructor::Reconstructor(const Scanner& scanner, const Strategy& strategy, Axis axis,
                              const ReconstructSettings& settings)
-    : settings_(settings),
-      axis_(axis),
-      strategy_(strategy),
-      highest_frequency_(highest_frequency(strategy)),
-      triangulate_(scanner, axis, point_method(settings.backend)),
-      decode_(require_coordinate(strategy), length_along(axis, scanner.projector.size),
-              settings.backend, settings.phase_corrections, settings.cue) {
-  require_valid(settings);
+    : in_double_(std::make_shared<InDouble>(scanner, strategy, axis, settings)) {
+  require_reconstructible(scanner, strategy, axis, settings);
+  if (settings.backend == Backend::fused) {
+    fused_ = FusedReconstructor::make(scanner, strategy, axis, settings);
+  }
+  if (!fused_) (*in_double_)();
+}
+
+bool Reconstructor::is_fused(const FrameSet& frames) const {
+  return fused_ && frames.quantised();
 }
 
 Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
-  const Size camera = triangulate_.scanner().camera.size;
-  if (frames.size() != camera) {
-    throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
-                            frames.size().width, frames.size().height, camera.width,
-                            camera.height));
-  }
-  DecodedScan decoded = decode_(frames);
-  Cloud cloud = triangulated(decoded, measured(decoded, frames));
-  const double grey_level = frames.full_scale() / 255;
-  std::transform(decoded.mean.begin(), decoded.mean.end(), cloud.intensity.begin(),
-                 [&](double mean) { return static_cast<float>(mean / grey_level); });
-  return {std::move(cloud), std::move(decoded)};
-}
-
-Image<Validity> Reconstructor::measured(const DecodedScan& decoded, const FrameSet& frames) const {
-  const double least = settings_.minimum_modulation.value_or(15 * frames.full_scale() / 255);
-  const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
-  const Image<std::uint8_t> saturated = saturation_mask(frames);
-  const bool one_frequency = decoded.fringe_order_doubt.empty();
-  const Image<std::uint8_t> unconfirmed =
-      one_frequency ? Image<std::uint8_t>(frames.size())
-                    : unconfirmed_fringe_orders(decoded.coordinate, decoded.fringe_order_doubt, lit,
-                                                highest_frequency_, settings_.fringe_order);
-  Image<Validity> validity(frames.size());
-  for_each_row(frames.size().height, [&](int row) {
-    for (int column = 0; column < frames.size().width; ++column) {
-      if (lit(column, row) == 0) {
-        validity(column, row) = Validity::too_dark;
-      } else if (settings_.drop_saturated && saturated(column, row) != 0) {
-        validity(column, row) = Validity::saturated;
-      } else if (unconfirmed(column, row) != 0) {
-        validity(column, row) = Validity::doubtful_order;
-      }
-    }
-  });
-  return validity;
-}
-
-Cloud Reconstructor::triangulated(const DecodedScan& decoded, Image<Validity> validity) const {
-  Cloud cloud(validity.size());
-  cloud.validity = std::move(validity);
-  for_each_row(cloud.size().height, [&](int row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      Validity& pixel = cloud.validity(column, row);
-      if (pixel != Validity::valid) continue;
-      const Eigen::Vector3d point = triangulate_(column, row, decoded.coordinate(column, row));
-      pixel = validity_of(point);
-      if (pixel != Validity::valid) continue;
-      cloud.x(column, row) = point.x();
-      cloud.y(column, row) = point.y();
-      cloud.z(column, row) = point.z();
-    }
-  });
-  return cloud;
+  return is_fused(frames) ? reconstruct_fused(*fused_, frames) : (*in_double_)()(frames);
 }
 
 Uncertainty Reconstructor::uncertainty(const Reconstruction& scan, const FrameSet& frames) const {
-  constexpr double step = 1e-6;  // of y: 1e-3 mm in depth, where the point is a straight line of it
-  const double grey_level = frames.full_scale() / 255;
-  Uncertainty sigma(scan.cloud.size());
-  for_each_row(scan.cloud.size().height, [&](int row) {
-    for (int column = 0; column < scan.cloud.size().width; ++column) {
-      if (scan.cloud.validity(column, row) != Validity::valid) continue;
-      const double modulation = scan.decoded.modulation(column, row) / grey_level;
-      const double sigma_y =
-          std::sqrt(coordinate_variance(strategy_, modulation, settings_.cue.noise_variance));
-      const double y = scan.decoded.coordinate(column, row);
-      const Eigen::Vector3d sigma_point =
-          (triangulate_(column, row, y + step) - triangulate_(column, row, y - step)).cwiseAbs() *
-          (sigma_y / (2 * step));
-      sigma.coordinate(column, row) = static_cast<float>(sigma_y);
-      sigma.x(column, row) = static_cast<float>(sigma_point.x());
-      sigma.y(column, row) = static_cast<float>(sigma_point.y());
-      sigma.z(column, row) = static_cast<float>(sigma_point.z());
-    }
-  });
-  return sigma;
+  return (*in_double_)().uncertainty(scan, frames);
 }
 
-Validity Reconstructor::validity_of(const Eigen::Vector3d& point) const {
-  if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
-  const Scanner& scanner = triangulate_.scanner();
-  const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
-  if (in_projector.z() <= 0) return Validity::no_point;
-
-  const Axis across = axis_ == Axis::x ? Axis::y : Axis::x;
-  const double y =
-      coordinate_along(across, project(scanner.projector, in_projector), scanner.projector.size);
-  if (!(y >= -settings_.field_margin && y <= 1 + settings_.field_margin)) {
-    return Validity::outside_field;
-  }
-  const bool in_range = point.z() >= settings_.nearest && point.z() <= settings_.farthest;
-  return in_range ? Validity::valid : Validity::out_of_range;
+std::string Reconstructor::backend_for(const FrameSet& frames) const {
+  return is_fused(frames) ? std::string(name_of(Backend::fused))
+                          : (*in_double_)().backend_for(frames);
 }
 
 }  // namespace slipstream

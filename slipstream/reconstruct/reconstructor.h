@@ -1,47 +1,23 @@
 #pragma once
 
-#include <limits>
+#include <memory>
 #include <optional>
+#include <string>
 
 #include "slipstream/capture/frame_set.h"
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/uncertainty.h"
-#include "slipstream/geometry/triangulator.h"
-#include "slipstream/phase/fringe_order_consensus.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/reconstruct/reconstruction.h"
+#include "slipstream/strategy/strategy.h"
 
 namespace slipstream {
 
-/// What decides whether a pixel becomes a point, and how it is computed.
-struct ReconstructSettings {
-  Backend backend = Backend::lut;
-  /// Least modulation B^c, grey levels of the frames; by default 15 of an 8-bit camera's 255 and as
-  /// much of another's full scale.
-  std::optional<double> minimum_modulation;
-  /// A pixel with a saturated frame is dropped (`false` keeps it, biased).
-  bool drop_saturated = true;
-  /// When the fringe order of a strategy with several frequencies is believed.
-  FringeOrderConsensus fringe_order;
-  /// Of a strategy whose fringe order comes from a cue in the same frames: the light of its
-  /// patterns and of the room, and the rule by which it is unwrapped.
-  CueSettings cue;
-  /// What is added to each sinusoid's phase, by its N, so that the projector's response does not
-  /// show; none where empty. Costs no time where phase is looked up.
-  PhaseCorrections phase_corrections;
-  /// How far past the ends of the projector's field, as a share of its length across the stripes, a
-  /// point may lie.
-  double field_margin = 0.02;
-  double nearest = 0;                                         ///< mm, least depth
-  double farthest = std::numeric_limits<double>::infinity();  ///< mm, largest depth
-};
+class DoubleReconstructor;
 
-/// A scan in 3-D, with what it was made from.
-struct Reconstruction {
-  Cloud cloud;
-  DecodedScan decoded;
-};
-
-/// Frames to cloud, for one scanner, strategy and axis; tables are built once.
+/// Frames to cloud, for one scanner, strategy and axis, by the backend of the settings; tables are
+/// built once. FusedReconstructor gives the same in single precision without a copy.
 class Reconstructor {
  public:
   /// Throws Error where the scanner or the settings are not valid, or the strategy's frames do not
@@ -57,20 +33,17 @@ class Reconstructor {
   /// `frames` are those that the scan was made from.
   [[nodiscard]] Uncertainty uncertainty(const Reconstruction& scan, const FrameSet& frames) const;
 
-  [[nodiscard]] const Decoder& decoder() const { return decode_; }
+  /// What really reconstructs such frames: "fused", or the backends of Decoder::backend_for, "lut"
+  /// standing in for "fused" where the frames are not quantised or fused_stages has none.
+  [[nodiscard]] std::string backend_for(const FrameSet& frames) const;
 
  private:
-  /// Why a pixel is left out before it is triangulated, and `valid` where it is not.
-  [[nodiscard]] Image<Validity> measured(const DecodedScan& decoded, const FrameSet& frames) const;
-  [[nodiscard]] Cloud triangulated(const DecodedScan& decoded, Image<Validity> validity) const;
-  [[nodiscard]] Validity validity_of(const Eigen::Vector3d& point) const;
+  class InDouble;
 
-  ReconstructSettings settings_;
-  Axis axis_;
-  Strategy strategy_;
-  double highest_frequency_;
-  Triangulator triangulate_;
-  Decoder decode_;
+  [[nodiscard]] bool is_fused(const FrameSet& frames) const;
+
+  std::optional<FusedReconstructor> fused_;
+  std::shared_ptr<InDouble> in_double_;
 };
 
 }  // namespace slipstream

@@ -163,14 +163,14 @@ TEST_F(Program, TakesABareFolderAndFlags) {
 }
 
 TEST_F(Program, BackendsGiveTheSameCloud) {
-  for (const std::string backend : {"lut", "equation", "closed-form"}) {
+  for (const std::string backend : {"lut", "equation", "closed-form", "fused"}) {
     const ProgramRun run = run_program(
         {"reconstruct", path("scan"), "--backend", backend, "--depth", path(backend + ".tiff")});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     EXPECT_NE(run.out.find("backend " + backend), std::string::npos) << run.out;
   }
   const Image<double> lut = read_map(path("lut.tiff"));
-  for (const char* other : {"equation.tiff", "closed-form.tiff"}) {
+  for (const char* other : {"equation.tiff", "closed-form.tiff", "fused.tiff"}) {
     const Image<double> map = read_map(path(other));
     for (std::size_t i = 0; i < map.pixel_count(); ++i) {
       ASSERT_EQ(std::isnan(map.begin()[i]), std::isnan(lut.begin()[i]));
@@ -208,6 +208,19 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
   expect_refused(
       run_program({"simulate", path("x"), "--strategy", "pcmp", "--high", "4", "--share", "0.2"}),
       2, {"share", "0.25"});
+}
+
+TEST_F(Program, BenchTimesEveryRow) {
+  const ProgramRun run = run_program({"bench", "--quick", "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const std::string name :
+       {"general", "closed-form", "mlut", "plut", "mlut+plut", "inverse", "form1", "form2", "form3",
+        "traditional", "lut", "simd", "fused", "fused-corrected", "fused-dual", "opencv-hand"}) {
+    EXPECT_NE(run.out.find("\"name\": \"" + name + "\""), std::string::npos) << name;
+  }
+  for (const char* key : {"steps", "width", "height", "threads", "ms", "fps"}) {
+    EXPECT_NE(run.out.find("\"" + std::string(key) + "\": "), std::string::npos) << key;
+  }
 }
 
 TEST_F(Program, TakesSeveralScans) {

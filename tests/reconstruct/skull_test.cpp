@@ -28,7 +28,7 @@ TEST_P(Skull, AgreesWithTheReferenceDepth) {
   const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
   const Reconstructor reconstruct(scanner, strategy, Axis::x,
                                   {.backend = GetParam(), .minimum_modulation = 15});
-  EXPECT_EQ(reconstruct.decoder().backend_for(loaded.frames), name_of(GetParam()));
+  EXPECT_EQ(reconstruct.backend_for(loaded.frames), name_of(GetParam()));
   const Cloud cloud = reconstruct(loaded.frames).cloud;
 
   int valid = 0, agreeing = 0, extra = 0;
@@ -48,7 +48,8 @@ TEST_P(Skull, AgreesWithTheReferenceDepth) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Backend, Skull,
-                         testing::Values(Backend::equation, Backend::closed_form, Backend::lut),
+                         testing::Values(Backend::equation, Backend::closed_form, Backend::lut,
+                                         Backend::fused),
                          [](const auto& info) {
                            std::string name(name_of(info.param));
                            std::replace(name.begin(), name.end(), '-', '_');

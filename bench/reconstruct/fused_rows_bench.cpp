@@ -1,0 +1,88 @@
+// The stages of the fused pass, a row of 640 pixels in cache, on every vector target.
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "slipstream/performance/bench_scan.h"
+#include "slipstream/reconstruct/fused_stages.h"
+#include "slipstream/reconstruct/vector_target.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int width = 640;
+constexpr std::size_t row_size = width;
+
+/// A row through the middle of the scene and everything that the stages write.
+struct Row {
+  explicit Row(const Strategy& strategy)
+      : scan(bench_scan(strategy)),
+        stages(fused_stages(scan.scanner, strategy, Axis::x, {}).value()),
+        limits(sinusoid_limits(stages.sinusoid, {}, 255, 1)) {
+    scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+      if constexpr (sizeof(Pixel) == 1) {
+        for (const auto& view : views) frames.push_back(view.row(240));
+      }
+    });
+  }
+
+  void decode() {
+    decode_row(stages.sinusoid, limits, frames.data(),
+               {.width = width, .turn = turn.data(), .mean = mean.data(), .flags = flags.data()});
+  }
+
+  BenchScan scan;
+  FusedStages stages;
+  SinusoidLimits limits;
+  std::vector<const std::uint8_t*> frames;
+  std::vector<float> turn = std::vector<float>(row_size), mean = turn, x = turn, y = turn, z = turn;
+  std::vector<std::int32_t> flags = std::vector<std::int32_t>(row_size);
+  std::vector<Validity> validity = std::vector<Validity>(row_size);
+};
+
+void count_pixels(benchmark::State& state) {
+  state.SetItemsProcessed(state.iterations() * width);
+}
+
+void frames_to_turns(benchmark::State& state, const std::string& target, int steps) {
+  const OnlyVectorTarget only(target);
+  Row row(PhaseMeasuring{.steps = steps, .frequency = 1});
+  for (auto _ : state) row.decode();
+  count_pixels(state);
+}
+
+void turns_to_points(benchmark::State& state, const std::string& target) {
+  const OnlyVectorTarget only(target);
+  Row row(PhaseMeasuring{.steps = 3, .frequency = 1});
+  row.decode();
+  const PointRow points{.width = width,
+                        .E_x = row.stages.rays.E_x.row(240),
+                        .E_y = row.stages.rays.E_y.row(240),
+                        .flags = row.flags.data(),
+                        .coordinate = row.turn.data(),
+                        .x = row.x.data(),
+                        .y = row.y.data(),
+                        .z = row.z.data(),
+                        .validity = row.validity.data()};
+  for (auto _ : state) point_row(row.stages.point, row.stages.coordinate, points);
+  count_pixels(state);
+}
+
+[[maybe_unused]] const bool registered = [] {
+  for (const std::string& target : vector_targets()) {
+    for (const int steps : {3, 4, 6, 5}) {
+      benchmark::RegisterBenchmark(
+          ("frames_to_turns/" + target + "/" + std::to_string(steps)).c_str(),
+          [=](benchmark::State& state) { frames_to_turns(state, target, steps); });
+    }
+    benchmark::RegisterBenchmark(("turns_to_points/" + target).c_str(),
+                                 [=](benchmark::State& state) { turns_to_points(state, target); });
+  }
+  return true;
+}();
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,179 @@
+#include "slipstream/geometry/ray_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int spacing = 8;
+constexpr double largest_error = 1e-7;
+
+/// The knots of one direction, pixels apart, the last at the last pixel or past it.
+int knot_count(int length) {
+  return (length + spacing - 2) / spacing + 1;
+}
+
+/// The four knots around a pixel and what each counts for in the cubic through them.
+struct CubicWeights {
+  int first_knot;
+  std::array<double, 4> weight;
+};
+
+CubicWeights cubic_weights(double pixel, int knots) {
+  const int first = std::clamp(static_cast<int>(pixel) / spacing - 1, 0, knots - 4);
+  const double t = pixel / spacing - first;
+  return {first,
+          {-(t - 1) * (t - 2) * (t - 3) / 6, t * (t - 2) * (t - 3) / 2, -t * (t - 1) * (t - 3) / 2,
+           t * (t - 1) * (t - 2) / 6}};
+}
+
+/// The exact rays at the knots.
+struct Knots {
+  Image<double> E_x;
+  Image<double> E_y;
+};
+
+Knots knots_of(const Lens& camera, int apart, Size size) {
+  Knots knots{Image<double>(size), Image<double>(size)};
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      const Eigen::Vector3d ray = ray_through(camera, {column * apart, row * apart});
+      knots.E_x(column, row) = ray.x();
+      knots.E_y(column, row) = ray.y();
+    }
+  });
+  return knots;
+}
+
+double interpolated(const Image<double>& knots, double x, double y) {
+  const CubicWeights across = cubic_weights(x, knots.width());
+  const CubicWeights down = cubic_weights(y, knots.height());
+  double sum = 0;
+  for (int r = 0; r < 4; ++r) {
+    for (int c = 0; c < 4; ++c) {
+      sum += down.weight[static_cast<std::size_t>(r)] * across.weight[static_cast<std::size_t>(c)] *
+             knots(across.first_knot + c, down.first_knot + r);
+    }
+  }
+  return sum;
+}
+
+/// Whether the cubic meets the exact ray in the middle of the cells along the borders and both
+/// diagonals, where lenses bend most.
+bool meets_the_lens(const Lens& camera, const Knots& knots) {
+  const auto meets = [&](double x, double y) {
+    const Eigen::Vector3d exact = ray_through(camera, {x, y});
+    return std::abs(interpolated(knots.E_x, x, y) - exact.x()) <= largest_error &&
+           std::abs(interpolated(knots.E_y, x, y) - exact.y()) <= largest_error;
+  };
+  constexpr int samples = 12;
+  const double right = camera.size.width - 1 - 0.5 * spacing;
+  const double bottom = camera.size.height - 1 - 0.5 * spacing;
+  for (int i = 0; i <= samples; ++i) {
+    const double x = 0.5 * spacing + (right - 0.5 * spacing) * i / samples;
+    const double y = 0.5 * spacing + (bottom - 0.5 * spacing) * i / samples;
+    const bool all = meets(x, 0.5 * spacing) && meets(x, bottom) && meets(0.5 * spacing, y) &&
+                     meets(right, y) && meets(x, y) && meets(x, 0.5 * spacing + bottom - y);
+    if (!all) return false;
+  }
+  return true;
+}
+
+/// What each of four knots counts for at the pixels of one cell, which all cells but the outermost
+/// share.
+using CellWeights = std::array<std::array<double, spacing>, 4>;
+
+CellWeights cell_weights(int cell, int knots) {
+  CellWeights weights{};
+  for (int pixel = 0; pixel < spacing; ++pixel) {
+    const CubicWeights cubic = cubic_weights(cell * spacing + pixel, knots);
+    for (std::size_t k = 0; k < 4; ++k)
+      weights[k][static_cast<std::size_t>(pixel)] = cubic.weight[k];
+  }
+  return weights;
+}
+
+void fill_cell(const CellWeights& weights, const double* knots, float* pixels) {
+  for (std::size_t i = 0; i < spacing; ++i) {
+    pixels[i] = static_cast<float>(weights[0][i] * knots[0] + weights[1][i] * knots[1] +
+                                   weights[2][i] * knots[2] + weights[3][i] * knots[3]);
+  }
+}
+
+/// Fills rows of one table: cubic down the knots' columns first, then along the row.
+class RowFiller {
+ public:
+  RowFiller(const Image<double>& knots, int width)
+      : knots_(knots),
+        width_(width),
+        cells_(knots.width() - 1),
+        first_(cell_weights(0, knots.width())),
+        inner_(cell_weights(1, knots.width())),
+        last_(cell_weights(cells_ - 1, knots.width())) {}
+
+  void operator()(int row, std::vector<double>& column, float* table) const {
+    const auto& [first_knot, weight] = cubic_weights(row, knots_.height());
+    const auto knots = static_cast<std::size_t>(knots_.width());
+    column.resize(knots);
+    const std::array<const double*, 4> around{knots_.row(first_knot), knots_.row(first_knot + 1),
+                                              knots_.row(first_knot + 2),
+                                              knots_.row(first_knot + 3)};
+    for (std::size_t c = 0; c < knots; ++c) {
+      column[c] = weight[0] * around[0][c] + weight[1] * around[1][c] + weight[2] * around[2][c] +
+                  weight[3] * around[3][c];
+    }
+    fill_cell(first_, column.data(), table);
+    for (int cell = 1; cell < cells_ - 1; ++cell) {
+      fill_cell(inner_, column.data() + cell - 1, table + cell * spacing);
+    }
+    std::array<float, spacing> end{};
+    fill_cell(last_, column.data() + cells_ - 3, end.data());
+    const int start = (cells_ - 1) * spacing;
+    std::copy_n(end.begin(), width_ - start, table + start);
+  }
+
+ private:
+  const Image<double>& knots_;
+  int width_;
+  int cells_;
+  CellWeights first_, inner_, last_;
+};
+
+RayTable between(const Knots& knots, Size size) {
+  const RowFiller fill_x(knots.E_x, size.width), fill_y(knots.E_y, size.width);
+  RayTable table{Image<float>(size), Image<float>(size)};
+  for_each_row(size.height, [&](int row) {
+    std::vector<double> column;
+    fill_x(row, column, table.E_x.row(row));
+    fill_y(row, column, table.E_y.row(row));
+  });
+  return table;
+}
+
+}  // namespace
+
+std::optional<RayTable> ray_table(const Lens& camera) {
+  const Size size = camera.size;
+  if (knot_count(size.width) >= 4 && knot_count(size.height) >= 4) {
+    const Knots knots =
+        knots_of(camera, spacing, {knot_count(size.width), knot_count(size.height)});
+    if (meets_the_lens(camera, knots)) return between(knots, size);
+  }
+  const Knots rays = knots_of(camera, 1, size);
+  const auto finite = [](const Image<double>& E) {
+    return std::all_of(E.begin(), E.end(), [](double e) { return std::isfinite(e); });
+  };
+  if (!finite(rays.E_x) || !finite(rays.E_y)) return std::nullopt;
+  RayTable table{Image<float>(size), Image<float>(size)};
+  const auto narrow = [](double e) { return static_cast<float>(e); };
+  std::transform(rays.E_x.begin(), rays.E_x.end(), table.E_x.begin(), narrow);
+  std::transform(rays.E_y.begin(), rays.E_y.end(), table.E_y.begin(), narrow);
+  return table;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,268 @@
+#include "slipstream/geometry/stripe_geometry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "slipstream/geometry/projection.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int nodes = 16;
+constexpr int largest_degree = 8;
+constexpr double lens_tolerance = 4e-7;  ///< of the field
+constexpr double edge_tolerance = 1e-4;  ///< of the field: it only decides what lies outside
+
+using Samples = Eigen::Matrix<double, nodes, nodes>;  ///< rows: p, columns: q
+using NodeSamples = Eigen::Matrix<double, nodes, 1>;
+
+double node(int i) {
+  return std::cos(std::numbers::pi * (i + 0.5) / nodes);
+}
+
+/// The projector's picture as the kernel sees it: coordinate along the axis and across it, both in
+/// lengths of the field, w for the undistorted and y for the distorted one.
+class ProjectorPlane {
+ public:
+  ProjectorPlane(const Scanner& scanner, Axis axis)
+      : lens_(scanner.projector), along_(axis == Axis::x ? 0 : 1) {
+    Eigen::Matrix<double, 3, 4> pose;
+    pose << scanner.rotation, scanner.translation;
+    const Eigen::Matrix<double, 3, 4> m = lens_.intrinsic * pose;
+    across_row_ = m.row(1 - along_) / across_length();
+    rows_ = projection_matrices(scanner, axis);
+    inverse_intrinsic_ = lens_.intrinsic.inverse();
+  }
+
+  [[nodiscard]] Eigen::RowVector4d along() const { return rows_.projector_coordinate; }
+  [[nodiscard]] Eigen::RowVector4d across() const { return across_row_; }
+  [[nodiscard]] Eigen::RowVector4d depth() const { return rows_.projector_depth; }
+  [[nodiscard]] double along_length() const { return size(along_); }
+  [[nodiscard]] double across_length() const { return size(1 - along_); }
+
+  /// Both take and give (along, across).
+  [[nodiscard]] Eigen::Vector2d distorted(const Eigen::Vector2d& w) const {
+    return from_direction(distort(lens_.distortion, to_direction(w)));
+  }
+  [[nodiscard]] Eigen::Vector2d undistorted(const Eigen::Vector2d& y) const {
+    return from_direction(undistort(lens_.distortion, to_direction(y)));
+  }
+
+  /// d across / d along of the epipolar line through w.
+  [[nodiscard]] double slope_through(const Eigen::Vector2d& w) const {
+    const double A = along()(3), B = across()(3), D = depth()(3);
+    return (B - w.y() * D) / (A - w.x() * D);
+  }
+  /// The undistorted coordinate, on the epipolar line through (y, place), whose distorted one is y;
+  /// NaN where none is found.
+  [[nodiscard]] double undistorted_on_line(double y, double place) const {
+    const double slope = slope_through({y, place});
+    const auto error = [&](double w) { return distorted({w, place + slope * (w - y)}).x() - y; };
+    double before = y, error_before = error(before), now = y - error_before;
+    for (int iteration = 0; iteration < 20; ++iteration) {
+      const double error_now = error(now);
+      if (std::abs(error_now) < 1e-13) return now;
+      const double step = error_now * (now - before) / (error_now - error_before);
+      before = now;
+      error_before = error_now;
+      now -= step;
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+
+ private:
+  [[nodiscard]] double size(int direction) const {
+    return direction == 0 ? lens_.size.width : lens_.size.height;
+  }
+  [[nodiscard]] Eigen::Vector2d to_direction(const Eigen::Vector2d& place) const {
+    Eigen::Vector3d pixel(0, 0, 1);
+    pixel(along_) = place.x() * along_length();
+    pixel(1 - along_) = place.y() * across_length();
+    return (inverse_intrinsic_ * pixel).head<2>();
+  }
+  [[nodiscard]] Eigen::Vector2d from_direction(const Eigen::Vector2d& direction) const {
+    const Eigen::Vector3d pixel = lens_.intrinsic * direction.homogeneous();
+    return {pixel(along_) / along_length(), pixel(1 - along_) / across_length()};
+  }
+
+  Lens lens_;
+  int along_;
+  ProjectionMatrices rows_;
+  Eigen::RowVector4d across_row_;
+  Eigen::Matrix3d inverse_intrinsic_;
+};
+
+/// Row k: the coefficients of the Chebyshev polynomial T_k.
+Eigen::Matrix<double, nodes, nodes> chebyshev_coefficients() {
+  Eigen::Matrix<double, nodes, nodes> T = Eigen::Matrix<double, nodes, nodes>::Zero();
+  T(0, 0) = T(1, 1) = 1;
+  for (int k = 2; k < nodes; ++k) {
+    T.row(k).tail(nodes - 1) = 2 * T.row(k - 1).head(nodes - 1);
+    T.row(k) -= T.row(k - 2);
+  }
+  return T;
+}
+
+/// From values at the nodes to coefficients of Chebyshev polynomials.
+Eigen::Matrix<double, nodes, nodes> chebyshev_transform() {
+  Eigen::Matrix<double, nodes, nodes> transform;
+  for (int k = 0; k < nodes; ++k) {
+    for (int i = 0; i < nodes; ++i) {
+      transform(k, i) =
+          (k == 0 ? 1.0 : 2.0) / nodes * std::cos(std::numbers::pi * k * (i + 0.5) / nodes);
+    }
+  }
+  return transform;
+}
+
+/// The polynomial of least degree that leaves out no more than the tolerance.
+std::optional<PlanePolynomial> fitted(const Samples& samples, double tolerance) {
+  if (!samples.allFinite()) return std::nullopt;
+  const auto transform = chebyshev_transform();
+  Samples spectrum = transform * samples * transform.transpose();
+  int degree = largest_degree + 1;
+  double left_out = 0;
+  for (int i = 0; i < nodes; ++i) {
+    for (int j = 0; j < nodes; ++j) {
+      if (i + j >= degree) left_out += std::abs(spectrum(i, j));
+    }
+  }
+  if (!(left_out <= tolerance)) return std::nullopt;
+  for (; degree > 0; --degree) {
+    double next = left_out;
+    for (int i = 0; i < degree; ++i) next += std::abs(spectrum(i, degree - 1 - i));
+    if (next > tolerance) break;
+    left_out = next;
+  }
+  --degree;  // now the largest that is kept; -1 where all is within the tolerance
+  for (int i = 0; i < nodes; ++i) {
+    for (int j = 0; j < nodes; ++j) {
+      if (i + j > degree) spectrum(i, j) = 0;
+    }
+  }
+  const auto T = chebyshev_coefficients();
+  const Samples monomials = T.transpose() * spectrum * T;
+  PlanePolynomial polynomial{std::max(degree, 0), {}};
+  for (int i = 0; i <= polynomial.degree; ++i) {
+    for (int j = 0; i + j <= polynomial.degree; ++j) {
+      polynomial.coefficients.push_back(monomials(i, j));
+    }
+  }
+  return polynomial;
+}
+
+/// As a polynomial in p of `edge_terms` terms.
+std::optional<std::array<double, StripeGeometry::edge_terms>> fitted_edge(
+    const NodeSamples& samples) {
+  if (!samples.allFinite()) return std::nullopt;
+  constexpr int terms = StripeGeometry::edge_terms;
+  NodeSamples spectrum = chebyshev_transform() * samples;
+  if (spectrum.tail<nodes - terms>().lpNorm<1>() > edge_tolerance) return std::nullopt;
+  spectrum.tail<nodes - terms>().setZero();
+  const NodeSamples monomials = chebyshev_coefficients().transpose() * spectrum;
+  std::array<double, terms> edge{};
+  std::copy_n(monomials.data(), terms, edge.begin());
+  return edge;
+}
+
+double evaluated(const std::array<double, StripeGeometry::edge_terms>& edge, double p) {
+  double sum = 0;
+  for (auto c = edge.rbegin(); c != edge.rend(); ++c) sum = sum * p + *c;
+  return sum;
+}
+
+/// The point of ray e at the undistorted coordinate y lies at (B4 a - A4 b + y (D4 b - B4 d)) / g
+/// along the stripe, a, b, d, g = A e, B e, D e, D4 a - A4 d, with the rows A of the coordinate, B
+/// of the place along the stripe and D of the depth.
+void set_place(StripeGeometry& geometry, const ProjectorPlane& plane, const UnitMap& unit_place) {
+  const Eigen::RowVector4d A = plane.along(), B = plane.across(), D = plane.depth();
+  const Eigen::RowVector3d a = A.head<3>(), b = B.head<3>(), d = D.head<3>();
+  const UnitMap& unit = geometry.unit_coordinate;
+  geometry.facing = D(3) * a - A(3) * d;
+  const Eigen::RowVector3d constant = B(3) * a - A(3) * b;
+  const Eigen::RowVector3d slope = D(3) * b - B(3) * d;
+  geometry.place_slope = unit_place.scale / unit.scale * slope;
+  geometry.place_constant = unit_place.scale * constant + unit_place.offset * geometry.facing -
+                            unit.offset * geometry.place_slope;
+}
+
+}  // namespace
+
+double PlanePolynomial::operator()(double p, double q) const {
+  double sum = 0;
+  auto c = coefficients.rbegin();
+  for (int i = degree; i >= 0; --i) {
+    double inner = 0;
+    for (int j = degree - i; j >= 0; --j) inner = inner * q + *c++;
+    sum = sum * p + inner;
+  }
+  return sum;
+}
+
+StripeGeometry::Depth StripeGeometry::operator()(double E_x, double E_y, double y) const {
+  const Eigen::Vector3d e(E_x, E_y, 1);
+  const double g = facing * e;
+  const double p = unit_coordinate(y);
+  const double q = (place_constant.dot(e) + p * place_slope.dot(e)) / g;
+  const double w = y + lens(p, q);
+  const double numerator = w * depth(3) - coordinate(3);
+  const double denominator = coordinate.head<3>().dot(e) - w * depth.head<3>().dot(e);
+  return {.z = numerator / denominator,
+          .before_projector = denominator * g > 0,
+          .in_field = y >= least_coordinate && y <= largest_coordinate &&
+                      q >= evaluated(low_edge, p) && q <= evaluated(high_edge, p)};
+}
+
+std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin) {
+  require_valid(scanner);
+  require_depth_visible(scanner, axis);
+  const ProjectorPlane plane(scanner, axis);
+  StripeGeometry geometry;
+  geometry.coordinate = plane.along();
+  geometry.depth = plane.depth();
+  const double end = std::max(0.02, 0.5 / plane.along_length());
+  geometry.least_coordinate = -end;
+  geometry.largest_coordinate = 1 + end;
+  geometry.unit_coordinate = UnitMap::of(-end, 1 + end);
+
+  const auto place = [&](double y, double edge) {
+    const Eigen::Vector2d w = plane.undistorted({y, edge});
+    return w.y() + plane.slope_through(w) * (y - w.x());
+  };
+  NodeSamples y, low, high;
+  for (int i = 0; i < nodes; ++i) {
+    y(i) = geometry.unit_coordinate.inverse(node(i));
+    low(i) = place(y(i), -margin);
+    high(i) = place(y(i), 1 + margin);
+  }
+  if (!(low.allFinite() && high.allFinite() && high.maxCoeff() - low.minCoeff() < 3)) {
+    return std::nullopt;
+  }
+  const UnitMap unit_place = UnitMap::of(low.minCoeff(), high.maxCoeff());
+  const auto low_edge = fitted_edge(unit_place.scale * low.array() + unit_place.offset);
+  const auto high_edge = fitted_edge(unit_place.scale * high.array() + unit_place.offset);
+  if (!low_edge || !high_edge) return std::nullopt;
+  geometry.low_edge = *low_edge;
+  geometry.high_edge = *high_edge;
+  set_place(geometry, plane, unit_place);
+  if (scanner.projector.distortion.is_zero()) return geometry;
+
+  Samples added;
+  for (int i = 0; i < nodes; ++i) {
+    for (int j = 0; j < nodes; ++j) {
+      added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
+    }
+  }
+  const std::optional<PlanePolynomial> lens = fitted(added, lens_tolerance);
+  if (!lens) return std::nullopt;
+  geometry.lens = *lens;
+  return geometry;
+}
+
+}  // namespace slipstream

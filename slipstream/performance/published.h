@@ -1,0 +1,56 @@
+#pragma once
+
+#include <vector>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/geometry/point_forms.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/phase/closed_form.h"
+#include "slipstream/phase/equations.h"
+#include "slipstream/phase/phase_tables.h"
+
+namespace slipstream {
+
+/// The computations of Liu 2010, Table 2.2, for N frames of one period across the field: one loop
+/// over the pixels for each, in double and on one thread, as published: without the projector's
+/// lens distortion. What they write stands in public images, so that nothing is optimised away and
+/// tests can look.
+class PublishedLoops {
+ public:
+  PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::uint8_t> frames);
+
+  void general();      ///< B and phase by Eqs. (1.4)-(1.7)
+  void closed_form();  ///< by Eqs. (2.1)-(2.3), (2.13)-(2.15)
+  void mlut();         ///< B alone
+  void plut();         ///< phase alone
+  void mlut_plut();
+  void inverse();  ///< points from the phase by Eq. (1.15)
+  void form1();
+  void form2();
+  void form3();
+  void traditional();  ///< frames to points and texture: general, then inverse
+  void lut();          ///< frames to points and texture: MLUT and PLUT, then the third form
+
+  Image<double> modulation, phase, x, y, z, texture;
+
+ private:
+  template <class Sample>
+  void each_pixel(const Sample& sample);
+  void set_point(int column, int row, const Eigen::Vector3d& point);
+  template <class Table>
+  void points_by(const Image<Table>& table);
+
+  static constexpr double least_modulation = 15;
+
+  int steps_;
+  Frames<std::uint8_t> frames_;
+  ProjectionMatrices matrices_;
+  PhaseEquations equations_;
+  PhaseTables tables_;
+  Image<PixelPosition> pixels_;
+  Image<PointForm1> forms1_;
+  Image<PointForm2> forms2_;
+  Image<PointForm3> forms3_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace slipstream {
+
+/// One thing to time. Everything that it needs stands in memory; `run` does it once.
+struct BenchRow {
+  std::string name;
+  int steps = 0;
+  int width = 0;
+  int height = 0;
+  int threads = 1;
+  /// Bytes that one pixel reads and writes, tables and output included, when each is touched once;
+  /// 0 where that says nothing.
+  double bytes_per_pixel = 0;
+  std::function<void()> run;
+};
+
+/// Milliseconds of one run: the median, and between which the middle half of the runs lies.
+struct Timing {
+  double median = 0;
+  double lower_quartile = 0;
+  double upper_quartile = 0;
+  int runs = 0;
+};
+
+struct TimingSettings {
+  int rounds = 7;             ///< over all rows, so that a slow while of the machine meets all
+  double row_seconds = 0.05;  ///< at least so long for each row in each round
+};
+
+/// A timing for each row, in order. `after_row` is called after every row of every round.
+std::vector<Timing> timed(const std::vector<BenchRow>& rows, const TimingSettings& settings,
+                          const std::function<void()>& after_row);
+
+/// Bytes per second that one thread reads and writes when it adds one large array to another.
+double streaming_bandwidth();
+
+}  // namespace slipstream

@@ -1,0 +1,302 @@
+#include "slipstream/reconstruct/fused_reconstructor.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int padding = least_row_width;
+constexpr std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
+/// Before the first and after the last pixel stands NaN, which confirms no neighbour.
+void prepare(FusedScratch::Row& row, int width) {
+  row.coordinate.assign(index(width + 2 * padding), std::numeric_limits<float>::quiet_NaN());
+  row.flags.resize(index(width));
+}
+
+void prepare(FusedScratch& scratch, int width, int frames) {
+  if (scratch.turn.size() != index(width)) {
+    for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
+    scratch.turn.resize(index(width));
+    scratch.low_turn.resize(index(width));
+    scratch.mean.resize(index(width));
+  }
+  std::apply([&](auto&... rows) { (rows.resize(index(frames)), ...); }, scratch.frames);
+}
+
+template <class Pixel>
+void prepare(Image<Pixel>& image, Size size) {
+  if (image.size() != size) image = Image<Pixel>(size);
+}
+
+void prepare(FusedCloud& cloud, Size size, bool) {
+  for (Image<float>* image : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity}) {
+    prepare(*image, size);
+  }
+  prepare(cloud.validity, size);
+}
+
+void prepare(FusedDepth& depth, Size size, bool) {
+  prepare(depth.z, size);
+  prepare(depth.validity, size);
+}
+
+void prepare(FusedDecoding& decoding, Size size, bool two_frequencies) {
+  for (Image<float>* image :
+       {&decoding.mean, &decoding.modulation, &decoding.wrapped_phase, &decoding.coordinate}) {
+    prepare(*image, size);
+  }
+  prepare(decoding.fringe_order_doubt, two_frequencies ? size : Size{});
+}
+
+/// One scan on its way through the stages.
+template <class Pixel>
+struct Pass {
+  const FusedStages& stages;
+  const Frames<Pixel>& frames;
+  SinusoidLimits limits;
+  SinusoidLimits low_limits;
+
+  [[nodiscard]] int width() const { return frames.front().width(); }
+  [[nodiscard]] int height() const { return frames.front().height(); }
+
+  const Pixel* const* frame_rows(int row, FusedScratch& scratch) const {
+    auto& rows = std::get<std::vector<const Pixel*>>(scratch.frames);
+    std::transform(frames.begin(), frames.end(), rows.begin(),
+                   [row](const auto& frame) { return frame.row(row); });
+    return rows.data();
+  }
+
+  /// Frames of one row to turns and flags; the turns of the low frequency into `low_turn`.
+  void decode(int row, FusedScratch& scratch, const SinusoidRow& kept) const {
+    const Pixel* const* rows = frame_rows(row, scratch);
+    decode_row(stages.sinusoid, limits, rows, kept);
+    if (!stages.low) return;
+    SinusoidRow low = kept;
+    low.turn = scratch.low_turn.data();
+    low.another = true;
+    decode_row(stages.low->sinusoid, low_limits, rows + stages.sinusoid.steps, low);
+  }
+};
+
+float* coordinates(FusedScratch::Row& row) {
+  return row.coordinate.data() + padding;
+}
+
+template <class Output>
+float* intensity_row(Output& output, int row, FusedScratch& scratch) {
+  if constexpr (std::is_same_v<Output, FusedCloud>) return output.intensity.row(row);
+  return scratch.mean.data();
+}
+
+template <class Output>
+PointRow point_output(const FusedStages& stages, Output& output, int row) {
+  PointRow points{
+      .width = output.z.width(), .E_x = stages.rays.E_x.row(row), .E_y = stages.rays.E_y.row(row)};
+  if constexpr (std::is_same_v<Output, FusedCloud>) {
+    points.x = output.x.row(row);
+    points.y = output.y.row(row);
+  }
+  points.z = output.z.row(row);
+  points.validity = output.validity.row(row);
+  return points;
+}
+
+template <class Pixel, class Output>
+void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
+                   Output& output) {
+  float* turn = scratch.turn.data();
+  std::int32_t* flags = scratch.rows[0].flags.data();
+  for (int row = first; row < last; ++row) {
+    pass.decode(row, scratch,
+                {.width = pass.width(),
+                 .turn = turn,
+                 .mean = intensity_row(output, row, scratch),
+                 .flags = flags});
+    PointRow points = point_output(pass.stages, output, row);
+    points.flags = flags;
+    points.coordinate = turn;
+    point_row(pass.stages.point, pass.stages.coordinate, points);
+  }
+}
+
+/// The coordinates of each row are kept until those below it are known, for its neighbours confirm
+/// them.
+template <class Pixel, class Output>
+void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
+                     Output& output) {
+  const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
+  const auto decode = [&](int row) {
+    if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
+    const bool ours = row >= first && row < last;
+    std::int32_t* flags = kept(row).flags.data();
+    pass.decode(row, scratch,
+                {.width = pass.width(),
+                 .turn = scratch.turn.data(),
+                 .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.data(),
+                 .flags = flags});
+    unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.data(), scratch.low_turn.data(),
+               PixelFlag::dark, {.coordinate = coordinates(kept(row)), .flags = flags});
+  };
+  decode(first - 1);
+  decode(first);
+  for (int row = first; row < last; ++row) {
+    decode(row + 1);
+    PointRow points = point_output(pass.stages, output, row);
+    points.flags = kept(row).flags.data();
+    points.above = coordinates(kept(row - 1));
+    points.coordinate = coordinates(kept(row));
+    points.below = coordinates(kept(row + 1));
+    point_row(pass.stages.point, pass.stages.low->consensus, points);
+  }
+}
+
+template <class Pixel, class Output>
+void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch, Output& output) {
+  if (pass.stages.low) return two_frequencies(pass, first, last, scratch, output);
+  one_frequency(pass, first, last, scratch, output);
+}
+
+template <class Pixel>
+void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
+              FusedDecoding& output) {
+  const int width = pass.width();
+  const float* turn = scratch.turn.data();
+  std::int32_t* flags = scratch.rows[0].flags.data();
+  for (int row = first; row < last; ++row) {
+    pass.decode(row, scratch,
+                {.width = width,
+                 .turn = scratch.turn.data(),
+                 .mean = output.mean.row(row),
+                 .modulation = output.modulation.row(row),
+                 .flags = flags});
+    phase_row(width, turn, output.wrapped_phase.row(row));
+    if (pass.stages.low) {
+      unwrap_row(pass.stages.low->unwrap, width, turn, scratch.low_turn.data(), 0,
+                 {.coordinate = output.coordinate.row(row),
+                  .flags = flags,
+                  .doubt = output.fringe_order_doubt.row(row)});
+    } else {
+      place_row(pass.stages.coordinate, width, turn, output.coordinate.row(row));
+    }
+  }
+}
+
+/// Bands so high that the rows decoded twice at their borders do not matter, and several for each
+/// thread so that none waits long.
+int band_count(int height) {
+  constexpr int fewest_rows = 32, bands_per_thread = 4;
+  const int threads = parallel_threads();
+  return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
+}
+
+template <class Pixel>
+void require_frames(const Frames<Pixel>& frames, int count, Size camera) {
+  if (static_cast<int>(frames.size()) != count) {
+    throw Error(fmt::format("{} frames given; the strategy takes {}", frames.size(), count));
+  }
+  for (const auto& frame : frames) {
+    if (frame.size() != camera) {
+      throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
+                              frame.width(), frame.height(), camera.width, camera.height));
+    }
+  }
+}
+
+}  // namespace
+
+FusedReconstructor::FusedReconstructor(FusedStages stages, ReconstructSettings settings)
+    : stages_(std::move(stages)), settings_(std::move(settings)) {}
+
+std::optional<FusedReconstructor> FusedReconstructor::make(const Scanner& scanner,
+                                                           const Strategy& strategy, Axis axis,
+                                                           const ReconstructSettings& settings) {
+  require_reconstructible(scanner, strategy, axis, settings);
+  std::optional<FusedStages> stages = fused_stages(scanner, strategy, axis, settings);
+  if (!stages) return std::nullopt;
+  return FusedReconstructor(std::move(*stages), settings);
+}
+
+template <class Pixel, class Output>
+void FusedReconstructor::run(const Frames<Pixel>& frames, double full_scale, Output& output) const {
+  const Size size = stages_.rays.E_x.size();
+  require_frames(frames, stages_.frame_count(), size);
+  constexpr bool decoding = std::is_same_v<Output, FusedDecoding>;
+  const double mean_of = decoding ? 1 : 255 / full_scale;
+  Pass<Pixel> pass{
+      stages_, frames, sinusoid_limits(stages_.sinusoid, settings_, full_scale, mean_of), {}};
+  if (stages_.low) {
+    pass.low_limits = sinusoid_limits(stages_.low->sinusoid, settings_, full_scale, mean_of);
+  }
+  prepare(output, size, stages_.low.has_value());
+  const int bands = band_count(size.height);
+  if (output.scratch.size() < index(bands)) output.scratch.resize(index(bands));
+
+  // One captured reference: std::function then allocates nothing.
+  struct Work {
+    const Pass<Pixel>& pass;
+    Output& output;
+    int bands;
+    void operator()(int band) const {
+      FusedScratch& scratch = output.scratch[index(band)];
+      prepare(scratch, pass.width(), static_cast<int>(pass.frames.size()));
+      const auto border = [&](int i) {
+        return static_cast<int>(std::int64_t{pass.height()} * i / bands);
+      };
+      run_band(pass, border(band), border(band + 1), scratch, output);
+    }
+  };
+  const Work work{pass, output, bands};
+  if (bands == 1) return work(0);
+  for_each_row(bands, [&work](int band) { work(band); });
+}
+
+void FusedReconstructor::operator()(const Frames<std::uint8_t>& frames, FusedCloud& cloud) const {
+  run(frames, 255, cloud);
+}
+
+void FusedReconstructor::operator()(const Frames<std::uint16_t>& frames, double full_scale,
+                                    FusedCloud& cloud) const {
+  run(frames, full_scale, cloud);
+}
+
+namespace {
+
+/// Calls `run` with the frames of a set as they are.
+template <class Run>
+void with_pixels(const FrameSet& frames, const Run& run) {
+  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (std::is_integral_v<Pixel>) {
+      run(views);
+    } else {
+      throw Error("frames are not quantised; the fused pass takes 8 to 16 bits");
+    }
+  });
+}
+
+}  // namespace
+
+void FusedReconstructor::operator()(const FrameSet& frames, FusedCloud& cloud) const {
+  with_pixels(frames, [&](const auto& views) { run(views, frames.full_scale(), cloud); });
+}
+
+void FusedReconstructor::operator()(const FrameSet& frames, FusedDepth& depth) const {
+  with_pixels(frames, [&](const auto& views) { run(views, frames.full_scale(), depth); });
+}
+
+void FusedReconstructor::operator()(const FrameSet& frames, FusedDecoding& decoding) const {
+  with_pixels(frames, [&](const auto& views) { run(views, frames.full_scale(), decoding); });
+}
+
+}  // namespace slipstream

@@ -1,0 +1,140 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "slipstream/cloud/cloud.h"
+
+// The stages of the fused pass, a row of pixels at a time, in float, compiled once for each vector
+// target and chosen at run time. They check nothing: rows are at least `least_row_width` wide.
+namespace slipstream {
+
+/// Lanes of the widest vectors; a row's last vector overlaps the one before it.
+inline constexpr int least_row_width = 16;
+
+/// What is known of a pixel between the stages; none set is a measured pixel.
+enum PixelFlag : std::int32_t {
+  dark = 1,            ///< a modulation below the threshold
+  saturated = 2,       ///< a frame at full scale, where such pixels are dropped
+  doubtful_order = 4,  ///< low and high frequency disagree by more than the consensus lets pass
+};
+
+/// How the N frames of one sinusoid become a phase. U = sum u_n I_n and V = sum v_n I_n stand for
+/// the cosine and sine sums of Liu 2010, Eqs. (1.5), (1.6): the integers of Eqs. (2.1)-(2.3) for
+/// N = 3, 4, 6, else the sums themselves, in double.
+struct SinusoidStage {
+  int steps = 3;
+  std::vector<double> cosines{};  ///< 2/N cos(2 pi n / N); for N other than 3, 4, 6
+  std::vector<double> sines{};
+  float sine_weight = 1;       ///< of V against U
+  float sine_square = 1;       ///< its square
+  float modulation_scale = 1;  ///< from the root of U^2 + sine_square V^2 to grey levels
+  /// A PhaseCorrection in turns, all around the circle and an entry further: what is added at the
+  /// turn i / segments, and how much more at the next. Empty where there is none.
+  std::vector<float> correction{};
+  std::vector<float> correction_rise{};
+  float segments = 0;
+};
+
+/// What else depends on the camera's bits and on what is asked for.
+struct SinusoidLimits {
+  float least_square = 0;  ///< of U^2 + sine_square V^2: the modulation threshold
+  float mean_scale = 1;    ///< from the sum of the frames to the mean
+  std::int32_t full_scale = std::numeric_limits<std::int32_t>::max();  ///< saturated from here on
+};
+
+/// Where a row of a sinusoid goes. `modulation` may be null.
+struct SinusoidRow {
+  int width = 0;
+  float* turn = nullptr;  ///< wrapped phase / (2 pi), [0, 1], 1 being 0; a correction may lead out
+  float* mean = nullptr;
+  float* modulation = nullptr;    ///< grey levels
+  std::int32_t* flags = nullptr;  ///< PixelFlag
+  bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
+                         ///< mean left alone
+};
+
+void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
+                const std::uint8_t* const* frames, const SinusoidRow& row);
+void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
+                const std::uint16_t* const* frames, const SinusoidRow& row);
+
+/// From turns to projector coordinates in the field, see coordinate_in_field.
+struct CoordinateStage {
+  float scale = 1;   ///< 1 / f
+  float period = 1;  ///< in which the coordinate is known
+  float cut = 0;     ///< where the circle is cut
+};
+
+/// Fringe orders by a lower frequency, Eq. (1.17).
+struct UnwrapStage {
+  float ratio = 16;  ///< f_h / f_l
+  float largest_doubt = 0.25F;
+  CoordinateStage coordinate;  ///< of f_h
+};
+
+/// One frequency. In the fused pass point_row does it.
+void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate);
+
+struct UnwrappedRow {
+  float* coordinate = nullptr;
+  std::int32_t* flags = nullptr;
+  float* doubt = nullptr;  ///< see DecodedScan; may be null
+};
+
+/// Two frequencies. Adds `doubtful_order` to the flags; the coordinate of a pixel with one of the
+/// flags `hidden` is NaN, so that it confirms no neighbour.
+void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
+                std::int32_t hidden, const UnwrappedRow& row);
+
+/// Wrapped phase in [0, 2 pi) from turns.
+void phase_row(int width, const float* turn, float* phase);
+
+/// StripeGeometry and the limits of a point, in float.
+struct PointStage {
+  using Linear = std::array<float, 3>;  ///< of the ray: c_0 E_x + c_1 E_y + c_2
+
+  Linear coordinate{}, depth{}, facing{}, place_constant{}, place_slope{};
+  float coordinate_offset = 0, depth_offset = 0;  ///< m_14^p, m_34^p
+  float unit_scale = 1, unit_offset = 0;          ///< from y to p
+  float least_coordinate = 0, largest_coordinate = 1;
+  bool may_leave_field = false;  ///< y beyond those two occurs
+  int lens_degree = 0;           ///< of `lens`; 0 where there is no distortion
+  std::vector<float> lens;       ///< PlanePolynomial, last coefficient first
+  std::array<float, 6> low_edge{}, high_edge{};
+  float inner_low = 0, inner_high = 0;  ///< q between them is in the field whatever p
+  float nearest = 0, farthest = std::numeric_limits<float>::max();
+};
+
+/// Whose fringe orders are believed, see FringeOrderConsensus; off for one frequency.
+struct ConsensusStage {
+  float half_fringe = 0;
+  int fewest_neighbours = 0;
+  int fewest_if_doubtful = 0;
+};
+
+/// What a row of points is made of and where it goes.
+struct PointRow {
+  int width = 0;
+  const float* E_x = nullptr;
+  const float* E_y = nullptr;
+  const std::int32_t* flags = nullptr;
+  const float* coordinate = nullptr;
+  /// The rows above and below for the consensus, where there are two frequencies; all three then
+  /// have a NaN before their first and after their last pixel.
+  const float* above = nullptr;
+  const float* below = nullptr;
+  float* x = nullptr;  ///< mm; null, as `y`, where only depth is wanted
+  float* y = nullptr;
+  float* z = nullptr;
+  Validity* validity = nullptr;
+};
+
+/// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates.
+void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row);
+/// Two frequencies.
+void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row);
+
+}  // namespace slipstream

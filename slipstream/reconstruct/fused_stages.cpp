@@ -1,0 +1,207 @@
+#include "slipstream/reconstruct/fused_stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+#include <variant>
+
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/pattern/sinusoid.h"
+#include "slipstream/phase/closed_form.h"
+
+namespace slipstream {
+namespace {
+
+/// The sinusoids of a strategy, as far as the fused pass knows them.
+struct Sinusoids {
+  Sinusoid first;
+  std::optional<Sinusoid> low;
+};
+
+std::optional<Sinusoids> sinusoids_of(const PhaseMeasuring& pmp) {
+  return Sinusoids{{pmp.steps, pmp.frequency}, std::nullopt};
+}
+
+std::optional<Sinusoids> sinusoids_of(const DualFrequency& dual) {
+  return Sinusoids{{dual.steps, dual.high}, Sinusoid{dual.low_step_count(), dual.low}};
+}
+
+/// Any other strategy.
+template <class Other>
+std::optional<Sinusoids> sinusoids_of(const Other&) {
+  return std::nullopt;
+}
+
+/// The correction's N periods one after another, and the first entry once more for a turn of 1.
+void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
+  const std::size_t count = correction.added.size();
+  const auto in_turns = [&](std::size_t i) {
+    return correction.added[i % count] / (2 * std::numbers::pi);
+  };
+  const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
+  stage.segments = static_cast<float>(segments);
+  for (std::size_t i = 0; i <= segments; ++i) {
+    stage.correction.push_back(static_cast<float>(in_turns(i)));
+    stage.correction_rise.push_back(static_cast<float>(in_turns(i + 1) - in_turns(i)));
+  }
+}
+
+SinusoidStage sinusoid_stage(int steps, const PhaseCorrections& corrections) {
+  SinusoidStage stage{.steps = steps};
+  const auto correction = corrections.find(steps);
+  if (correction != corrections.end()) add_correction(stage, correction->second);
+  if (const ClosedForm* form = closed_form(steps)) {
+    stage.sine_weight = static_cast<float>(std::sqrt(form->sine_square));
+    stage.sine_square = static_cast<float>(form->sine_square);
+    stage.modulation_scale = static_cast<float>(1 / form->divisor);
+    return stage;
+  }
+  for (int n = 0; n < steps; ++n) {
+    const double angle = 2 * std::numbers::pi * n / steps;
+    stage.cosines.push_back(2.0 / steps * std::cos(angle));
+    stage.sines.push_back(2.0 / steps * std::sin(angle));
+  }
+  return stage;
+}
+
+/// `frequency` measures, `widest` says within which period.
+CoordinateStage coordinate_stage(double frequency, double widest, int length) {
+  const double period = 1 / widest;
+  return {.scale = static_cast<float>(1 / frequency),
+          .period = static_cast<float>(period),
+          .cut = static_cast<float>(-0.5 / length - (period - 1) / 2)};
+}
+
+FusedStages::LowFrequency low_frequency(const Sinusoid& low, const Sinusoid& high, int length,
+                                        const ReconstructSettings& settings) {
+  const FringeOrderConsensus& consensus = settings.fringe_order;
+  return {.sinusoid = sinusoid_stage(low.steps, settings.phase_corrections),
+          .unwrap = {.ratio = static_cast<float>(high.frequency / low.frequency),
+                     .largest_doubt = static_cast<float>(consensus.largest_doubt),
+                     .coordinate = coordinate_stage(high.frequency, low.frequency, length)},
+          .consensus = {.half_fringe = static_cast<float>(0.5 / high.frequency),
+                        .fewest_neighbours = consensus.fewest_neighbours,
+                        .fewest_if_doubtful = consensus.fewest_if_doubtful}};
+}
+
+/// A degree that the kernel is compiled for, that one or the next above.
+int compiled_degree(int degree) {
+  if (degree == 0) return 0;
+  return std::max(3, degree + (degree % 2 == 0 ? 1 : 0));
+}
+
+std::vector<float> kernel_order(const PlanePolynomial& polynomial, int degree) {
+  std::vector<float> coefficients;
+  auto c = polynomial.coefficients.begin();
+  for (int i = 0; i <= degree; ++i) {
+    for (int j = 0; i + j <= degree; ++j) {
+      coefficients.push_back(i + j <= polynomial.degree ? static_cast<float>(*c++) : 0);
+    }
+  }
+  std::reverse(coefficients.begin(), coefficients.end());
+  return coefficients;
+}
+
+template <class Row>
+PointStage::Linear linear(const Row& row) {
+  return {static_cast<float>(row(0)), static_cast<float>(row(1)), static_cast<float>(row(2))};
+}
+
+std::array<float, 6> edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
+  std::array<float, 6> narrow{};
+  std::transform(terms.begin(), terms.end(), narrow.begin(),
+                 [](double c) { return static_cast<float>(c); });
+  return narrow;
+}
+
+/// The places along the stripe that are in the field whatever the coordinate.
+std::pair<float, float> inner_places(const StripeGeometry& geometry) {
+  const auto at = [](const auto& terms, double p) {
+    double sum = 0;
+    for (auto c = terms.rbegin(); c != terms.rend(); ++c) sum = sum * p + *c;
+    return sum;
+  };
+  constexpr int samples = 64;
+  constexpr double apart = 1e-3;  // more than the edges bend between two samples
+  double low = -1, high = 1;
+  for (int i = 0; i <= samples; ++i) {
+    const double p = 2.0 * i / samples - 1;
+    low = std::max(low, at(geometry.low_edge, p));
+    high = std::min(high, at(geometry.high_edge, p));
+  }
+  return {static_cast<float>(low + apart), static_cast<float>(high - apart)};
+}
+
+PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings& settings) {
+  const int degree = compiled_degree(geometry.lens.degree);
+  const auto [inner_low, inner_high] = inner_places(geometry);
+  constexpr double largest = std::numeric_limits<float>::max();
+  return {.coordinate = linear(geometry.coordinate),
+          .depth = linear(geometry.depth),
+          .facing = linear(geometry.facing),
+          .place_constant = linear(geometry.place_constant),
+          .place_slope = linear(geometry.place_slope),
+          .coordinate_offset = static_cast<float>(geometry.coordinate(3)),
+          .depth_offset = static_cast<float>(geometry.depth(3)),
+          .unit_scale = static_cast<float>(geometry.unit_coordinate.scale),
+          .unit_offset = static_cast<float>(geometry.unit_coordinate.offset),
+          .least_coordinate = static_cast<float>(geometry.least_coordinate),
+          .largest_coordinate = static_cast<float>(geometry.largest_coordinate),
+          .lens_degree = degree,
+          .lens = kernel_order(geometry.lens, degree),
+          .low_edge = edge(geometry.low_edge),
+          .high_edge = edge(geometry.high_edge),
+          .inner_low = inner_low,
+          .inner_high = inner_high,
+          .nearest = static_cast<float>(std::min(settings.nearest, largest)),
+          .farthest = static_cast<float>(std::min(settings.farthest, largest))};
+}
+
+}  // namespace
+
+std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                                        const ReconstructSettings& settings) {
+  constexpr double widest_margin = 0.25;
+  const auto sinusoids =
+      std::visit([](const auto& chosen) { return sinusoids_of(chosen); }, strategy);
+  if (!sinusoids || settings.field_margin > widest_margin ||
+      scanner.camera.size.width < least_row_width) {
+    return std::nullopt;
+  }
+  const auto geometry = stripe_geometry(scanner, axis, settings.field_margin);
+  if (!geometry) return std::nullopt;
+  std::optional<RayTable> rays = ray_table(scanner.camera);
+  if (!rays) return std::nullopt;
+
+  const auto& [first, low] = *sinusoids;
+  const int length = length_along(axis, scanner.projector.size);
+  const double widest = low ? low->frequency : first.frequency;
+  FusedStages stages{.sinusoid = sinusoid_stage(first.steps, settings.phase_corrections),
+                     .low = {},
+                     .coordinate = coordinate_stage(first.frequency, widest, length),
+                     .point = point_stage(*geometry, settings),
+                     .rays = std::move(*rays)};
+  stages.point.may_leave_field = widest < 1;
+  if (low) stages.low = low_frequency(*low, first, length, settings);
+  return stages;
+}
+
+SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
+                               double full_scale, double mean_of) {
+  const double least = least_modulation(settings, full_scale);
+  SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
+  if (const ClosedForm* form = closed_form(stage.steps)) {
+    // The least integer whose root passes in double, so that the same pixels do.
+    double square = std::max(std::floor(least * form->divisor * least * form->divisor) - 2, 0.0);
+    while (std::sqrt(square) / form->divisor < least) ++square;
+    limits.least_square = static_cast<float>(square);
+  } else {
+    limits.least_square = static_cast<float>(least * least);
+  }
+  if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(full_scale);
+  return limits;
+}
+
+}  // namespace slipstream

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/calibrate.h"
+#include "app/calibration_scans.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
 #include "slipstream/capture/mean_frames.h"
@@ -19,6 +20,7 @@
 #include "slipstream/gamma/measurement.h"
 #include "slipstream/gamma/response.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/plot_file.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 
@@ -34,6 +36,7 @@ struct CalibrateGammaFlags {
   std::optional<std::string> scanner;
   std::string output;
   std::string map;
+  std::string histogram;
   double minimum_modulation = 0;
 };
 
@@ -43,30 +46,11 @@ struct AveragedScans {
   MeanFrames frames;
 };
 
-ScanDescription describe(const fs::path& folder, const ScanFlags& flags) {
-  ScanDescription scan;
-  if (fs::exists(folder / "scan.yaml")) {
-    scan = read_scan_description(folder / "scan.yaml");
-  } else if (!flags.strategy) {
-    throw Error(fmt::format("{}: no scan.yaml in it; say what the pictures are with --strategy",
-                            folder.string()));
-  } else {
-    scan.frames = images_in_folder(folder);
-  }
-  scan.strategy = strategy_from(flags, scan.strategy);
-  const int wanted = frame_count(scan.strategy);
-  if (static_cast<int>(scan.frames.size()) != wanted) {
-    throw Error(fmt::format("{}: {} frames, but {} with these steps takes {}", folder.string(),
-                            scan.frames.size(), name_of(scan.strategy), wanted));
-  }
-  return scan;
-}
-
 AveragedScans averaged_scans(const CalibrateGammaFlags& flags, Output& output) {
   AveragedScans scans;
   Progress progress("scans", static_cast<int>(flags.folders.size()));
   for (const std::string& folder : flags.folders) {
-    ScanDescription scan = describe(folder, flags.scan);
+    ScanDescription scan = describe_scan(folder, flags.scan);
     const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
     for (const std::string& warning : loaded.warnings) output.warn(warning);
     if (scans.frames.count() == 0) {
@@ -86,6 +70,23 @@ struct ScanGamma {
   double gamma = 1;
   double standard_error = 0;
 };
+
+void write_pixel_files(const CalibrateGammaFlags& flags, const Image<double>& map,
+                       const Histogram& counted, Output& output) {
+  if (!flags.map.empty()) {
+    write_map(flags.map, map);
+    output.document["map"] = flags.map;
+  }
+  if (!flags.histogram.empty()) {
+    write_plot(flags.histogram, BarPlot{"Gamma of every pixel",
+                                        "gamma",
+                                        "pixels",
+                                        counted.low,
+                                        counted.high,
+                                        {counted.counts.begin(), counted.counts.end()}});
+    output.document["histogram"] = flags.histogram;
+  }
+}
 
 ScanGamma from_scans(const CalibrateGammaFlags& flags, const AveragedScans& scans, Output& output) {
   const int steps = step_counts(scans.scan.strategy).front();
@@ -120,12 +121,11 @@ ScanGamma from_scans(const CalibrateGammaFlags& flags, const AveragedScans& scan
         {"spread", estimate.spread},
         {"pixels", estimate.pixels},
         {"histogram", {{"low", counted.low}, {"high", counted.high}, {"counts", counted.counts}}}};
-    if (!flags.map.empty()) {
-      write_map(flags.map, map);
-      output.document["map"] = flags.map;
-    }
-  } else if (!flags.map.empty()) {
-    throw Error(fmt::format("--map: {} steps give no gamma for each pixel; it takes 5", steps));
+    write_pixel_files(flags, map, counted, output);
+  } else if (!flags.map.empty() || !flags.histogram.empty()) {
+    throw Error(fmt::format("{} {}: {} steps give no gamma for each pixel; it takes 5",
+                            flags.map.empty() ? "--histogram" : "--map",
+                            flags.map.empty() ? flags.histogram : flags.map, steps));
   }
   if (!fit.accepted() && fit.refusal != BlindRefusal::no_distortion) {
     throw Error(
@@ -246,6 +246,7 @@ void add_calibrate_gamma(CLI::App& calibrate, SharedFlags& shared, Command& chos
                       "scanner file to add to; where not that of scan.yaml");
   command->add_option("-o,--output", flags->output, "the scanner file to write: .yaml or .xml");
   command->add_option("--map", flags->map, "gamma of every pixel: .tiff");
+  command->add_option("--histogram", flags->histogram, "gamma of the pixels, counted: .png");
   command->add_option("--min-modulation", flags->minimum_modulation,
                       "least modulation, grey levels of 255; 16 where not given");
   add_scan_flags(*command, flags->scan);

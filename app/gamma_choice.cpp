@@ -16,12 +16,13 @@ namespace {
 
 GammaChoice with_response(const Response& response, const std::vector<int>& steps,
                           std::string_view source) {
-  GammaChoice choice{phase_corrections(response, steps), {{"source", source}}, ""};
+  GammaChoice choice;
+  choice.corrections = phase_corrections(response, steps);
+  choice.source = source;
   if (const auto* law = std::get_if<PowerLaw>(&response)) {
-    choice.document["gamma"] = law->gamma;
+    choice.gamma = law->gamma;
     choice.sentence = fmt::format("phase corrected for gamma {:.5g} ({})", law->gamma, source);
   } else {
-    choice.document["curve"] = true;
     choice.sentence = fmt::format("phase corrected for the measured response ({})", source);
   }
   return choice;
@@ -51,17 +52,27 @@ GammaChoice blind_choice(const std::vector<int>& steps, const FrameSet& frames) 
     choice = with_response(PowerLaw{found.gamma}, steps, "blind");
     choice.sentence = fmt::format("phase corrected blind: {}", value);
   } else {
-    choice.document = {
-        {"source", "blind"}, {"gamma", found.gamma}, {"refused", reason_of(found.refusal)}};
+    choice.source = "blind";
+    choice.gamma = found.gamma;
     choice.sentence =
         fmt::format("phase left alone: {} ({} would fit best)", reason_of(found.refusal), value);
   }
-  choice.document["standard_error"] = found.standard_error;
-  choice.document["pixels"] = found.pixels;
+  choice.blind = found;
   return choice;
 }
 
 }  // namespace
+
+nlohmann::json json_of(const GammaChoice& choice) {
+  nlohmann::json document{{"source", choice.source}};
+  if (choice.gamma) document["gamma"] = *choice.gamma;
+  if (choice.blind) {
+    document["standard_error"] = choice.blind->standard_error;
+    document["pixels"] = choice.blind->pixels;
+    if (!choice.blind->accepted()) document["refused"] = reason_of(choice.blind->refusal);
+  }
+  return document;
+}
 
 GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
                          const FrameSet& frames) {
@@ -72,7 +83,7 @@ GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
         scan.scanner ? read_response(*scan.scanner) : std::nullopt;
     if (response) return with_response(*response, steps, "scanner file");
   }
-  if (flag == "scanner" || flag == "none") return {{}, {{"source", "none"}}, ""};
+  if (flag == "scanner" || flag == "none") return {};
   double gamma = 0;
   const auto [rest, failure] = std::from_chars(flag.data(), flag.data() + flag.size(), gamma);
   if (failure != std::errc() || rest != flag.data() + flag.size()) {

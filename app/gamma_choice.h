@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include "slipstream/capture/frame_set.h"
+#include "slipstream/gamma/blind.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/phase/phase_correction.h"
 
@@ -12,11 +14,16 @@ namespace slipstream::app {
 
 /// How the phase of a scan is corrected, and what is to be said of it.
 struct GammaChoice {
-  PhaseCorrections corrections;
-  nlohmann::json
-      document;          ///< `source`, and where there is one `gamma`, `standard_error`, `refused`
+  PhaseCorrections corrections = {};
+  std::string source = "none";       ///< "scanner file", "blind", "given", "two cameras" or "none"
+  std::optional<double> gamma = {};  ///< nothing for a measured curve
+  std::optional<BlindGamma> blind = {};
   std::string sentence;  ///< for people; empty where nothing was corrected or asked for
 };
+
+/// As the JSON document says it: `source`, and where there is one `gamma`, `standard_error`,
+/// `pixels`, `refused`.
+nlohmann::json json_of(const GammaChoice& choice);
 
 /// `--gamma`: "scanner" (what the scanner file says, if it does), "blind" (from the frames
 /// themselves), "none", or a number. Throws Error for anything else.

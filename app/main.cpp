@@ -48,7 +48,9 @@ int run_program(int argc, char** argv) {
   Command chosen;
   add_patterns(program, shared, chosen);
   add_simulate(program, shared, chosen);
+  add_design(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
+  add_reproduce(program, shared, chosen);
   add_calibrate(program, shared, chosen);
   add_bench(program, shared, chosen);
 

@@ -23,6 +23,7 @@
 #include "slipstream/io/preview.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/phase_matcher.h"
 #include "slipstream/reconstruct/reconstructor.h"
 
 namespace slipstream::app {
@@ -53,6 +54,8 @@ struct ReconstructFlags {
   std::string backend = "fused";
   std::string unwrapping = "consensus";
   std::string gamma = "scanner";
+  bool one_camera = false;
+  PhaseMatchSettings match;
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
@@ -165,6 +168,24 @@ double median_depth_sigma(const Uncertainty& uncertainty) {
   return *middle;
 }
 
+/// The cloud of a scan with two cameras, by matching their phases.
+Reconstruction match_cameras(const ScanDescription& scan, const FrameSet& frames,
+                             ReconstructFlags flags, Output& output) {
+  flags.scanner.reset();
+  const ScanDescription second = describe(*scan.second_camera, flags);
+  if (name_of(second.strategy) != name_of(scan.strategy) ||
+      settings_of(second.strategy) != settings_of(scan.strategy) || second.axis != scan.axis) {
+    throw Error(fmt::format("{}: another strategy than the first camera's; both see one projector",
+                            scan.second_camera->string()));
+  }
+  const LoadedFrames loaded = read_frames(second.frames, second.bits);
+  for (const std::string& warning : loaded.warnings) output.warn(warning);
+  const PhaseMatcher match(scanner_for(scan, frames.size()),
+                           scanner_for(second, loaded.frames.size()), scan.strategy, scan.axis,
+                           flags.settings, flags.match);
+  return match(frames, loaded.frames);
+}
+
 /// With several scans "{name}" in an output's path stands for the scan's folder.
 std::string for_scan(const std::string& path, const fs::path& folder) {
   static constexpr std::string_view placeholder = "{name}";
@@ -261,7 +282,7 @@ class ReconstructorOfScans {
     const std::string wanted = fmt::format(
         "{} {} {} {} {} {} {} {} {} {}", scan.scanner->string(),
         nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-        name_of(scan.axis), text_of(camera), gamma.document.dump(), scan.light.alpha_p,
+        name_of(scan.axis), text_of(camera), json_of(gamma).dump(), scan.light.alpha_p,
         scan.light.beta_p, photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
     if (wanted != made_for_) {
       settings_.phase_corrections = gamma.corrections;
@@ -311,12 +332,19 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
   for (const std::string& warning : loaded.warnings) output.warn(warning);
   const double read = watch.lap();
-  const GammaChoice gamma = choose_gamma(flags.gamma, scan, loaded.frames);
+  const bool two_cameras = scan.second_camera && !flags.one_camera;
+  const GammaChoice gamma =
+      two_cameras ? GammaChoice{.source = "two cameras", .sentence = "two cameras, free of gamma"}
+                  : choose_gamma(flags.gamma, scan, loaded.frames);
+  if (two_cameras && flags.uncertainty) {
+    throw Error("--uncertainty is of one camera and the projector; add --one-camera");
+  }
   const Reconstructor& reconstruct =
       reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry_for(scan, flags));
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
-  const Reconstruction result = reconstruct(loaded.frames);
+  const Reconstruction result =
+      two_cameras ? match_cameras(scan, loaded.frames, flags, output) : reconstruct(loaded.frames);
   const double computed = watch.lap();
   const std::optional<Uncertainty> uncertainty =
       flags.uncertainty ? std::optional(reconstruct.uncertainty(result, loaded.frames))
@@ -329,7 +357,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"pixels", result.cloud.z.pixel_count()},
       {"counts", counts_of(result.cloud)},
       {"backend", reconstruct.backend_for(loaded.frames)},
-      {"gamma", gamma.document},
+      {"gamma", json_of(gamma)},
       {"files", std::move(files)},
       {"warnings", loaded.warnings},
       {"seconds",
@@ -420,6 +448,12 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
           "--gamma", flags->gamma,
           "the response the phase is corrected for: scanner (as its file says, if it does), "
           "blind (from the frames), none, or a number")
+      ->capture_default_str();
+  command->add_flag("--one-camera", flags->one_camera,
+                    "use the first camera alone where the scan has two");
+  command
+      ->add_option("--match-window", flags->match.window,
+                   "two cameras: half the width of the window whose plane gives the depth, pixels")
       ->capture_default_str();
   command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
   add_output_flags(*command, *flags);

@@ -18,6 +18,7 @@
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream::app {
@@ -37,6 +38,7 @@ struct SimulateFlags {
   Photometry photometry{.ambient = 5, .gamma = 1, .noise_variance = 1.55, .bits = 8, .seed = 1};
   int bits = 8;
   bool unquantised = false;
+  bool second_camera = false;
 };
 
 Scanner scanner_from(const SimulateFlags& flags) {
@@ -92,6 +94,35 @@ PhotometricCalibration photometric_truth(const Photometry& photometry) {
   return truth;
 }
 
+void write_scan(const fs::path& folder, ScanDescription scan, const Scanner& scanner,
+                const VirtualScan& virtual_scan, const PhotometricCalibration& photometry) {
+  make_folder(folder);
+  scan.frames = frame_names(folder, virtual_scan.frames);
+  scan.scanner = folder / "scanner.yaml";
+  if (virtual_scan.frames.quantised()) scan.bits = virtual_scan.frames.bits();
+  write_frames(scan.frames, virtual_scan.frames);
+  write_scanner(*scan.scanner, scanner);
+  write_photometric_calibration(scan.scanner, *scan.scanner, photometry);
+  write_truth(folder / "truth", virtual_scan);
+  write_scan_description(folder / "scan.yaml", scan);
+}
+
+/// The same scan as a second camera sees it, with noise of its own, in the folder that `scan`
+/// names.
+void write_second_camera(const SimulateFlags& flags, ScanDescription scan, const Scanner& first,
+                         Photometry photometry) {
+  const fs::path folder = *scan.second_camera;
+  const Scanner second = second_scanner(first);
+  const Scene scene = seen_from_second(scene_from(flags, first), first, second);
+  photometry.seed = ~photometry.seed;
+  scan.second_camera.reset();
+  make_folder(folder);
+  write_scan(
+      folder, scan, second,
+      take_scan(second, scene, pattern_set(scan.strategy, scan.axis, scan.light), photometry),
+      photometric_truth(photometry));
+}
+
 void simulate(const SimulateFlags& flags, Output& output) {
   const Scanner scanner = scanner_from(flags);
   ScanDescription scan;
@@ -114,15 +145,11 @@ void simulate(const SimulateFlags& flags, Output& output) {
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
 
   const fs::path folder = flags.folder;
-  make_folder(folder);
-  scan.frames = frame_names(folder, virtual_scan.frames);
-  scan.scanner = folder / "scanner.yaml";
-  if (virtual_scan.frames.quantised()) scan.bits = virtual_scan.frames.bits();
-  write_frames(scan.frames, virtual_scan.frames);
-  write_scanner(*scan.scanner, scanner);
-  write_photometric_calibration(scan.scanner, *scan.scanner, photometric_truth(photometry));
-  write_truth(folder / "truth", virtual_scan);
-  write_scan_description(folder / "scan.yaml", scan);
+  if (flags.second_camera) {
+    scan.second_camera = folder / "second";
+    write_second_camera(flags, scan, scanner, photometry);
+  }
+  write_scan(folder, scan, scanner, virtual_scan, photometric_truth(photometry));
 
   output.say("took {} frames of {} ({}) in {:.2f} s; the scan is in {}",
              virtual_scan.frames.count(), text_of(scanner.camera.size),
@@ -176,6 +203,10 @@ void add_device_flags(CLI::App& command, SimulateFlags& flags) {
   command
       .add_flag("--unquantised", flags.unquantised,
                 "64-bit float frames, neither rounded nor clipped")
+      ->group(group);
+  command
+      .add_flag("--second-camera", flags.second_camera,
+                "a second camera beyond the projector sees the scan too, into second/")
       ->group(group);
   command.add_option("--seed", photometry.seed, "of the noise")
       ->capture_default_str()

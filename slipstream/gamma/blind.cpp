@@ -107,9 +107,11 @@ double median_residual(const std::vector<Sample>& samples, const std::vector<Com
 
 /// The gamma that most pixels agree on, within 1 %.
 double agreed_gamma(const std::vector<Sample>& samples, int steps) {
-  constexpr double step = 1.02;
+  const int count = static_cast<int>(std::ceil(std::log(largest_gamma / least_gamma) / 0.02));
   double best_gamma = 1, best = std::numeric_limits<double>::infinity();
-  for (double gamma = least_gamma; gamma < largest_gamma * step; gamma *= step) {
+  for (int i = 0; i <= count; ++i) {
+    const double gamma =
+        least_gamma * std::pow(largest_gamma / least_gamma, static_cast<double>(i) / count);
     const double residual =
         median_residual(samples, predicted(samples, gamma, steps, coarse_pieces));
     if (residual < best) {

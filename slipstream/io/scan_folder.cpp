@@ -135,7 +135,8 @@ PatternLight read_light(const YamlMap& map) {
 
 ScanDescription interpret(const YamlMap& map, const fs::path& folder) {
   constexpr int largest_picture = 65536;
-  map.require_known_keys({"slipstream", "strategy", "projector", "bits", "frames", "scanner"});
+  map.require_known_keys(
+      {"slipstream", "strategy", "projector", "bits", "frames", "scanner", "second_camera"});
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
 
   ScanDescription scan;
@@ -152,6 +153,9 @@ ScanDescription interpret(const YamlMap& map, const fs::path& folder) {
   if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
   for (const std::string& name : map.names("frames")) scan.frames.push_back(folder / name);
   if (map.has("scanner")) scan.scanner = folder / map.value<std::string>("scanner", "a file");
+  if (map.has("second_camera")) {
+    scan.second_camera = folder / map.value<std::string>("second_camera", "a folder");
+  }
   return scan;
 }
 
@@ -220,6 +224,10 @@ void write_scan_description(const fs::path& file, const ScanDescription& scan) {
   if (scan.scanner) {
     yaml << YAML::Key << "scanner" << YAML::Value
          << scan.scanner->lexically_proximate(folder).string();
+  }
+  if (scan.second_camera) {
+    yaml << YAML::Key << "second_camera" << YAML::Value
+         << scan.second_camera->lexically_proximate(folder).string();
   }
   yaml << YAML::EndMap;
   write_file(file, std::string(yaml.c_str()) + "\n");

@@ -21,6 +21,8 @@ struct ScanDescription {
   int bits = 0;                                  ///< of the camera; 0 where not said
   std::vector<std::filesystem::path> frames;     ///< in pattern order
   std::optional<std::filesystem::path> scanner;  ///< the scanner file
+  /// The scan folder of a second camera that saw the same projector at the same time.
+  std::optional<std::filesystem::path> second_camera;
 };
 
 /// Reads scan.yaml; relative paths are resolved against its folder. Throws Error, naming file and

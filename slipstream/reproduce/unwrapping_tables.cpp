@@ -2,20 +2,18 @@
 
 #include <array>
 #include <cmath>
-#include <random>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/reproduce/noisy_frames.h"
 #include "slipstream/strategy/decoder.h"
 
 namespace slipstream {
 namespace {
 
-constexpr double alpha = 0.5;
-constexpr double beta = -7;
-constexpr double sigma_w2 = 1.55;
+constexpr NoisyPixels pixels{.alpha = 0.5, .beta = -7, .noise_variance = 1.55};
 constexpr int projector_length = 1140;
 
 /// The cells as printed.
@@ -47,19 +45,6 @@ std::vector<UnwrappingCell> printed_table(int steps) {
   }
 }
 
-FrameSet noisy_frames(const PatternSet& patterns, const Image<double>& y, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> w(0, std::sqrt(sigma_w2));
-  FrameSet::ImagesUnquantised frames;
-  for (int n = 0; n < patterns.count; ++n) {
-    Image<double>& frame = frames.emplace_back(y.size());
-    for (std::size_t i = 0; i < y.pixel_count(); ++i) {
-      frame.begin()[i] = alpha * (patterns.intensity(n, y.begin()[i]) + beta) + beta + w(random);
-    }
-  }
-  return FrameSet(std::move(frames));
-}
-
 /// 1 where the coordinate is within half a period of the truth.
 Image<std::uint8_t> rightly_unwrapped(const Strategy& strategy, const FrameSet& frames,
                                       const Image<double>& y, const CueSettings& cue) {
@@ -72,31 +57,24 @@ Image<std::uint8_t> rightly_unwrapped(const Strategy& strategy, const FrameSet& 
   return right;
 }
 
-struct Outcome {
-  double published = 0, improved = 0;  ///< %
-  std::size_t worse = 0;
-};
-
-Outcome outcome_on(const UnwrappingCell& cell, const Image<double>& y, std::uint64_t seed) {
+void recompute(UnwrappingCell& cell, const Image<double>& y, std::uint64_t seed) {
   const Strategy strategy = PhaseChannelMultiplexing{
       .steps = cell.steps, .high = cell.high, .share = cell.c1, .reference = {}};
   CueSettings cue{.light = {.alpha_p = cell.alpha_p, .beta_p = 255 - cell.alpha_p},
-                  .ambient = beta,
-                  .noise_variance = sigma_w2,
+                  .ambient = pixels.beta,
+                  .noise_variance = pixels.noise_variance,
                   .unwrapping = Unwrapping::published};
-  const FrameSet frames = noisy_frames(pattern_set(strategy, Axis::y, cue.light), y, seed);
+  const FrameSet frames = noisy_frames(pattern_set(strategy, Axis::y, cue.light), y, pixels, seed);
   const Image<std::uint8_t> published = rightly_unwrapped(strategy, frames, y, cue);
   cue.unwrapping = Unwrapping::consensus;
   const Image<std::uint8_t> improved = rightly_unwrapped(strategy, frames, y, cue);
 
-  Outcome outcome;
   const double percent = 100.0 / static_cast<double>(y.pixel_count());
   for (std::size_t i = 0; i < y.pixel_count(); ++i) {
-    outcome.published += percent * published.begin()[i];
-    outcome.improved += percent * improved.begin()[i];
-    if (published.begin()[i] > improved.begin()[i]) ++outcome.worse;
+    cell.recomputed += percent * published.begin()[i];
+    cell.improved += percent * improved.begin()[i];
+    if (published.begin()[i] > improved.begin()[i]) ++cell.worse;
   }
-  return outcome;
 }
 
 }  // namespace
@@ -134,18 +112,10 @@ Image<double> stepped_coordinate(Size size) {
 
 std::vector<UnwrappingCell> unwrapping_table(int steps, const UnwrappingTrial& trial) {
   std::vector<UnwrappingCell> table = printed_table(steps);
-  const Image<double> smooth = smooth_coordinate(trial.size);
-  const Image<double> stepped = stepped_coordinate(trial.size);
+  const bool smooth = trial.surface == UnwrappingTrial::Surface::smooth;
+  const Image<double> y = smooth ? smooth_coordinate(trial.size) : stepped_coordinate(trial.size);
   std::uint64_t seed = trial.seed * 1000 + static_cast<std::uint64_t>(steps) * 100;
-  for (UnwrappingCell& cell : table) {
-    const Outcome on_smooth = outcome_on(cell, smooth, ++seed);
-    const Outcome on_stepped = outcome_on(cell, stepped, ++seed);
-    cell.recomputed = on_smooth.published;
-    cell.improved = on_smooth.improved;
-    cell.recomputed_edges = on_stepped.published;
-    cell.improved_edges = on_stepped.improved;
-    cell.worse_edges = on_stepped.worse;
-  }
+  for (UnwrappingCell& cell : table) recompute(cell, y, ++seed);
   return table;
 }
 

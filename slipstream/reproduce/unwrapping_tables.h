@@ -14,19 +14,18 @@ struct UnwrappingCell {
   double alpha_p = 200;
   double high = 3;  ///< f_h
   double c1 = 0.5;
-  double published = 0;         ///< as printed, %
-  double recomputed = 0;        ///< by the published rule, %
-  double improved = 0;          ///< by the default rule, %
-  double recomputed_edges = 0;  ///< the same two of a scene with depth edges, %
-  double improved_edges = 0;
-  /// Pixels of the scene with depth edges that the published rule unwraps rightly and the default
-  /// rule does not.
-  std::size_t worse_edges = 0;
+  double published = 0;   ///< as printed, %
+  double recomputed = 0;  ///< by the published rule, %
+  double improved = 0;    ///< by the default rule, %
+  /// Pixels that the published rule unwraps rightly and the default rule does not.
+  std::size_t worse = 0;
 };
 
 /// What the cells are computed from: noise of sigma_w^2 = 1.55 at alpha = 0.5, beta = -7, beta_p =
 /// 255 - alpha_p, frames not quantised.
 struct UnwrappingTrial {
+  enum class Surface { smooth, stepped };
+  Surface surface = Surface::smooth;  ///< `stepped` has depth edges
   Size size{640, 480};
   std::uint64_t seed = 1;
 };

@@ -57,9 +57,10 @@ bool says(const std::string& text, const std::string& words) {
 TEST_F(GammaProgram, CalibratesTheScannerFileThatReconstructUses) {
   simulate("6");
   (void)out_of({"calibrate", "gamma", path("scan"), "-o", path("scan/scanner.yaml"), "--map",
-                path("gamma.tiff")});
+                path("gamma.tiff"), "--histogram", path("gamma.png")});
   const Response response = read_response(path("scan/scanner.yaml")).value();
   EXPECT_NEAR(std::get<PowerLaw>(response).gamma, 2.4, 0.005);
+  EXPECT_TRUE(std::filesystem::exists(path("gamma.png")));
   EXPECT_EQ(read_map(path("gamma.tiff")).size(), (Size{128, 96}));
 
   (void)out_of({"simulate", path("three"), "--scene", "board", "--camera", "128x96", "--gamma",
@@ -119,6 +120,37 @@ TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
   const Image<std::uint16_t> by_number = read_grey_image(path("patterns/pattern_00.png"));
   EXPECT_NEAR(by_number(16, 0), 255 * std::pow(0.5, 1 / 1.8), 1);
   EXPECT_NEAR(by_curve(16, 0), by_number(16, 0), 2);
+}
+
+TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
+  (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--gamma",
+                "2.4", "--steps", "3", "--low-steps", "6", "--high", "8", "--second-camera"});
+  const std::string said = out_of({"reconstruct", path("scan"), "-o", path("cloud.ply")});
+  EXPECT_TRUE(says(said, "two cameras, free of gamma")) << said;
+  const double two_cameras = rms_with("none");
+  (void)out_of({"reconstruct", path("scan"), "--one-camera"});
+  EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--match-window", "-1"}), "window"));
+
+  std::filesystem::remove(path("scan/second/scan.yaml"));
+  EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan")}), "second"));
+  // Without its folder the scan is that of one camera, and wrong.
+  const std::string json = out_of({"reconstruct", path("scan"), "--one-camera", "--json"});
+  double one_camera = NAN;
+  std::sscanf(json.c_str() + json.find("\"rms_mm\":") + 9, "%lf", &one_camera);
+  EXPECT_LT(two_cameras, one_camera / 10);
+}
+
+TEST_F(GammaProgram, ReproducesTablesAndFigures) {
+  const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
+                                   "--report", path("report.md"), "--json"});
+  for (const char* words : {"\"tables\"", "\"id\": \"4.1\"", "\"published\"", "\"improved\""}) {
+    EXPECT_TRUE(says(json, words)) << words << " in " << json;
+  }
+  EXPECT_TRUE(std::filesystem::exists(path("plots/figure-4.1.png")));
+  const auto report = read_file(path("report.md"));
+  EXPECT_TRUE(says({report.begin(), report.end()}, "(plots/figure-4.1.png)"));
+  EXPECT_TRUE(says(out_of({"reproduce", "--list"}), "section-4.5"));
+  EXPECT_TRUE(says(refusal_of({"reproduce", "table-9.9"}), "table-9.9"));
 }
 
 TEST_F(GammaProgram, RefusesBadInput) {

@@ -8,7 +8,7 @@
 #include "slipstream/gamma/distortion.h"
 #include "slipstream/gamma/double_three_step.h"
 #include "slipstream/gamma/precompensation.h"
-#include "tests/gamma/board_scans.h"
+#include "slipstream/strategy/strategy.h"
 
 namespace slipstream {
 namespace {

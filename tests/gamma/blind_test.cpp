@@ -9,7 +9,7 @@
 
 #include "slipstream/gamma/correction.h"
 #include "slipstream/gamma/distortion.h"
-#include "tests/gamma/board_scans.h"
+#include "slipstream/reproduce/board_experiment.h"
 
 namespace slipstream {
 
@@ -20,6 +20,16 @@ void PrintTo(BlindRefusal refusal, std::ostream* stream) {
 namespace {
 
 using std::numbers::pi;
+
+/// Traced once for all tests.
+const BoardExperiment& white_board() {
+  static const BoardExperiment board({160, 120});
+  return board;
+}
+const BoardExperiment& textured_board() {
+  static const BoardExperiment board({160, 120}, BoardExperiment::Surface::textured);
+  return board;
+}
 
 /// A row of pixels all around the circle, as a projector of that response shows them.
 Image<MeasuredHarmonics> full_circle(const Response& response, int steps, double brightness = 200,
@@ -129,7 +139,7 @@ INSTANTIATE_TEST_SUITE_P(Board, Section45,
 
 TEST(BlindGamma, OfOneNoisyTexturedScanIsNearTheTruth) {
   for (const auto& [steps, gamma] : {std::pair{4, 2.21}, {5, 2.21}, {6, 1.4}}) {
-    const BlindGamma found = find_gamma(veined_board().once(steps, gamma, 5), 0, steps);
+    const BlindGamma found = find_gamma(textured_board().once(steps, gamma, 5), 0, steps);
     EXPECT_EQ(found.refusal, BlindRefusal::none);
     EXPECT_NEAR(found.gamma, gamma, 0.01);
   }
@@ -137,7 +147,7 @@ TEST(BlindGamma, OfOneNoisyTexturedScanIsNearTheTruth) {
 
 TEST(BlindGamma, SeesAmbientLightInNoise) {
   for (const double gamma : {1.0, 2.21}) {
-    const BlindGamma found = find_gamma(veined_board().once(3, gamma, 5), 0, 3);
+    const BlindGamma found = find_gamma(textured_board().once(3, gamma, 5), 0, 3);
     EXPECT_EQ(found.refusal, BlindRefusal::ambient_light) << found.gamma;
     EXPECT_FALSE(found.accepted());
   }

@@ -34,6 +34,14 @@ TEST(PhaseError, IsEquation445WithAllHarmonics) {
   }
 }
 
+TEST(PhaseError, VanishesAtMultiplesOfPiOverNAllAround) {
+  for (int steps = 3; steps <= 6; ++steps) {
+    for (int n = 0; n < 2 * steps; ++n) {
+      EXPECT_NEAR(phase_error(gamma_318, steps, pi * n / steps), 0, 1e-14);
+    }
+  }
+}
+
 TEST(PhaseError, VanishesWhereTheHarmonicsDo) {
   // Fig. 4.6: gamma whole and at most N - 2.
   for (int steps = 3; steps <= 8; ++steps) {

@@ -8,12 +8,22 @@
 #include <rapidcheck.h>
 
 #include "slipstream/error/error.h"
-#include "tests/gamma/board_scans.h"
+#include "slipstream/reproduce/board_experiment.h"
 
 namespace slipstream {
 namespace {
 
-GammaEstimate measured(const BoardScans& board, double gamma) {
+/// Traced once for all tests.
+const BoardExperiment& white_board() {
+  static const BoardExperiment board({160, 120});
+  return board;
+}
+const BoardExperiment& textured_board() {
+  static const BoardExperiment board({160, 120}, BoardExperiment::Surface::textured);
+  return board;
+}
+
+GammaEstimate measured(const BoardExperiment& board, double gamma) {
   constexpr int steps = 20;
   const FrameSet frames = board.averaged(steps, gamma, 5, 4);
   const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, 0, steps);
@@ -23,7 +33,7 @@ GammaEstimate measured(const BoardScans& board, double gamma) {
 TEST(MeasuredGamma, OfATexturedObjectIsThatOfTheWhiteBoard) {
   for (const double gamma : {2.21, 4.42, 7.73}) {
     const GammaEstimate white = measured(white_board(), gamma);
-    const GammaEstimate veined = measured(veined_board(), gamma);
+    const GammaEstimate veined = measured(textured_board(), gamma);
     EXPECT_NEAR(veined.gamma, gamma, 0.005);
     EXPECT_NEAR(veined.gamma, white.gamma, 0.005);
     EXPECT_LT(veined.standard_error, 0.002);

@@ -1,0 +1,191 @@
+#include "slipstream/io/plot_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/preview.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+const cv::Scalar paper(255, 255, 255);
+const cv::Scalar ink(60, 60, 60);
+const cv::Scalar grid(228, 228, 228);
+/// Blue, red, green, violet, orange, cyan: told apart by most eyes.
+const std::array<cv::Scalar, 6> line_colours{cv::Scalar(180, 110, 30), cv::Scalar(50, 50, 200),
+                                             cv::Scalar(60, 140, 40),  cv::Scalar(170, 70, 130),
+                                             cv::Scalar(0, 130, 230),  cv::Scalar(170, 160, 30)};
+
+constexpr int width = 800, height = 520;
+constexpr int left = 100, right = width - 30, top = 50, bottom = height - 70;
+
+void write_text(cv::Mat& page, const std::string& text, cv::Point at, double size) {
+  cv::putText(page, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
+}
+
+int text_width(const std::string& text, double size) {
+  int baseline = 0;
+  return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &baseline).width;
+}
+
+/// A page with axes; values to places on it.
+class Page {
+ public:
+  Page(PlotAxis x, PlotAxis y, PlotScale y_scale)
+      : x_(std::move(x)),
+        y_(std::move(y)),
+        y_scale_(y_scale),
+        page_(height, width, CV_8UC3, paper) {
+    for (const double mark : x_.marks) {
+      const int at = x_place(mark);
+      cv::line(page_, {at, top}, {at, bottom}, grid);
+      const std::string text = fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
+      write_text(page_, text, {at - text_width(text, 0.42) / 2, bottom + 20}, 0.42);
+    }
+    for (const double mark : y_.marks) {
+      const int at = y_mark_place(mark);
+      cv::line(page_, {left, at}, {right, at}, grid);
+      const std::string text = y_scale == PlotScale::logarithmic
+                                   ? fmt::format("1e{:.0f}", mark)
+                                   : fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
+      write_text(page_, text, {left - 8 - text_width(text, 0.42), at + 4}, 0.42);
+    }
+    cv::rectangle(page_, {left, top}, {right, bottom}, ink);
+  }
+
+  [[nodiscard]] int x_place(double x) const {
+    return left + static_cast<int>(std::lround((x - x_.low) / (x_.high - x_.low) * (right - left)));
+  }
+  [[nodiscard]] int y_place(double y) const {
+    return y_mark_place(y_scale_ == PlotScale::logarithmic ? std::log10(y) : y);
+  }
+  [[nodiscard]] bool shows(double x, double y) const {
+    return std::isfinite(x) && std::isfinite(y) && (y_scale_ == PlotScale::linear || y > 0);
+  }
+
+  void label(const std::string& title, const std::string& x, const std::string& y) {
+    write_text(page_, title, {left, 22}, 0.5);
+    write_text(page_, y, {8, top - 10}, 0.42);
+    write_text(page_, x, {(left + right - text_width(x, 0.45)) / 2, height - 18}, 0.45);
+  }
+
+  [[nodiscard]] cv::Mat& picture() { return page_; }
+
+ private:
+  [[nodiscard]] int y_mark_place(double y) const {
+    const double share = std::clamp((y - y_.low) / (y_.high - y_.low), -0.01, 1.01);
+    return bottom - static_cast<int>(std::lround(share * (bottom - top)));
+  }
+
+  PlotAxis x_, y_;
+  PlotScale y_scale_;
+  cv::Mat page_;
+};
+
+struct Extent {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void include(double value) {
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+void require_some(const Extent& extent, const std::string& title) {
+  if (!(extent.low <= extent.high)) {
+    throw Error(fmt::format("plot '{}' has no value that can be shown", title));
+  }
+}
+
+cv::Mat drawn(const LinePlot& plot) {
+  const bool logarithmic = plot.y_scale == PlotScale::logarithmic;
+  Extent x, y;
+  for (const PlotLine& line : plot.lines) {
+    for (std::size_t i = 0; i < line.x.size(); ++i) {
+      if (!std::isfinite(line.x[i]) || !std::isfinite(line.y[i])) continue;
+      x.include(line.x[i]);
+      if (!logarithmic || line.y[i] > 0) y.include(line.y[i]);
+    }
+  }
+  require_some(x, plot.title);
+  require_some(y, plot.title);
+  Page page(round_axis(x.low, x.high, 8),
+            logarithmic ? decade_axis(y.low, y.high, 10) : round_axis(y.low, y.high, 8),
+            plot.y_scale);
+  page.label(plot.title, plot.x_label, plot.y_label);
+  int legend = top + 18;
+  for (std::size_t k = 0; k < plot.lines.size(); ++k) {
+    const PlotLine& line = plot.lines[k];
+    const cv::Scalar& colour = line_colours[k % line_colours.size()];
+    for (std::size_t i = 0; i < line.x.size(); ++i) {
+      if (!page.shows(line.x[i], line.y[i])) continue;
+      const cv::Point here(page.x_place(line.x[i]), page.y_place(line.y[i]));
+      if (line.x.size() <= 40) cv::circle(page.picture(), here, 3, colour, cv::FILLED, cv::LINE_AA);
+      if (i == 0 || !page.shows(line.x[i - 1], line.y[i - 1])) continue;
+      const cv::Point before(page.x_place(line.x[i - 1]), page.y_place(line.y[i - 1]));
+      cv::line(page.picture(), before, here, colour, 1, cv::LINE_AA);
+    }
+    if (line.label.empty()) continue;
+    const int start = right - 50 - text_width(line.label, 0.42);
+    cv::line(page.picture(), {start, legend - 4}, {start + 25, legend - 4}, colour, 2, cv::LINE_AA);
+    write_text(page.picture(), line.label, {start + 32, legend}, 0.42);
+    legend += 18;
+  }
+  return page.picture();
+}
+
+cv::Mat drawn(const BarPlot& plot) {
+  Extent y;
+  y.include(0);
+  for (const double bar : plot.heights) {
+    if (std::isfinite(bar)) y.include(bar);
+  }
+  if (plot.heights.empty()) require_some({}, plot.title);
+  Page page(round_axis(plot.low, plot.high, 8), round_axis(y.low, y.high, 8), PlotScale::linear);
+  page.label(plot.title, plot.x_label, plot.y_label);
+  const double step = (plot.high - plot.low) / static_cast<double>(plot.heights.size());
+  for (std::size_t i = 0; i < plot.heights.size(); ++i) {
+    if (!std::isfinite(plot.heights[i])) continue;
+    const double from = plot.low + step * static_cast<double>(i);
+    cv::rectangle(page.picture(), {page.x_place(from), page.y_place(plot.heights[i])},
+                  {page.x_place(from + step) - 1, page.y_place(0)}, line_colours[0], cv::FILLED);
+  }
+  return page.picture();
+}
+
+void save(const fs::path& path, const cv::Mat& picture) {
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", picture, bytes);
+  write_file(path, bytes);
+}
+
+}  // namespace
+
+void write_plot(const fs::path& path, const Plot& plot) {
+  if (lower_case_extension(path) != ".png") {
+    throw Error(fmt::format("{}: plots are PNG files; use the ending .png", path.string()));
+  }
+  if (const auto* lines = std::get_if<LinePlot>(&plot)) {
+    save(path, drawn(*lines));
+  } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {
+    save(path, drawn(*bars));
+  } else {
+    const auto& heat = std::get<HeatPlot>(plot);
+    write_map_preview(path, heat.values, heat.unit);
+  }
+}
+
+}  // namespace slipstream

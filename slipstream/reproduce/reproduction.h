@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "slipstream/plot/plot.h"
+
+namespace slipstream {
+
+/// One number of the dissertation beside slipstream's.
+struct ReproducedCell {
+  std::string quantity;                                    ///< with its unit
+  std::vector<std::pair<std::string, double>> parameters;  ///< "N" 3, "gamma" 3.18
+  std::optional<double> published;                         ///< as printed
+  std::optional<double> recomputed;                        ///< by the published rule
+  std::optional<double> improved;                          ///< by slipstream's own
+};
+
+/// A plot with the name of its file, without ending: "figure-4.7-error".
+struct NamedPlot {
+  std::string name;
+  Plot plot;
+};
+
+/// A table, figure or section recomputed.
+struct Reproduction {
+  std::vector<ReproducedCell> cells;
+  std::vector<NamedPlot> plots;
+  std::vector<std::string> notes;  ///< what a reader of the numbers should know, a sentence each
+};
+
+/// Something that can be recomputed.
+struct Reproducible {
+  std::string_view kind;   ///< "table", "figure" or "section"
+  std::string_view id;     ///< its number: "4.1"
+  std::string_view title;  ///< in a few words
+  std::function<Reproduction(std::uint64_t seed)> run;
+
+  /// "table-4.1".
+  [[nodiscard]] std::string name() const { return std::string(kind) + "-" + std::string(id); }
+};
+
+/// All of them, in the order of the dissertation.
+std::vector<Reproducible> reproducibles();
+
+/// Those of the names given, in the order of the dissertation; all of them for "all" or no name. A
+/// name that ends in "-N." as "figure-4." takes all that begin so. Throws Error for a name that is
+/// none.
+std::vector<Reproducible> reproducibles_named(const std::vector<std::string>& names);
+
+/// Chapter 4: see reproducibles().
+std::vector<Reproducible> gamma_reproducibles();
+
+}  // namespace slipstream

@@ -1,0 +1,58 @@
+#include "slipstream/io/plot_file.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "slipstream/error/error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Pixels that are neither white paper nor grey ink.
+int coloured_pixels(const std::filesystem::path& path) {
+  const cv::Mat picture = cv::imread(path.string());
+  int count = 0;
+  for (int row = 0; row < picture.rows; ++row) {
+    for (int column = 0; column < picture.cols; ++column) {
+      const auto pixel = picture.at<cv::Vec3b>(row, column);
+      if (pixel[0] != pixel[1] || pixel[1] != pixel[2]) ++count;
+    }
+  }
+  return count;
+}
+
+TEST(PlotFile, ShowsLinesBarsAndMaps) {
+  const TemporaryFolder folder;
+  const auto drawn = [&](const Plot& plot) {
+    const auto path = folder.path() / "plot.png";
+    write_plot(path, plot);
+    return coloured_pixels(path);
+  };
+  EXPECT_GT(drawn(LinePlot{"a", "x", "y", PlotScale::linear, {{"line", {0, 1, 2}, {1, 5, 2}}}}),
+            300);
+  EXPECT_GT(drawn(LinePlot{
+                "a", "x", "y", PlotScale::logarithmic, {{"", {0, 1, 2, 3}, {1e-9, 0, nan, 2}}}}),
+            10);
+  EXPECT_GT(drawn(LinePlot{"flat", "x", "y", PlotScale::linear, {{"", {0, 1}, {0, 0}}}}), 300);
+  EXPECT_GT(drawn(BarPlot{"a", "x", "y", 0, 1, {1, 4, nan, 2}}), 1000);
+  EXPECT_GT(drawn(HeatPlot{"mm", Image<double>({30, 20}, 4)}), 100);
+}
+
+TEST(PlotFile, RefusesWhatCannotBeShown) {
+  const TemporaryFolder folder;
+  const LinePlot empty{"none", "x", "y", PlotScale::linear, {{"", {1}, {nan}}}};
+  const LinePlot dark{"none", "x", "y", PlotScale::logarithmic, {{"", {1}, {-1}}}};
+  EXPECT_THROW(write_plot(folder.path() / "plot.png", empty), Error);
+  EXPECT_THROW(write_plot(folder.path() / "plot.png", dark), Error);
+  EXPECT_THROW(write_plot(folder.path() / "plot.png", BarPlot{}), Error);
+  EXPECT_THROW(write_plot(folder.path() / "plot.jpg", empty), Error);
+  EXPECT_EQ(entries_in(folder.path()), 0);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,123 @@
+#include "slipstream/reconstruct/phase_matcher.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/second_camera.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+namespace {
+
+constexpr Size camera{320, 240};
+
+/// A scene as both cameras look at it, traced once.
+struct Pair {
+  explicit Pair(const char* scene_name, Size camera)
+      : first(example_scanner(camera)), second(second_scanner(first)) {
+    const Scene scene = scene_named(scene_name, first);
+    const PatternSet patterns = pattern_set(DualFrequency{}, Axis::x);
+    first_scan = take_scan(first, scene, patterns);
+    second_scan = take_scan(second, seen_from_second(scene, first, second), patterns);
+  }
+
+  [[nodiscard]] Cloud matched(const Strategy& strategy, const Photometry& light,
+                              const PhaseMatchSettings& match = {}) const {
+    Photometry other_light = light;
+    other_light.seed += 1000;
+    const PatternSet patterns = pattern_set(strategy, Axis::x);
+    return PhaseMatcher(first, second, strategy, Axis::x, {}, match)(
+               take_again(first_scan, patterns, light),
+               take_again(second_scan, patterns, other_light))
+        .cloud;
+  }
+
+  Scanner first, second;
+  VirtualScan first_scan, second_scan;
+};
+
+struct DepthError {
+  double rms = 0;  ///< mm
+  double worst = 0;
+  int points = 0;
+};
+
+DepthError error_of(const Cloud& cloud, const Image<double>& depth) {
+  DepthError error;
+  double sum = 0;
+  for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+    const double difference = cloud.z.begin()[i] - depth.begin()[i];
+    if (!std::isfinite(difference)) continue;
+    sum += difference * difference;
+    error.worst = std::max(error.worst, std::abs(difference));
+    ++error.points;
+  }
+  error.rms = std::sqrt(sum / error.points);
+  return error;
+}
+
+TEST(PhaseMatching, IsFreeOfGamma) {
+  const Pair board("board", {640, 480});
+  const Strategy strategy = DualFrequency{.steps = 3, .low_steps = 6, .high = 32, .low = 1};
+  const Photometry linear{.ambient = 5, .gamma = 1, .noise_variance = 1.55, .bits = 8};
+  Photometry bent = linear;
+  bent.gamma = 2.2;
+  const Image<double>& depth = board.first_scan.depth;
+  const DepthError straight = error_of(board.matched(strategy, linear), depth);
+  const DepthError distorted = error_of(board.matched(strategy, bent), depth);
+  RecordProperty("rms_gamma_1", std::to_string(straight.rms));
+  RecordProperty("rms_gamma_2_2", std::to_string(distorted.rms));
+  EXPECT_GT(straight.points, 200000);
+  EXPECT_GT(distorted.points, 0.97 * straight.points);
+  EXPECT_LE(distorted.rms, 1.2 * straight.rms) << straight.rms;
+  // One camera and the projector are off by as much as gamma bends the phase.
+  const FrameSet frames = take_again(board.first_scan, pattern_set(strategy, Axis::x), bent);
+  const Cloud one = Reconstructor(board.first, strategy, Axis::x)(frames).cloud;
+  EXPECT_GT(error_of(one, depth).rms, 50 * distorted.rms);
+}
+
+TEST(PhaseMatching, FindsTheFringeThatThreeStepsMistake) {
+  // Three steps of the low frequency, bent, are off by more than half a fringe in places; in both
+  // cameras alike.
+  const Pair board("board", {160, 120});
+  const Strategy strategy = DualFrequency{.steps = 3, .low_steps = 3, .high = 16, .low = 1};
+  const Cloud cloud = board.matched(
+      strategy, {.ambient = 5, .gamma = 2.2, .noise_variance = 1.55, .bits = 8}, {.window = 0});
+  int near = 0, far = 0;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    const double error = std::abs(cloud.z.begin()[i] - board.first_scan.depth.begin()[i]);
+    near += error < 5 ? 1 : 0;
+    far += error > 20 ? 1 : 0;
+  }
+  EXPECT_GT(near, 15000);
+  EXPECT_LT(far, near / 1000);
+}
+
+TEST(PhaseMatcher, ShowsNoWrongPointWhereTheSecondCameraDoesNotSee) {
+  const Pair pair("boxes", camera);
+  const Strategy strategy = DualFrequency{.steps = 4, .low_steps = 4, .high = 16, .low = 1};
+  const Cloud cloud =
+      pair.matched(strategy, {.ambient = 5, .noise_variance = 1.55, .bits = 8}, {.window = 0});
+  const DepthError error = error_of(cloud, pair.first_scan.depth);
+  EXPECT_GT(error.points, 3000);
+  EXPECT_LT(error.worst, 5);
+}
+
+TEST(PhaseMatcher, RefusesWhatIsNoPair) {
+  const Scanner first = example_scanner(camera), second = second_scanner(first);
+  const Strategy strategy = DualFrequency{};
+  EXPECT_THROW(PhaseMatcher(first, first, strategy, Axis::x), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, PhaseMeasuring{3, 8}, Axis::x), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, strategy, Axis::x, {}, {.window = -1}), Error);
+  Scanner other = second;
+  other.projector.size = {640, 480};
+  EXPECT_THROW(PhaseMatcher(first, other, strategy, Axis::x), Error);
+  const FrameSet small(FrameSet::Images8(6, Image<std::uint8_t>({80, 60})));
+  EXPECT_THROW(PhaseMatcher(first, second, strategy, Axis::x)(small, small), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

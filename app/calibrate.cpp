@@ -3,11 +3,13 @@
 namespace slipstream::app {
 
 void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen) {
-  CLI::App* group = program.add_subcommand("calibrate", "measure what a scanner file holds");
-  group->require_subcommand(1);
-  add_calibrate_ambient(*group, shared, chosen);
-  add_calibrate_gamma(*group, shared, chosen);
-  add_calibrate_noise(*group, shared, chosen);
+  CLI::App* calibrate = program.add_subcommand("calibrate", "find out what a real rig is like");
+  calibrate->require_subcommand(1);
+  add_calibrate_board(*calibrate, shared, chosen);
+  add_calibrate_geometry(*calibrate, shared, chosen);
+  add_calibrate_gamma(*calibrate, shared, chosen);
+  add_calibrate_ambient(*calibrate, shared, chosen);
+  add_calibrate_noise(*calibrate, shared, chosen);
 }
 
 }  // namespace slipstream::app

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <CLI/App.hpp>
+
 #include "app/commands.h"
 
 namespace slipstream::app {
 
-/// Each adds a kind of calibration to the group `calibrate`.
+/// Each adds a subcommand to `slipstream calibrate`.
+void add_calibrate_board(CLI::App& calibrate, SharedFlags& shared, Command& chosen);
+void add_calibrate_geometry(CLI::App& calibrate, SharedFlags& shared, Command& chosen);
 void add_calibrate_ambient(CLI::App& calibrate, SharedFlags& shared, Command& chosen);
 void add_calibrate_gamma(CLI::App& calibrate, SharedFlags& shared, Command& chosen);
 void add_calibrate_noise(CLI::App& calibrate, SharedFlags& shared, Command& chosen);

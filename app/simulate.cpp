@@ -9,6 +9,7 @@
 
 #include "app/commands.h"
 #include "app/scan_flags.h"
+#include "app/simulate_boards.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
@@ -35,6 +36,7 @@ struct SimulateFlags {
   std::optional<std::string> scanner;
   std::optional<std::string> camera;
   ScanFlags scan;
+  SimulateBoardsFlags boards;
   Photometry photometry{.ambient = 5, .gamma = 1, .noise_variance = 1.55, .bits = 8, .seed = 1};
   int bits = 8;
   bool unquantised = false;
@@ -65,14 +67,6 @@ Scene scene_from(const SimulateFlags& flags, const Scanner& scanner) {
     if (!flags.motion.empty()) body.motion = Eigen::Vector3d(flags.motion.data());
   }
   return scene;
-}
-
-std::vector<fs::path> frame_names(const fs::path& folder, const FrameSet& frames) {
-  std::vector<fs::path> names;
-  for (int n = 0; n < frames.count(); ++n) {
-    names.push_back(folder / fmt::format("frame_{:02}.{}", n, frames.quantised() ? "png" : "tiff"));
-  }
-  return names;
 }
 
 void write_truth(const fs::path& folder, const VirtualScan& virtual_scan) {
@@ -137,6 +131,10 @@ void simulate(const SimulateFlags& flags, Output& output) {
   require_resolved(scan.strategy, length_along(scan.axis, scan.projector));
   Photometry photometry = flags.photometry;
   photometry.bits = flags.unquantised ? std::nullopt : std::optional(flags.bits);
+  if (flags.boards.count) {
+    simulate_boards(flags.folder, flags.boards, scanner, scan, photometry, output);
+    return;
+  }
 
   const auto start = std::chrono::steady_clock::now();
   const VirtualScan virtual_scan =
@@ -211,6 +209,11 @@ void add_device_flags(CLI::App& command, SimulateFlags& flags) {
   command.add_option("--seed", photometry.seed, "of the noise")
       ->capture_default_str()
       ->group(group);
+  command
+      .add_option("--rays", photometry.rays,
+                  "rays of each pixel, 1 to 256: more put edges truer and take longer")
+      ->capture_default_str()
+      ->group(group);
 }
 
 }  // namespace
@@ -223,6 +226,7 @@ void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen) {
   add_scene_flags(*command, *flags);
   add_device_flags(*command, *flags);
   add_scan_flags(*command, flags->scan);
+  add_simulate_boards_flags(*command, flags->boards);
   add_shared_flags(*command, shared);
   command->footer(
       "Example:\n  slipstream simulate scan --scene statue --strategy dual-frequency --steps 3 "

@@ -99,6 +99,7 @@ constexpr int fine_pieces = 8192;
 /// Half of the pixels are nearer to that gamma than this, grey levels.
 double median_residual(const std::vector<Sample>& samples, const std::vector<Complex>& model) {
   std::vector<double> residuals;
+  residuals.reserve(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
     residuals.push_back(std::abs(samples[i].constraint - model[i]) * samples[i].modulation);
   }
@@ -148,6 +149,7 @@ Fit fitted(const std::vector<Sample>& samples, int steps, double gamma, Offset o
       return (above[i] - below[i]) * (samples[i].modulation / (2 * h));
     };
     std::vector<double> sizes;
+    sizes.reserve(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i) sizes.push_back(std::abs(residual(i)));
     const double scale = std::max(deviation_from_median(median(sizes)), 1e-10);
 
@@ -175,7 +177,7 @@ Fit fitted(const std::vector<Sample>& samples, int steps, double gamma, Offset o
     fit.standard_error = std::sqrt(scatter) / determinant;
     const double limited = std::clamp(step, -0.1 * fit.gamma, 0.1 * fit.gamma);
     fit.gamma = std::clamp(fit.gamma + limited, least_gamma / 2, 2 * largest_gamma);
-    if (std::abs(step) < 1e-11) break;
+    if (std::abs(step) < 1e-9) break;
   }
   return fit;
 }

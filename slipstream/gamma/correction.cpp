@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -16,32 +17,32 @@ namespace {
 
 using std::numbers::pi;
 
-/// The root of a rising function between two places, f(low) <= 0 <= f(high), to rounding: the
-/// false position where it shrinks the bracket well, the middle where not.
+/// The root of a rising function between two places, f(low) <= 0 <= f(high), to rounding: false
+/// position, with the standing end's value halved (Illinois) and now and then the middle.
 template <class Function>
 double root_between(const Function& f, double low, double high) {
+  constexpr double rounding = 4e-15;  // of f
   double f_low = f(low), f_high = f(high);
   if (f_low >= 0) return low;
   if (f_high <= 0) return high;
-  double width = high - low;
-  for (int i = 0; i < 200; ++i) {
+  bool moved_low = false, moved_high = false;
+  for (int i = 1; i < 200 && high - low > 1e-15; ++i) {
     double place = low - f_low * (high - low) / (f_high - f_low);
-    if (i % 3 == 2 && high - low > width / 8) place = std::midpoint(low, high);
-    if (i % 3 == 2) width = high - low;
-    if (!(place > low && place < high)) place = std::midpoint(low, high);
+    if (i % 8 == 0 || !(place > low && place < high)) place = std::midpoint(low, high);
     if (place == low || place == high) break;
     const double value = f(place);
-    if (std::abs(value) < 1e-16) return place;
+    if (std::abs(value) < rounding) return place;
     if (value < 0) {
       low = place;
       f_low = value;
-      f_high /= 2;  // keeps the other end from standing still (Illinois)
+      if (std::exchange(moved_low, true)) f_high /= 2;
+      moved_high = false;
     } else {
       high = place;
       f_high = value;
-      f_low /= 2;
+      if (std::exchange(moved_high, true)) f_low /= 2;
+      moved_low = false;
     }
-    if (high - low < 1e-15) break;
   }
   return std::midpoint(low, high);
 }

@@ -89,6 +89,7 @@ GammaEstimate robust_gamma(const Image<double>& map) {
   }
   double centre = median(gammas);
   std::vector<double> distances;
+  distances.reserve(gammas.size());
   for (const double gamma : gammas) distances.push_back(std::abs(gamma - centre));
   const double scale = std::max(deviation_from_median(median(distances)), 1e-12);
   GammaEstimate estimate{.pixels = gammas.size()};

@@ -1,6 +1,7 @@
 #include "slipstream/gamma/pixel_harmonics.h"
 
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <vector>
 
@@ -11,8 +12,10 @@ namespace slipstream {
 using std::numbers::pi;
 
 Image<MeasuredHarmonics> pixel_harmonics(const FrameSet& frames, int first, int steps) {
-  std::vector<std::complex<double>> turns;
-  for (int n = 0; n < steps; ++n) turns.push_back(std::polar(1.0, 2 * pi * n / steps));
+  std::vector<std::complex<double>> turns(static_cast<std::size_t>(steps));
+  for (std::size_t n = 0; n < turns.size(); ++n) {
+    turns[n] = std::polar(1.0, 2 * pi * static_cast<double>(n) / steps);
+  }
   Image<MeasuredHarmonics> pixels(frames.size());
   frames.visit(first, steps, [&](const auto& views) {
     const auto N = views.size();

@@ -10,6 +10,7 @@
 #include <unsupported/Eigen/AutoDiff>
 
 #include "slipstream/error/error.h"
+#include "slipstream/geometry/distortion_formula.h"
 #include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
@@ -32,16 +33,8 @@ Eigen::Matrix3d tilt_matrix(double tau_x, double tau_y) {
 
 template <class Number>
 Vector2<Number> distort_generic(const Distortion& distortion, const Vector2<Number>& direction) {
-  const auto& [k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4, tau_x, tau_y] =
-      distortion.coefficients;
-  const Number x = direction.x();
-  const Number y = direction.y();
-  const Number r2 = x * x + y * y;
-  const Number r4 = r2 * r2;
-  const Number r6 = r4 * r2;
-  const Number radial = (1.0 + k1 * r2 + k2 * r4 + k3 * r6) / (1.0 + k4 * r2 + k5 * r4 + k6 * r6);
-  Vector2<Number> bent(x * radial + 2 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + s1 * r2 + s2 * r4,
-                       y * radial + p1 * (r2 + 2.0 * y * y) + 2 * p2 * x * y + s3 * r2 + s4 * r4);
+  const double tau_x = distortion.coefficients[12], tau_y = distortion.coefficients[13];
+  const Vector2<Number> bent = distort_untilted(distortion.coefficients.data(), direction);
   if (tau_x == 0 && tau_y == 0) return bent;
 
   const Eigen::Matrix3d tilt = tilt_matrix(tau_x, tau_y);

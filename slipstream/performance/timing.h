@@ -19,7 +19,8 @@ struct BenchRow {
   std::function<void()> run;
 };
 
-/// Milliseconds of one run: the median, and between which the middle half of the runs lies.
+/// Milliseconds of one run, of the thread's own time for rows of one thread, else by the clock on
+/// the wall: the median, and between which the middle half of the runs lies.
 struct Timing {
   double median = 0;
   double lower_quartile = 0;

@@ -29,7 +29,9 @@ class PhaseTables {
 
  private:
   [[nodiscard]] std::size_t position(int U, int V) const {
-    return static_cast<std::size_t>((V + largest_V_) * (2 * largest_U_ + 1) + U + largest_U_);
+    const auto row = static_cast<std::size_t>(V + largest_V_);
+    const auto column = static_cast<std::size_t>(U + largest_U_);
+    return row * static_cast<std::size_t>(2 * largest_U_ + 1) + column;
   }
 
   const ClosedForm* form_;

@@ -94,9 +94,19 @@ float* coordinates(FusedScratch::Row& row) {
   return row.coordinate.data() + padding;
 }
 
+/// Where what is written would push out of the cache what is read, and rows are whole vectors.
+bool written_past_cache(Size size) {
+  constexpr int cached_pixels = 2'000'000;
+  return size.width % least_row_width == 0 &&
+         std::int64_t{size.width} * size.height > cached_pixels;
+}
+
+template <class Output>
+constexpr bool keeps_intensity = std::is_same_v<Output, FusedCloud>;
+
 template <class Output>
 float* intensity_row(Output& output, int row, FusedScratch& scratch) {
-  if constexpr (std::is_same_v<Output, FusedCloud>) return output.intensity.row(row);
+  if constexpr (keeps_intensity<Output>) return output.intensity.row(row);
   return scratch.mean.data();
 }
 
@@ -109,6 +119,7 @@ PointRow point_output(const FusedStages& stages, Output& output, int row) {
     points.y = output.y.row(row);
   }
   points.z = output.z.row(row);
+  points.past_cache = written_past_cache(output.z.size());
   points.validity = output.validity.row(row);
   return points;
 }
@@ -123,7 +134,8 @@ void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
                 {.width = pass.width(),
                  .turn = turn,
                  .mean = intensity_row(output, row, scratch),
-                 .flags = flags});
+                 .flags = flags,
+                 .past_cache = keeps_intensity<Output> && written_past_cache(output.z.size())});
     PointRow points = point_output(pass.stages, output, row);
     points.flags = flags;
     points.coordinate = turn;
@@ -141,11 +153,13 @@ void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch&
     if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
     const bool ours = row >= first && row < last;
     std::int32_t* flags = kept(row).flags.data();
-    pass.decode(row, scratch,
-                {.width = pass.width(),
-                 .turn = scratch.turn.data(),
-                 .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.data(),
-                 .flags = flags});
+    pass.decode(
+        row, scratch,
+        {.width = pass.width(),
+         .turn = scratch.turn.data(),
+         .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.data(),
+         .flags = flags,
+         .past_cache = ours && keeps_intensity<Output> && written_past_cache(output.z.size())});
     unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.data(), scratch.low_turn.data(),
                PixelFlag::dark, {.coordinate = coordinates(kept(row)), .flags = flags});
   };
@@ -255,6 +269,7 @@ void FusedReconstructor::run(const Frames<Pixel>& frames, double full_scale, Out
         return static_cast<int>(std::int64_t{pass.height()} * i / bands);
       };
       run_band(pass, border(band), border(band + 1), scratch, output);
+      flush_past_cache();
     }
   };
   const Work work{pass, output, bands};

@@ -49,11 +49,11 @@ struct FusedDecoding {
 /// shared among threads in bands, no allocation once the output has been used. Thread-safe with an
 /// output for each thread.
 ///
-/// Against the equations in double the wrapped phase is within 2e-6 rad for every input, and the
-/// depth within 1e-5 of itself where the stripe is at least a tenth of the field from the ray's
-/// coordinate at infinity. The same pixels are valid but where a limit is met to rounding; with
-/// frequencies below 1, points more than 0.02 or half a pixel past the ends of the field are left
-/// out.
+/// Against the equations in double the wrapped phase is within 2e-6 rad for every input (where it
+/// is corrected, within that times one and the correction's steepest slope), and the depth within
+/// 1e-5 of itself where the stripe is at least a tenth of the field from the ray's coordinate at
+/// infinity. The same pixels are valid but where a limit is met to rounding; with frequencies below
+/// 1, points more than 0.02 or half a pixel past the ends of the field are left out.
 class FusedReconstructor {
  public:
   /// None where fused_stages has none. Throws Error as Reconstructor does.

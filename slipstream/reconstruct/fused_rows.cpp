@@ -4,6 +4,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused_rows.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -38,6 +39,10 @@ void place_row(const CoordinateStage& stage, int width, const float* turn, float
 void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
                 std::int32_t hidden, const UnwrappedRow& row) {
   HWY_DYNAMIC_DISPATCH(UnwrapRow)(stage, width, high_turn, low_turn, hidden, row);
+}
+
+void flush_past_cache() {
+  hwy::FlushStream();
 }
 
 void phase_row(int width, const float* turn, float* phase) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -31,8 +32,13 @@ struct SinusoidStage {
   float sine_weight = 1;       ///< of V against U
   float sine_square = 1;       ///< its square
   float modulation_scale = 1;  ///< from the root of U^2 + sine_square V^2 to grey levels
-  /// A PhaseCorrection in turns, all around the circle and an entry further: what is added at the
-  /// turn i / segments, and how much more at the next. Empty where there is none.
+  /// A PhaseCorrection in turns, as an odd polynomial of r, how far N turns are from a whole one:
+  /// the coefficients of r^19, r^17, ..., r. A gamma's correction is one. Empty where there is no
+  /// correction, or only the table below says it.
+  static constexpr std::size_t wave_terms = 10;
+  std::vector<float> correction_wave{};
+  /// The table itself, all around the circle and an entry further: what is added at the turn
+  /// i / segments, and how much more at the next. Empty where there is a wave or no correction.
   std::vector<float> correction{};
   std::vector<float> correction_rise{};
   float segments = 0;
@@ -52,6 +58,7 @@ struct SinusoidRow {
   float* mean = nullptr;
   float* modulation = nullptr;    ///< grey levels
   std::int32_t* flags = nullptr;  ///< PixelFlag
+  bool past_cache = false;        ///< `mean` is aligned to whole vectors and written past the cache
   bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
                          ///< mean left alone
 };
@@ -88,6 +95,9 @@ struct UnwrappedRow {
 /// flags `hidden` is NaN, so that it confirms no neighbour.
 void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
                 std::int32_t hidden, const UnwrappedRow& row);
+
+/// After rows that were written past the cache, before another thread reads them.
+void flush_past_cache();
 
 /// Wrapped phase in [0, 2 pi) from turns.
 void phase_row(int width, const float* turn, float* phase);
@@ -130,6 +140,7 @@ struct PointRow {
   float* y = nullptr;
   float* z = nullptr;
   Validity* validity = nullptr;
+  bool past_cache = false;  ///< x, y, z are aligned to whole vectors and written past the cache
 };
 
 /// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates.

@@ -34,13 +34,62 @@ std::optional<Sinusoids> sinusoids_of(const Other&) {
   return std::nullopt;
 }
 
-/// The correction's N periods one after another, and the first entry once more for a turn of 1.
+/// In turns, at the part r of a period, linear between the entries.
+double added_turns(const PhaseCorrection& correction, double r) {
+  const auto count = static_cast<double>(correction.added.size());
+  const double place = (r - std::floor(r)) * count;
+  const double floor = std::floor(place);
+  const auto entry = [&](double i) {
+    return correction.added[static_cast<std::size_t>(i) % correction.added.size()];
+  };
+  return std::lerp(entry(floor), entry(floor + 1), place - floor) / (2 * std::numbers::pi);
+}
+
+/// The odd polynomial that a correction is; empty where one misses it by more than 8e-7 rad.
+std::vector<float> wave_of(const PhaseCorrection& correction) {
+  constexpr double largest_error = 8e-7 / (2 * std::numbers::pi);
+  constexpr int nodes = 128;
+  constexpr std::size_t degree = 2 * SinusoidStage::wave_terms - 1;
+  // Chebyshev polynomials of x = 2 r; T_k from the two before it.
+  std::vector<double> before{1}, now{0, 1}, sum(degree + 1);
+  for (std::size_t k = 1; k <= degree; ++k) {
+    if (k % 2 == 1) {
+      double projection = 0;
+      for (int i = 0; i < nodes; ++i) {
+        const double angle = std::numbers::pi * (i + 0.5) / nodes;
+        projection += 2.0 / nodes * added_turns(correction, std::cos(angle) / 2) *
+                      std::cos(static_cast<double>(k) * angle);
+      }
+      for (std::size_t j = 0; j < now.size(); ++j) sum[j] += projection * now[j];
+    }
+    std::vector<double> next(now.size() + 1);
+    for (std::size_t j = 0; j < now.size(); ++j) next[j + 1] = 2 * now[j];
+    for (std::size_t j = 0; j < before.size(); ++j) next[j] -= before[j];
+    before = std::exchange(now, std::move(next));
+  }
+  std::vector<float> wave;
+  for (std::size_t power = degree; power <= degree; power -= 2) {
+    wave.push_back(static_cast<float>(sum[power] * std::exp2(static_cast<double>(power))));
+  }
+  constexpr int samples = 1000;
+  for (int i = 0; i <= samples; ++i) {
+    const double r = static_cast<double>(i) / samples - 0.5;
+    double slope = 0;
+    for (const float c : wave) slope = slope * r * r + c;
+    if (!(std::abs(slope * r - added_turns(correction, r)) <= largest_error)) return {};
+  }
+  return wave;
+}
+
+/// The table's N periods one after another, and the first entry once more for a turn of 1.
 void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
+  stage.correction_wave = wave_of(correction);
+  if (!stage.correction_wave.empty()) return;
   const std::size_t count = correction.added.size();
+  const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
   const auto in_turns = [&](std::size_t i) {
     return correction.added[i % count] / (2 * std::numbers::pi);
   };
-  const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
   stage.segments = static_cast<float>(segments);
   for (std::size_t i = 0; i <= segments; ++i) {
     stage.correction.push_back(static_cast<float>(in_turns(i)));

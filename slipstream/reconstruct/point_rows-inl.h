@@ -169,11 +169,10 @@ HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
 
 template <bool only_depth>
 HWY_INLINE void store_points(const PointRow& row, std::size_t i, Floats E_x, Floats E_y, Floats z) {
-  const FloatTag d;
-  hn::StoreU(z, d, row.z + i);
+  store(z, row.z + i, row.past_cache);
   if constexpr (!only_depth) {
-    hn::StoreU(hn::Mul(E_x, z), d, row.x + i);
-    hn::StoreU(hn::Mul(E_y, z), d, row.y + i);
+    store(hn::Mul(E_x, z), row.x + i, row.past_cache);
+    store(hn::Mul(E_y, z), row.y + i, row.past_cache);
   }
 }
 

@@ -33,6 +33,12 @@ HWY_INLINE void for_each_vector(int width, const Body& body) {
   for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
+/// Past the cache a picture that does not fit in it is not read before it is written.
+HWY_INLINE void store(Floats values, float* to, bool past_cache) {
+  if (past_cache) return hn::Stream(values, FloatTag(), to);
+  hn::StoreU(values, FloatTag(), to);
+}
+
 /// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:
 /// a third of a division's time.
 HWY_INLINE Floats quotient(Floats a, Floats b) {
@@ -169,8 +175,28 @@ HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const
   return {sum, greatest, C.sum(), S.sum()};
 }
 
+/// How the phase is corrected, see SinusoidStage. A wave costs a few multiplications; looking two
+/// entries up for each lane costs as much as all else that is done to a frame set's row.
+enum class Correction { none, wave, table };
+
 /// corrected_phase, in turns; past either end of [0, 1] by what was added.
-HWY_INLINE Floats corrected(const SinusoidStage& stage, Floats turn) {
+HWY_INLINE Floats corrected_by_wave(const SinusoidStage& stage, Floats turn) {
+  const FloatTag d;
+  const Floats N = hn::Set(d, static_cast<float>(stage.steps));
+  // Adding 1.5 * 2^23 rounds to the nearest whole number.
+  const Floats rounding = hn::Set(d, 12582912.0F);
+  const Floats whole = hn::Sub(hn::MulAdd(turn, N, rounding), rounding);
+  const Floats r = hn::MulSub(turn, N, whole);
+  const Floats r2 = hn::Mul(r, r);
+  const float* c = stage.correction_wave.data();
+  Floats slope = hn::Set(d, c[0]);
+  for (std::size_t i = 1; i < SinusoidStage::wave_terms; ++i) {
+    slope = hn::MulAdd(slope, r2, hn::Set(d, c[i]));
+  }
+  return hn::MulAdd(slope, r, turn);
+}
+
+HWY_INLINE Floats corrected_by_table(const SinusoidStage& stage, Floats turn) {
   const FloatTag d;
   const IntTag di;
   const Floats place = hn::Mul(turn, hn::Set(d, stage.segments));
@@ -182,14 +208,15 @@ HWY_INLINE Floats corrected(const SinusoidStage& stage, Floats turn) {
 }
 
 /// What one row of a sinusoid is to give: each kind is compiled on its own.
-template <bool another, bool with_modulation, bool with_correction>
+template <bool another, bool with_modulation, Correction correction>
 HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
   const Floats V = hn::Mul(hn::Set(d, stage.sine_weight), sums.V);
   Floats turn = angle_in_turns(V, sums.U);
-  if constexpr (with_correction) turn = corrected(stage, turn);
+  if constexpr (correction == Correction::wave) turn = corrected_by_wave(stage, turn);
+  if constexpr (correction == Correction::table) turn = corrected_by_table(stage, turn);
   hn::StoreU(turn, d, row.turn + i);
 
   // V^2 of integers is exact, the square of its rounded multiple is not.
@@ -204,7 +231,8 @@ HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits&
   hn::StoreU(flags, di, row.flags + i);
 
   if constexpr (!another) {
-    hn::StoreU(hn::Mul(hn::ConvertTo(d, sums.sum), hn::Set(d, limits.mean_scale)), d, row.mean + i);
+    store(hn::Mul(hn::ConvertTo(d, sums.sum), hn::Set(d, limits.mean_scale)), row.mean + i,
+          row.past_cache);
   }
   if constexpr (with_modulation) {
     Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
@@ -216,15 +244,14 @@ HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits&
 template <bool another, bool with_modulation, class Sums>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const SinusoidRow& row, const Sums& sums) {
-  if (stage.correction.empty()) {
+  const auto decode = [&]<Correction correction>() HWY_ATTR {
     for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
-      store_sinusoid<another, with_modulation, false>(stage, limits, sums(i), row, i);
+      store_sinusoid<another, with_modulation, correction>(stage, limits, sums(i), row, i);
     });
-  } else {
-    for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
-      store_sinusoid<another, with_modulation, true>(stage, limits, sums(i), row, i);
-    });
-  }
+  };
+  if (!stage.correction_wave.empty()) return decode.template operator()<Correction::wave>();
+  if (!stage.correction.empty()) return decode.template operator()<Correction::table>();
+  decode.template operator()<Correction::none>();
 }
 
 template <class Sums>

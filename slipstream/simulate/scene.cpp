@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace slipstream {
 namespace {
@@ -86,6 +87,20 @@ Texture chessboard_texture(int columns, int rows, double spacing, double dark, d
     const int row = static_cast<int>(std::floor(p.y() / spacing + rows / 2.0));
     const bool on_board = column >= 0 && column < columns && row >= 0 && row < rows;
     return on_board && (column + row) % 2 == 0 ? dark : bright;
+  };
+}
+
+Texture picture_texture(Image<std::uint8_t> picture, double mm_per_pixel, double dark,
+                        double bright) {
+  const auto pixels = std::make_shared<const Image<std::uint8_t>>(std::move(picture));
+  return [=](const Eigen::Vector3d& p) {
+    const double column = std::floor(p.x() / mm_per_pixel + pixels->width() / 2.0);
+    const double row = std::floor(p.y() / mm_per_pixel + pixels->height() / 2.0);
+    const bool inside =
+        column >= 0 && column < pixels->width() && row >= 0 && row < pixels->height();
+    if (!inside) return bright;
+    const double grey = (*pixels)(static_cast<int>(column), static_cast<int>(row));
+    return dark + (bright - dark) * grey / 255;
   };
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -9,6 +10,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "slipstream/image/image.h"
 #include "slipstream/simulate/mesh.h"
 #include "slipstream/simulate/ray.h"
 
@@ -44,6 +46,12 @@ Texture veined_texture(double darkest, double brightest, double scale);
 /// Squares of side `spacing` mm in the plane z = 0, `columns` x `rows` of them centred on the
 /// origin, the first dark, on a bright sheet: a calibration chessboard.
 Texture chessboard_texture(int columns, int rows, double spacing, double dark, double bright);
+
+/// A grey picture in the plane z = 0, centred on the origin, its rows along X and its columns along
+/// Y: black is reflectivity `dark`, white and all about it `bright`. Each pixel is a square of
+/// `mm_per_pixel`.
+Texture picture_texture(Image<std::uint8_t> picture, double mm_per_pixel, double dark,
+                        double bright);
 
 /// How the angle of the projector's light bears on the reflectivity.
 enum class Shading {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -29,6 +30,7 @@ void require_valid(const Photometry& photometry) {
   require(photometry.noise_variance >= 0 && std::isfinite(photometry.noise_variance),
           "noise variance", photometry.noise_variance, "0 or more");
   require(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
+  require(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays, "1 to 256");
 }
 
 /// A well-mixed 64-bit number for each counter (the finaliser of SplitMix64).
@@ -79,13 +81,16 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scen
   return pixel;
 }
 
-View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame) {
+/// `offset`: of the rays from the pixels' centres.
+View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame,
+          const Eigen::Vector2d& offset) {
   const Size size = scanner.camera.size;
   const Eigen::Vector3d light = projector_centre(scanner);
   View view(size);
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
-      const Ray ray{Eigen::Vector3d::Zero(), ray_through(scanner.camera, {column, row})};
+      const Ray ray{Eigen::Vector3d::Zero(),
+                    ray_through(scanner.camera, Eigen::Vector2d(column, row) + offset)};
       if (!ray.direction.allFinite()) continue;
       const std::optional<SurfacePoint> surface = first_surface(scene, ray, frame);
       if (!surface) continue;
@@ -103,31 +108,45 @@ View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame) {
   return view;
 }
 
-/// Frame n as the sensor sees it, grey levels of 8 bits, before rounding. `view`: a View or a
-/// VirtualScan.
+/// Ray `ray` of `rays` from the pixel's centre, pixels. In columns and in rows alike they are
+/// evenly spread, no two the same: a lattice of two numbers, one a step of about the golden
+/// section.
+Eigen::Vector2d ray_offset(int ray, int rays) {
+  int step = std::max(1, static_cast<int>(std::lround(rays / std::numbers::phi)));
+  while (std::gcd(step, rays) != 1) ++step;
+  const Eigen::Vector2d place(ray, ray * step % rays);
+  return (place + Eigen::Vector2d(0.5, 0.5)) / rays - Eigen::Vector2d(0.5, 0.5);
+}
+
+/// Adds to frame n, grey levels of 8 bits, `share` of what the rays of `view`, a View or a
+/// VirtualScan, bring.
 template <class Seen>
-Image<double> expose(const Seen& view, const PatternSet& patterns, int n,
-                     const Photometry& photometry) {
-  const auto& [beta, gamma, noise_variance, bits, seed] = photometry;
-  const double noise = std::sqrt(noise_variance);
-  Image<double> frame(view.depth.size());
-  for_each_row(frame.height(), [&, gamma = gamma, beta = beta, seed = seed](int row) {
+void add_light(Image<double>& frame, const Seen& view, const PatternSet& patterns, int n,
+               const Photometry& photometry, double share) {
+  const double beta = photometry.ambient, gamma = photometry.gamma;
+  for_each_row(frame.height(), [&](int row) {
     for (int column = 0; column < frame.width(); ++column) {
       const double y = view.coordinate(column, row);
       double projected = std::isnan(y) ? 0 : patterns.intensity(n, y);
       if (gamma != 1) projected = 255 * std::pow(projected / 255, gamma);  // (4.2)
       const double alpha = view.reflectivity(column, row);
-      double& intensity = frame(column, row);
-      intensity = alpha * (projected + beta) + beta;  // (3.2)
-      if (noise > 0) {
-        const auto pixel =
-            static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(frame.width()) +
-            static_cast<std::uint64_t>(column);
-        intensity += noise * gaussian(seed, static_cast<std::uint64_t>(n), pixel);  // (3.10)
-      }
+      frame(column, row) += share * (alpha * (projected + beta) + beta);  // (3.2)
     }
   });
-  return frame;
+}
+
+void add_noise(Image<double>& frame, int n, const Photometry& photometry) {
+  const double noise = std::sqrt(photometry.noise_variance);
+  if (noise == 0) return;
+  for_each_row(frame.height(), [&](int row) {
+    for (int column = 0; column < frame.width(); ++column) {
+      const auto pixel =
+          static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(frame.width()) +
+          static_cast<std::uint64_t>(column);
+      frame(column, row) +=
+          noise * gaussian(photometry.seed, static_cast<std::uint64_t>(n), pixel);  // (3.10)
+    }
+  });
 }
 
 template <class Pixel>
@@ -163,13 +182,24 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
   const bool moving = std::any_of(scene.begin(), scene.end(),
                                   [](const Body& body) { return !body.motion.isZero(0); });
 
-  View first = look(scanner, scene, patterns.axis, 0);
-  std::vector<Image<double>> exposures;
+  const int rays = photometry.rays;
+  const Axis axis = patterns.axis;
+  View first = look(scanner, scene, axis, 0, Eigen::Vector2d::Zero());
+  std::vector<Image<double>> exposures(static_cast<std::size_t>(patterns.count),
+                                       Image<double>(scanner.camera.size));
+  for (int ray = 0; ray < rays; ++ray) {
+    const Eigen::Vector2d offset = ray_offset(ray, rays);
+    const std::optional<View> beside =
+        rays == 1 ? std::nullopt : std::optional(look(scanner, scene, axis, 0, offset));
+    for (int n = 0; n < patterns.count; ++n) {
+      const std::optional<View> moved =
+          n == 0 || !moving ? std::nullopt : std::optional(look(scanner, scene, axis, n, offset));
+      const View& view = moved ? *moved : beside ? *beside : first;
+      add_light(exposures[static_cast<std::size_t>(n)], view, patterns, n, photometry, 1.0 / rays);
+    }
+  }
   for (int n = 0; n < patterns.count; ++n) {
-    const bool as_first = n == 0 || !moving;
-    exposures.push_back(
-        as_first ? expose(first, patterns, n, photometry)
-                 : expose(look(scanner, scene, patterns.axis, n), patterns, n, photometry));
+    add_noise(exposures[static_cast<std::size_t>(n)], n, photometry);
   }
   return {digitised(std::move(exposures), photometry.bits), std::move(first.depth),
           std::move(first.coordinate), std::move(first.reflectivity)};
@@ -178,9 +208,12 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
                     const Photometry& photometry) {
   require_valid(photometry);
-  std::vector<Image<double>> exposures;
+  std::vector<Image<double>> exposures(static_cast<std::size_t>(patterns.count),
+                                       Image<double>(scan.depth.size()));
   for (int n = 0; n < patterns.count; ++n) {
-    exposures.push_back(expose(scan, patterns, n, photometry));
+    Image<double>& frame = exposures[static_cast<std::size_t>(n)];
+    add_light(frame, scan, patterns, n, photometry, 1);
+    add_noise(frame, n, photometry);
   }
   return digitised(std::move(exposures), photometry.bits);
 }

@@ -19,6 +19,9 @@ struct Photometry {
   /// Bits of the camera, 8 to 16: intensities are rounded and clipped. None: neither.
   std::optional<int> bits = 8;
   std::uint64_t seed = 1;  ///< of the noise; the same seed gives the same frames
+  /// Rays of a pixel, 1 to 256: it sees the mean of what they meet. One goes through its centre;
+  /// more are spread over it, so that an edge lies where it is to about 1 / rays of a pixel.
+  int rays = 1;
 };
 
 /// What a virtual camera saw, and what was really there when the first frame was taken.
@@ -30,15 +33,15 @@ struct VirtualScan {
 };
 
 /// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each
-/// pixel's centre: I = alpha (I^p + beta) + beta + w, Eq. (3.2), I^p = 0 in the projector's shadow
-/// and outside its field. Patterns are exact: not sampled by projector pixels nor quantised. Throws
-/// Error where the scanner or the photometry is not valid.
+/// pixel's centre or as many as the photometry says: I = alpha (I^p + beta) + beta + w, Eq. (3.2),
+/// I^p = 0 in the projector's shadow and outside its field. Patterns are exact: not sampled by
+/// projector pixels nor quantised. Throws Error where the scanner or the photometry is not valid.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {});
 
 /// The frames of other patterns, or with other light, from where `scan` was taken: of the scene as
-/// it stood then, without tracing its rays again. The patterns vary along the same axis. Throws
-/// Error where the photometry is not valid.
+/// it stood then, without tracing its rays again: one ray for each pixel. The patterns vary along
+/// the same axis. Throws Error where the photometry is not valid.
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
                     const Photometry& photometry);
 

@@ -1,0 +1,310 @@
+#include "slipstream/calibrate/board_corners.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "slipstream/calibrate/charuco.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/mat.h"
+#include "slipstream/io/quiet_opencv.h"
+
+namespace slipstream {
+namespace {
+
+using Corners = std::vector<cv::Point2f>;
+
+/// Mean and maximum go on to further frames.
+void add_frames(const FrameSet& frames, FringeFreePictures& pictures, int total) {
+  const auto scale = static_cast<float>(255 / frames.full_scale());
+  frames.visit([&](const auto& images) {
+    for (const auto& image : images) {
+      for (int row = 0; row < image.height(); ++row) {
+        for (int column = 0; column < image.width(); ++column) {
+          const float grey = scale * static_cast<float>(image(column, row));
+          pictures.mean(column, row) += grey / static_cast<float>(total);
+          float& brightest = pictures.brightest(column, row);
+          brightest = std::max(brightest, grey);
+        }
+      }
+    }
+  });
+}
+
+/// Contrast from the 1st to the 99.5th percentile spread over 8 bits, as the detectors want it.
+cv::Mat stretched(const cv::Mat& picture) {
+  std::vector<float> values(picture.begin<float>(), picture.end<float>());
+  const auto percentile = [&](double share) {
+    const auto at = values.begin() +
+                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return static_cast<double>(*at);
+  };
+  const double low = percentile(0.01), high = std::max(percentile(0.995), low + 1);
+  cv::Mat grey;
+  picture.convertTo(grey, CV_8U, 255 / (high - low), -low * 255 / (high - low));
+  return grey;
+}
+
+/// Least distance in the picture from a corner to another.
+double least_distance(const Corners& corners) {
+  double least = 1e9;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) least = std::min(least, cv::norm(corners[i] - corners[j]));
+  }
+  return least;
+}
+
+/// Moves chessboard corners to where all gradients about them point, at a fraction of a pixel, in a
+/// window that goes to `reach` distances from corner to corner.
+void refine(const cv::Mat& mean, Corners& corners, double reach) {
+  constexpr double smoothing = 1;  // pixels; 0.7 to 1.4 give the same residuals on real boards
+  cv::Mat smooth;
+  cv::GaussianBlur(mean, smooth, {}, smoothing);
+  const int half = std::clamp(cvRound(reach * least_distance(corners)), 2, 12);
+  cv::cornerSubPix(smooth, corners, {half, half}, {-1, -1},
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-4});
+}
+
+struct Detection {
+  Corners corners;
+  std::string detector;
+};
+
+std::optional<Detection> find_chessboard(const cv::Size& size, const cv::Mat& mean,
+                                         const cv::Mat& brightest) {
+  const std::array<std::pair<const char*, cv::Mat>, 2> pictures{
+      {{"mean", stretched(mean)}, {"maximum", stretched(brightest)}}};
+  constexpr int classic_flags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
+  Detection found;
+  for (const int flags : {0, int{cv::CALIB_CB_NORMALIZE_IMAGE}}) {
+    for (const auto& [name, picture] : pictures) {
+      if (cv::findChessboardCornersSB(picture, size, found.corners, flags)) {
+        found.detector = fmt::format("sector-based, {}", name);
+        return found;
+      }
+    }
+  }
+  for (const auto& [name, picture] : pictures) {
+    if (cv::findChessboardCorners(picture, size, found.corners, classic_flags)) {
+      found.detector = fmt::format("classic, {}", name);
+      return found;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
+                                      const cv::Mat& brightest) {
+  cv::SimpleBlobDetector::Params blobs;
+  blobs.minArea = 20;
+  blobs.maxArea = static_cast<float>(mean.total()) / 50;
+  const cv::Ptr<cv::FeatureDetector> detector = cv::SimpleBlobDetector::create(blobs);
+  Detection found;
+  for (const auto& [name, picture] : {std::pair("mean", mean), std::pair("maximum", brightest)}) {
+    for (const auto& [method, clustering] :
+         {std::pair("grid", 0), std::pair("clustering", int{cv::CALIB_CB_CLUSTERING})}) {
+      if (cv::findCirclesGrid(stretched(picture), size, found.corners,
+                              cv::CALIB_CB_ASYMMETRIC_GRID | clustering, detector)) {
+        found.detector = fmt::format("circles ({}), {}", method, name);
+        return found;
+      }
+    }
+  }
+  return std::nullopt;
+}
+
+std::vector<int> all_places(const CalibrationBoard& board) {
+  std::vector<int> places(static_cast<std::size_t>(place_count(board)));
+  for (int i = 0; i < place_count(board); ++i) places[static_cast<std::size_t>(i)] = i;
+  return places;
+}
+
+/// A chessboard's corners from the left to the right, and from the top to the bottom as a camera
+/// that does not mirror sees it.
+void order_as_seen(const CalibrationBoard& board, Corners& corners) {
+  const auto at = [&](int column, int row) -> cv::Point2f& {
+    return corners[static_cast<std::size_t>(row * board.columns + column)];
+  };
+  const cv::Point2f right = at(board.columns - 1, 0) - at(0, 0);
+  if (right.x < 0) std::reverse(corners.begin(), corners.end());
+  const cv::Point2f along = at(board.columns - 1, 0) - at(0, 0);
+  const cv::Point2f down = at(0, board.rows - 1) - at(0, 0);
+  if (along.cross(down) > 0) return;
+  for (int row = 0; row < board.rows / 2; ++row) {
+    std::swap_ranges(&at(0, row), &at(0, row) + board.columns, &at(0, board.rows - 1 - row));
+  }
+}
+
+/// Contrast of the four squares that meet at `corner`; `along` and `down` lead to the next corners.
+/// Nothing out of the picture.
+std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, cv::Point2f along,
+                                      cv::Point2f down) {
+  const auto grey = [&](float right, float below) -> std::optional<double> {
+    const cv::Point2f at = corner + right * along + below * down;
+    const cv::Point pixel(cvRound(at.x), cvRound(at.y));
+    if (!cv::Rect({}, mean.size()).contains(pixel)) return std::nullopt;
+    return mean.at<float>(pixel);
+  };
+  constexpr float middle = 0.3F;  // of a square, from its corner
+  const auto a = grey(-middle, -middle), b = grey(middle, -middle), c = grey(-middle, middle),
+             d = grey(middle, middle);
+  if (!a || !b || !c || !d) return std::nullopt;
+  return std::abs((*a + *d) - (*b + *c)) / 2;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Throws Error where one row or column further out there are corners too. At the real end of a
+/// board half of the squares about such a place are missing, and with them half of the contrast.
+void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Corners& corners) {
+  constexpr double share_of_contrast = 0.75;
+  constexpr std::size_t fewest_seen = 3;
+  const auto at = [&](int column, int row) {
+    return corners[static_cast<std::size_t>(row * board.columns + column)];
+  };
+  // Contrast `outwards` places beyond the end of each line of corners that starts at begin(i).
+  const auto contrast = [&](int count, const auto& end, const auto& before, const auto& beside,
+                            float outwards) {
+    std::vector<double> seen;
+    for (int i = 0; i + 1 < count; ++i) {
+      const cv::Point2f step = end(i) - before(i);
+      const auto value = corner_contrast(mean, end(i) + outwards * step, step, beside(i) - end(i));
+      if (value) seen.push_back(*value);
+    }
+    return seen;
+  };
+  const int right = board.columns - 1, bottom = board.rows - 1;
+  const auto check = [&](int count, const auto& corner_of) {
+    const auto end = [&](int i) { return corner_of(i, 0); };
+    const auto before = [&](int i) { return corner_of(i, 1); };
+    const auto beside = [&](int i) { return corner_of(i + 1, 0); };
+    const std::vector<double> inside = contrast(count, end, before, beside, 0);
+    const std::vector<double> outside = contrast(count, end, before, beside, 1);
+    if (inside.size() < fewest_seen || outside.size() < fewest_seen) return;
+    if (median(outside) < share_of_contrast * median(inside)) return;
+    throw Error(fmt::format("the board goes on beyond {}x{} corners; check --corners",
+                            board.columns, board.rows));
+  };
+  check(board.rows, [&](int i, int inwards) { return at(inwards, i); });
+  check(board.rows, [&](int i, int inwards) { return at(right - inwards, i); });
+  check(board.columns, [&](int i, int inwards) { return at(i, inwards); });
+  check(board.columns, [&](int i, int inwards) { return at(i, bottom - inwards); });
+}
+
+BoardCorners board_corners(std::vector<int> places, const Corners& corners, std::string detector) {
+  BoardCorners result{std::move(places), {}, std::move(detector)};
+  for (const cv::Point2f& corner : corners) result.pixels.emplace_back(corner.x, corner.y);
+  return result;
+}
+
+/// Centre of the ellipse as which a circle about `centre` is seen through a homography.
+Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eigen::Vector2d& centre,
+                                   double radius) {
+  Eigen::Matrix3d dual;  // of the circle's conic; its lines go through a homography H as H dual H^T
+  const Eigen::Vector3d c = centre.homogeneous();
+  dual =
+      c * c.transpose() - radius * radius * Eigen::Vector3d(1, 1, 0).asDiagonal().toDenseMatrix();
+  const Eigen::Matrix3d seen = homography * dual * homography.transpose();
+  return seen.col(2).hnormalized();
+}
+
+/// The centre of a tilted circle's picture is not the picture of its centre: takes away how far.
+void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) {
+  const std::vector<Eigen::Vector3d> places = printed_places(board);
+  std::vector<cv::Point2d> on_board, in_picture;
+  for (std::size_t i = 0; i < found.pixels.size(); ++i) {
+    const Eigen::Vector3d& place = places[static_cast<std::size_t>(found.places[i])];
+    on_board.emplace_back(place.x(), place.y());
+    in_picture.emplace_back(found.pixels[i].x(), found.pixels[i].y());
+  }
+  const cv::Matx33d H = cv::findHomography(on_board, in_picture);
+  const Eigen::Matrix3d homography =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(H.val);
+  for (std::size_t i = 0; i < found.pixels.size(); ++i) {
+    const Eigen::Vector2d centre(on_board[i].x, on_board[i].y);
+    const Eigen::Vector2d picture_of_centre = (homography * centre.homogeneous()).hnormalized();
+    const double radius = board.circle_diameter * board.spacing / 2;
+    found.pixels[i] -= seen_circle_centre(homography, centre, radius) - picture_of_centre;
+  }
+}
+
+std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv::Mat& mean) {
+  constexpr std::size_t fewest_corners = 6;
+  const cv::Ptr<cv::aruco::CharucoBoard> charuco = charuco_of(board);
+  const cv::Mat picture = stretched(mean);
+  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<int> marker_ids, places;
+  cv::aruco::detectMarkers(picture, charuco->dictionary, markers, marker_ids);
+  if (marker_ids.empty()) return std::nullopt;
+  Corners corners;
+  cv::aruco::interpolateCornersCharuco(markers, marker_ids, picture, charuco, corners, places);
+  if (corners.size() < fewest_corners) return std::nullopt;
+  const double to_marker = (1 - board.marker_side) / 2;  // whose edges would draw the corner away
+  refine(mean, corners, to_marker);
+  return board_corners(std::move(places), corners, "ChArUco, mean");
+}
+
+}  // namespace
+
+FringeFreePictures fringe_free_pictures(const FrameSet& along_x, const FrameSet& along_y) {
+  if (along_x.size() != along_y.size()) {
+    throw Error(fmt::format("the frames along x are {}x{}, those along y {}x{}; both must agree",
+                            along_x.size().width, along_x.size().height, along_y.size().width,
+                            along_y.size().height));
+  }
+  FringeFreePictures pictures{Image<float>(along_x.size()), Image<float>(along_x.size())};
+  const int total = along_x.count() + along_y.count();
+  add_frames(along_x, pictures, total);
+  add_frames(along_y, pictures, total);
+  return pictures;
+}
+
+std::optional<Size> chessboard_size(const FringeFreePictures& pictures) {
+  const QuietOpenCv quiet;
+  Corners corners;
+  cv::Mat seen;  // a cell for each corner
+  for (const Image<float>* picture : {&pictures.mean, &pictures.brightest}) {
+    const bool found = cv::findChessboardCornersSB(stretched(mat_of(*picture)), {3, 3}, corners,
+                                                   cv::CALIB_CB_LARGER, seen);
+    if (found) return Size{std::max(seen.cols, seen.rows), std::min(seen.cols, seen.rows)};
+  }
+  return std::nullopt;
+}
+
+std::optional<BoardCorners> find_board(const CalibrationBoard& board,
+                                       const FringeFreePictures& pictures) {
+  require_valid(board);
+  const QuietOpenCv quiet;
+  const cv::Mat mean = mat_of(pictures.mean), brightest = mat_of(pictures.brightest);
+  const cv::Size size(board.columns, board.rows);
+  if (board.kind == BoardKind::charuco) return find_charuco(board, mean);
+  if (board.kind == BoardKind::circles) {
+    std::optional<Detection> found = find_circles(size, mean, brightest);
+    if (!found) return std::nullopt;
+    BoardCorners corners =
+        board_corners(all_places(board), found->corners, std::move(found->detector));
+    correct_circle_centres(board, corners);
+    return corners;
+  }
+  std::optional<Detection> found = find_chessboard(size, mean, brightest);
+  if (!found) return std::nullopt;
+  constexpr double half_square = 0.5;
+  refine(mean, found->corners, half_square);
+  order_as_seen(board, found->corners);
+  require_whole(board, mean, found->corners);
+  return board_corners(all_places(board), found->corners, std::move(found->detector));
+}
+
+}  // namespace slipstream

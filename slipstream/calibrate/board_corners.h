@@ -1,0 +1,43 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/image/image.h"
+
+namespace slipstream {
+
+/// A scene without the fringes on it: over all frames of a pose, grey levels of 8 bits.
+struct FringeFreePictures {
+  Image<float> mean;
+  Image<float> brightest;
+};
+
+/// Throws Error when the frames of the two scans differ in size.
+FringeFreePictures fringe_free_pictures(const FrameSet& along_x, const FrameSet& along_y);
+
+/// Corners of a board in a picture.
+struct BoardCorners {
+  std::vector<int> places;  ///< which of printed_places each is
+  std::vector<Eigen::Vector2d> pixels;
+  std::string detector;  ///< what found them, as reported
+};
+
+/// Finds the board to a fraction of a pixel: in the mean and then the brightest picture, by
+/// OpenCV's sector-based detector and then by the classic one. Corners are numbered so that the
+/// board's X runs to the right in the picture and its Z away from the camera; a board that looks
+/// the same upside down must be held within 90 degrees of upright. Nothing where no board is seen.
+/// Throws Error where the board goes on beyond the corners that were asked for.
+std::optional<BoardCorners> find_board(const CalibrationBoard& board,
+                                       const FringeFreePictures& pictures);
+
+/// Corners across and down of whatever chessboard is seen, the larger number first: to tell a
+/// person what is wrong. Nothing where there is none.
+std::optional<Size> chessboard_size(const FringeFreePictures& pictures);
+
+}  // namespace slipstream

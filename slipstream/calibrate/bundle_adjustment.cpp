@@ -1,0 +1,424 @@
+// The one source that sees Ceres.
+#include "slipstream/calibrate/bundle_adjustment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <ceres/autodiff_cost_function.h>
+#include <ceres/crs_matrix.h>
+#include <ceres/loss_function.h>
+#include <ceres/manifold.h>
+#include <ceres/problem.h>
+#include <ceres/rotation.h>
+#include <ceres/solver.h>
+#include <glog/logging.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/geometry/distortion_formula.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int lens_size = 4 + untilted_coefficient_count;
+using LensNumbers = std::array<double, lens_size>;  ///< fx fy cx cy, distortion
+using PoseNumbers = std::array<double, 6>;          ///< axis times angle, translation
+
+LensNumbers numbers_of(const Lens& lens) {
+  const Eigen::Matrix3d& K = lens.intrinsic;
+  LensNumbers numbers{K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
+  std::copy_n(lens.distortion.coefficients.begin(), untilted_coefficient_count,
+              numbers.begin() + 4);
+  return numbers;
+}
+
+PoseNumbers numbers_of(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation) {
+  PoseNumbers numbers{};
+  ceres::RotationMatrixToAngleAxis(rotation.data(), numbers.data());
+  std::copy_n(translation.data(), 3, numbers.begin() + 3);
+  return numbers;
+}
+
+Eigen::Isometry3d pose_of(const PoseNumbers& numbers) {
+  Eigen::Matrix3d rotation;
+  ceres::AngleAxisToRotationMatrix(numbers.data(), rotation.data());
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation;
+  pose.translation() = Eigen::Vector3d(numbers[3], numbers[4], numbers[5]);
+  return pose;
+}
+
+void set_lens(Lens& lens, const LensNumbers& numbers) {
+  lens.intrinsic << numbers[0], 0, numbers[2], 0, numbers[1], numbers[3], 0, 0, 1;
+  std::copy(numbers.begin() + 4, numbers.end(), lens.distortion.coefficients.begin());
+}
+
+template <class T>
+using Vector2 = Eigen::Matrix<T, 2, 1>;
+template <class T>
+using Vector3 = Eigen::Matrix<T, 3, 1>;
+
+template <class T>
+Vector3<T> moved(const T* pose, const Vector3<T>& point) {
+  Vector3<T> result;
+  ceres::AngleAxisRotatePoint(pose, point.data(), result.data());
+  for (int i = 0; i < 3; ++i) result[i] += pose[3 + i];
+  return result;
+}
+
+/// Pixel at which a device sees a point of its own frame.
+template <class T>
+Vector2<T> pixel_of(const T* lens, const Vector3<T>& point) {
+  const Vector2<T> direction(point.x() / point.z(), point.y() / point.z());
+  const Vector2<T> bent = distort_untilted(lens + 4, direction);
+  return {lens[0] * bent.x() + lens[2], lens[1] * bent.y() + lens[3]};
+}
+
+/// How far off the camera sees a corner, in standard deviations.
+struct CameraError {
+  Eigen::Vector2d seen;
+  double deviation;  ///< pixels
+
+  template <class T>
+  bool operator()(const T* lens, const T* pose, const T* place, T* residual) const {
+    const Vector3<T> in_camera = moved<T>(pose, Vector3<T>(place[0], place[1], place[2]));
+    const Vector2<T> predicted = pixel_of(lens, in_camera);
+    for (int i = 0; i < 2; ++i) residual[i] = (seen[i] - predicted[i]) / deviation;
+    return true;
+  }
+};
+
+/// How far off camera and projector see a corner, in standard deviations; the projector's without
+/// what comes of the camera's.
+struct PairError {
+  Eigen::Vector2d camera_seen, projector_seen;
+  Eigen::Matrix2d slope;
+  double camera_deviation, projector_deviation;  ///< pixels
+
+  template <class T>
+  bool operator()(const T* camera, const T* projector, const T* rig, const T* pose, const T* place,
+                  T* residual) const {
+    const Vector3<T> in_camera = moved<T>(pose, Vector3<T>(place[0], place[1], place[2]));
+    const Vector2<T> in_camera_picture = pixel_of(camera, in_camera);
+    const Vector2<T> in_projector_picture = pixel_of(projector, moved<T>(rig, in_camera));
+    const T camera_x = camera_seen.x() - in_camera_picture.x();
+    const T camera_y = camera_seen.y() - in_camera_picture.y();
+    residual[0] = camera_x / camera_deviation;
+    residual[1] = camera_y / camera_deviation;
+    for (int i = 0; i < 2; ++i) {
+      const T carried_over = slope(i, 0) * camera_x + slope(i, 1) * camera_y;
+      residual[2 + i] =
+          (projector_seen[i] - in_projector_picture[i] - carried_over) / projector_deviation;
+    }
+    return true;
+  }
+};
+
+/// How far a corner lies from where it should be printed.
+struct PrintError {
+  Eigen::Vector3d printed;
+  double deviation;  ///< mm
+
+  template <class T>
+  bool operator()(const T* place, T* residual) const {
+    for (int i = 0; i < 3; ++i) residual[i] = (place[i] - printed[i]) / deviation;
+    return true;
+  }
+};
+
+/// The parameters of a BundleState as Ceres moves them.
+struct Parameters {
+  explicit Parameters(const BundleState& state)
+      : camera(numbers_of(state.scanner.camera)),
+        projector(numbers_of(state.scanner.projector)),
+        rig(numbers_of(state.scanner.rotation, state.scanner.translation)),
+        places(state.places) {
+    for (const Eigen::Isometry3d& pose : state.poses) {
+      poses.push_back(numbers_of(pose.linear(), pose.translation()));
+    }
+  }
+
+  void write_to(BundleState& state) const {
+    set_lens(state.scanner.camera, camera);
+    set_lens(state.scanner.projector, projector);
+    const Eigen::Isometry3d to_projector = pose_of(rig);
+    state.scanner.rotation = to_projector.linear();
+    state.scanner.translation = to_projector.translation();
+    for (std::size_t i = 0; i < poses.size(); ++i) state.poses[i] = pose_of(poses[i]);
+    state.places = places;
+  }
+
+  LensNumbers camera, projector;
+  PoseNumbers rig;
+  std::vector<PoseNumbers> poses;
+  std::vector<Eigen::Vector3d> places;
+};
+
+/// While any lives, Ceres logs nothing: a step that fails is tried again smaller, and a library
+/// does not write to its caller's terminal.
+class QuietCeres {
+ public:
+  QuietCeres() {
+    const std::scoped_lock lock(mutex);
+    if (living++ > 0) return;
+    level_before = FLAGS_minloglevel;
+    FLAGS_minloglevel = google::GLOG_FATAL;
+  }
+  QuietCeres(const QuietCeres&) = delete;
+  QuietCeres& operator=(const QuietCeres&) = delete;
+  ~QuietCeres() {
+    const std::scoped_lock lock(mutex);
+    if (--living == 0) FLAGS_minloglevel = level_before;
+  }
+
+ private:
+  // The level is one for the whole process.
+  static inline std::mutex mutex;
+  static inline int living = 0;
+  static inline int level_before = 0;
+};
+
+/// Diagonal of the inverse of J^T J; none where that is singular.
+std::optional<Eigen::VectorXd> variances_of(const ceres::CRSMatrix& jacobian) {
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+  for (std::size_t row = 0; row + 1 < jacobian.rows.size(); ++row) {
+    for (int i = jacobian.rows[row]; i < jacobian.rows[row + 1]; ++i) {
+      for (int j = jacobian.rows[row]; j < jacobian.rows[row + 1]; ++j) {
+        const auto a = static_cast<std::size_t>(i), b = static_cast<std::size_t>(j);
+        normal(jacobian.cols[a], jacobian.cols[b]) += jacobian.values[a] * jacobian.values[b];
+      }
+    }
+  }
+  if (!(normal.diagonal().array() > 0).all()) return std::nullopt;
+  // Pixels, radians and millimetres are brought to one scale.
+  const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+  const Eigen::LDLT<Eigen::MatrixXd> factors(scaled);
+  constexpr double least_pivot = 1e-13;
+  if (!(factors.vectorD().minCoeff() > least_pivot)) return std::nullopt;
+  const Eigen::MatrixXd inverse =
+      factors.solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  return inverse.diagonal().cwiseProduct(scale.cwiseAbs2());
+}
+
+constexpr double huber_reach = 3;  // standard deviations
+
+class BundleProblem {
+ public:
+  BundleProblem(const std::vector<BoardView>& views, const BundleState& state,
+                const std::vector<Eigen::Vector3d>& printed, const BundleSettings& settings,
+                const PixelDeviations& deviations)
+      : parameters_(state) {
+    for (std::size_t v = 0; v < views.size(); ++v) add_view(views[v], v, deviations);
+    settle_lens(parameters_.camera, settings.hold_camera, settings.camera_coefficients);
+    settle_lens(parameters_.projector, settings.hold_projector, settings.projector_coefficients);
+    if (settings.hold_rig) hold(parameters_.rig.data());
+    settle_places(printed, settings.print_deviation);
+  }
+
+  void solve(double tolerance) {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.max_num_iterations = 200;
+    options.function_tolerance = tolerance;
+    options.parameter_tolerance = tolerance;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    if (!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost)) {
+      throw Error("bundle adjustment found no solution; the corners contradict one another");
+    }
+  }
+
+  [[nodiscard]] const Parameters& parameters() const { return parameters_; }
+
+  /// False where the data do not determine the parameters.
+  bool estimate(BundleDeviation& deviation) {
+    ceres::Problem::EvaluateOptions options;
+    options.apply_loss_function = false;
+    std::vector<double*> blocks;
+    problem_.GetParameterBlocks(&blocks);
+    std::map<const double*, int> first_column;
+    int columns = 0;
+    for (double* block : blocks) {
+      if (problem_.IsParameterBlockConstant(block)) continue;
+      options.parameter_blocks.push_back(block);
+      first_column[block] = columns;
+      columns += problem_.ParameterBlockTangentSize(block);
+    }
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) return false;
+    const std::optional<Eigen::VectorXd> variances = variances_of(jacobian);
+    if (!variances) return false;
+    const auto deviations = [&](const double* block, int count) -> Eigen::VectorXd {
+      const auto found = first_column.find(block);
+      if (found == first_column.end()) return Eigen::VectorXd::Zero(count);
+      Eigen::VectorXd result = Eigen::VectorXd::Zero(count);
+      const int free = problem_.ParameterBlockTangentSize(block);
+      result.head(free) = variances->segment(found->second, free).cwiseSqrt();
+      return result;
+    };
+    deviation.camera = lens_deviation(deviations(parameters_.camera.data(), lens_size));
+    deviation.projector = lens_deviation(deviations(parameters_.projector.data(), lens_size));
+    const Eigen::VectorXd rig = deviations(parameters_.rig.data(), 6);
+    deviation.rotation = rig.head<3>();
+    deviation.translation = rig.tail<3>();
+    return true;
+  }
+
+ private:
+  void add_view(const BoardView& view, std::size_t v, const PixelDeviations& deviations) {
+    for (std::size_t i = 0; i < view.places.size(); ++i) {
+      double* place = parameters_.places[static_cast<std::size_t>(view.places[i])].data();
+      double* pose = parameters_.poses[v].data();
+      if (view.projector[i].allFinite()) {
+        using Cost = ceres::AutoDiffCostFunction<PairError, 4, lens_size, lens_size, 6, 6, 3>;
+        problem_.AddResidualBlock(
+            new Cost(new PairError{view.camera[i], view.projector[i], slope_at(view, i),
+                                   deviations.camera, deviations.projector}),
+            new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
+            parameters_.projector.data(), parameters_.rig.data(), pose, place);
+      } else if (view.camera[i].allFinite()) {
+        using Cost = ceres::AutoDiffCostFunction<CameraError, 2, lens_size, 6, 3>;
+        problem_.AddResidualBlock(new Cost(new CameraError{view.camera[i], deviations.camera}),
+                                  new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
+                                  pose, place);
+      }
+    }
+  }
+
+  void hold(double* block) {
+    if (problem_.HasParameterBlock(block)) problem_.SetParameterBlockConstant(block);
+  }
+
+  void settle_lens(LensNumbers& lens, bool held, int coefficients) {
+    if (!problem_.HasParameterBlock(lens.data())) return;
+    if (held) return hold(lens.data());
+    std::vector<int> constant;
+    for (int i = 4 + coefficients; i < lens_size; ++i) constant.push_back(i);
+    if (!constant.empty()) {
+      problem_.SetManifold(lens.data(), new ceres::SubsetManifold(lens_size, constant));
+    }
+  }
+
+  void settle_places(const std::vector<Eigen::Vector3d>& printed,
+                     const std::optional<double>& deviation) {
+    for (std::size_t i = 0; i < printed.size(); ++i) {
+      double* place = parameters_.places[i].data();
+      if (!problem_.HasParameterBlock(place)) continue;
+      if (!deviation) {
+        hold(place);
+        continue;
+      }
+      using Cost = ceres::AutoDiffCostFunction<PrintError, 3, 3>;
+      problem_.AddResidualBlock(new Cost(new PrintError{printed[i], *deviation}), nullptr, place);
+    }
+  }
+
+  static LensDeviation lens_deviation(const Eigen::VectorXd& each) {
+    LensDeviation deviation{each.head<2>(), each.segment<2>(2), {}};
+    std::copy_n(each.data() + 4, untilted_coefficient_count, deviation.coefficients.begin());
+    return deviation;
+  }
+
+  Parameters parameters_;
+  ceres::Problem problem_;
+};
+
+/// Standard deviation of the components, by the median of their sizes.
+double robust_deviation(std::vector<double> sizes) {
+  if (sizes.empty()) return 1;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  constexpr double least = 1e-3;  // pixels: noise-free pictures must not weigh without bound
+  return std::max(1.4826 * *middle, least);
+}
+
+}  // namespace
+
+BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
+                            const std::vector<Eigen::Vector3d>& printed,
+                            const BundleSettings& settings, BundleDeviation* deviation) {
+  const QuietCeres quiet;
+  const int rounds = settings.pixel_deviations ? 1 : 3;
+  BundleState state = std::move(start);
+  PixelDeviations deviations = settings.pixel_deviations.value_or(pixel_deviations(views, state));
+  for (int round = 0; round < rounds; ++round) {
+    BundleProblem problem(views, state, printed, settings, deviations);
+    problem.solve(settings.pixel_deviations ? 1e-7 : 1e-9);  // the start was adjusted or not
+    problem.parameters().write_to(state);
+    deviations = pixel_deviations(views, state);
+    if (round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation)) {
+      throw Error("the poses do not determine the calibration; tilt the board differently in each");
+    }
+  }
+  return state;
+}
+
+PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {
+  std::vector<double> camera, projector;
+  const auto collect = [](const Eigen::Vector2d& residual, std::vector<double>& sizes) {
+    if (!residual.allFinite()) return;
+    sizes.push_back(std::abs(residual.x()));
+    sizes.push_back(std::abs(residual.y()));
+  };
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto of_camera = camera_residuals(views[v], state.scanner, state.poses[v], state.places);
+    const auto of_projector =
+        projector_residuals(views[v], state.scanner, state.poses[v], state.places);
+    for (std::size_t i = 0; i < of_camera.size(); ++i) {
+      collect(of_camera[i], camera);
+      if (!of_projector[i].allFinite()) continue;
+      collect(of_projector[i] - slope_at(views[v], i) * of_camera[i], projector);
+    }
+  }
+  return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
+}
+
+double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
+                          const PixelDeviations& deviations) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto of_camera = camera_residuals(views[v], state.scanner, state.poses[v], state.places);
+    const auto of_projector =
+        projector_residuals(views[v], state.scanner, state.poses[v], state.places);
+    for (std::size_t i = 0; i < of_camera.size(); ++i) {
+      if (!of_projector[i].allFinite()) continue;
+      const Eigen::Vector2d own = of_projector[i] - slope_at(views[v], i) * of_camera[i];
+      sum += (of_camera[i] / deviations.camera).squaredNorm() +
+             (own / deviations.projector).squaredNorm();
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+std::vector<Eigen::Vector2d> camera_residuals(const BoardView& view, const Scanner& scanner,
+                                              const Eigen::Isometry3d& pose,
+                                              const std::vector<Eigen::Vector3d>& places) {
+  std::vector<Eigen::Vector2d> residuals;
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    const Eigen::Vector3d point = pose * places[static_cast<std::size_t>(view.places[i])];
+    residuals.emplace_back(view.camera[i] - project(scanner.camera, point));
+  }
+  return residuals;
+}
+
+std::vector<Eigen::Vector2d> projector_residuals(const BoardView& view, const Scanner& scanner,
+                                                 const Eigen::Isometry3d& pose,
+                                                 const std::vector<Eigen::Vector3d>& places) {
+  std::vector<Eigen::Vector2d> residuals;
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    const Eigen::Vector3d point = pose * places[static_cast<std::size_t>(view.places[i])];
+    residuals.emplace_back(view.projector[i] -
+                           project(scanner.projector, in_projector_frame(scanner, point)));
+  }
+  return residuals;
+}
+
+}  // namespace slipstream

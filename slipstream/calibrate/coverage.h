@@ -1,0 +1,20 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "slipstream/calibrate/board_view.h"
+#include "slipstream/calibrate/lens_choice.h"
+#include "slipstream/image/image.h"
+
+namespace slipstream {
+
+/// How many boards cover each of the cells into which a device's picture is divided, `columns` of
+/// them across. Only the hull of a board's corners counts.
+Image<std::uint8_t> coverage_map(const std::vector<BoardView>& views, Device device, Size size,
+                                 int columns = 100);
+
+/// Share of the cells that some board covers.
+double covered_share(const Image<std::uint8_t>& coverage);
+
+}  // namespace slipstream

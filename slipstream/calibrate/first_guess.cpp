@@ -1,0 +1,135 @@
+#include "slipstream/calibrate/first_guess.h"
+
+#include <limits>
+
+#include <fmt/format.h>
+#include <opencv2/calib3d.hpp>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/quiet_opencv.h"
+
+namespace slipstream {
+namespace {
+
+/// The corners that both devices see, view by view, as OpenCV wants them.
+struct SharedCorners {
+  std::vector<std::vector<cv::Point3f>> board;
+  std::vector<std::vector<cv::Point2f>> camera, projector;
+};
+
+cv::Point2f point_of(const Eigen::Vector2d& pixel) {
+  return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
+}
+
+SharedCorners shared_corners(const std::vector<BoardView>& views,
+                             const std::vector<Eigen::Vector3d>& printed) {
+  SharedCorners shared;
+  for (const BoardView& view : views) {
+    shared.board.emplace_back();
+    shared.camera.emplace_back();
+    shared.projector.emplace_back();
+    for (std::size_t i = 0; i < view.places.size(); ++i) {
+      if (!view.projector[i].allFinite()) continue;
+      const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
+      shared.board.back().emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()),
+                                       0.0F);
+      shared.camera.back().push_back(point_of(view.camera[i]));
+      shared.projector.back().push_back(point_of(view.projector[i]));
+    }
+  }
+  return shared;
+}
+
+template <int Rows, int Columns>
+Eigen::Matrix<double, Rows, Columns> matrix_of(const cv::Mat& mat) {
+  Eigen::Matrix<double, Rows, Columns> matrix;
+  for (int row = 0; row < Rows; ++row) {
+    for (int column = 0; column < Columns; ++column)
+      matrix(row, column) = mat.at<double>(row, column);
+  }
+  return matrix;
+}
+
+struct OneDevice {
+  cv::Mat intrinsic, distortion;
+  std::vector<cv::Mat> rotations, translations;
+};
+
+OneDevice calibrated(const std::vector<std::vector<cv::Point3f>>& board,
+                     const std::vector<std::vector<cv::Point2f>>& pixels, Size size) {
+  OneDevice device;
+  cv::calibrateCamera(board, pixels, {size.width, size.height}, device.intrinsic, device.distortion,
+                      device.rotations, device.translations,
+                      cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K3);
+  return device;
+}
+
+Lens lens_of(const OneDevice& device, Size size) {
+  Lens lens{matrix_of<3, 3>(device.intrinsic), {}, size};
+  for (int i = 0; i < 5; ++i) {
+    lens.distortion.coefficients[static_cast<std::size_t>(i)] = device.distortion.at<double>(i);
+  }
+  return lens;
+}
+
+BundleState guess(const SharedCorners& shared, const std::vector<Eigen::Vector3d>& printed,
+                  Size camera_size, Size projector_size) {
+  OneDevice camera = calibrated(shared.board, shared.camera, camera_size);
+  OneDevice projector = calibrated(shared.board, shared.projector, projector_size);
+  cv::Mat rotation, translation, essential, fundamental;
+  cv::stereoCalibrate(shared.board, shared.camera, shared.projector, camera.intrinsic,
+                      camera.distortion, projector.intrinsic, projector.distortion,
+                      {camera_size.width, camera_size.height}, rotation, translation, essential,
+                      fundamental, cv::CALIB_FIX_INTRINSIC);
+  BundleState state{{lens_of(camera, camera_size), lens_of(projector, projector_size),
+                     matrix_of<3, 3>(rotation), matrix_of<3, 1>(translation)},
+                    {},
+                    printed};
+  for (std::size_t v = 0; v < shared.board.size(); ++v) {
+    cv::Mat board_rotation;
+    cv::Rodrigues(camera.rotations[v], board_rotation);
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = matrix_of<3, 3>(board_rotation);
+    pose.translation() = matrix_of<3, 1>(camera.translations[v]);
+    state.poses.push_back(pose);
+  }
+  return state;
+}
+
+}  // namespace
+
+BundleState first_guess(const std::vector<BoardView>& views,
+                        const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector) {
+  const QuietOpenCv quiet;
+  try {
+    return guess(shared_corners(views, printed), printed, camera, projector);
+  } catch (const cv::Exception& exception) {
+    throw Error(fmt::format("the corners give no calibration to start from: {}", exception.err));
+  }
+}
+
+BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed,
+                                double reach) {
+  constexpr std::size_t fewest = 6;
+  std::vector<cv::Point2f> board, projector;
+  std::vector<std::size_t> corners;
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    if (!view.projector[i].allFinite()) continue;
+    const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
+    board.emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()));
+    projector.push_back(point_of(view.projector[i]));
+    corners.push_back(i);
+  }
+  if (corners.size() < fewest) return view;
+  cv::Mat inliers;
+  const QuietOpenCv quiet;
+  cv::findHomography(board, projector, inliers, cv::RANSAC, reach);
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const bool agrees = !inliers.empty() && inliers.at<std::uint8_t>(static_cast<int>(k)) != 0;
+    if (!agrees) view.projector[corners[k]] = {nan, nan};
+  }
+  return view;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/calibrate/board_quality.h"
+#include "slipstream/calibrate/board_view.h"
+#include "slipstream/calibrate/bundle_adjustment.h"
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibrate/lens_choice.h"
+#include "slipstream/geometry/scanner.h"
+
+namespace slipstream {
+
+struct GeometryCalibrationSettings {
+  /// Distortion coefficients, one of `lens_models`; none: as many as the data support.
+  std::optional<int> camera_coefficients;
+  std::optional<int> projector_coefficients;
+  /// How far a printed corner may be from its place, in spacings: a standard deviation. None: the
+  /// print is taken for exact.
+  std::optional<double> print_deviation = 0.01;
+};
+
+/// RMS distances between corners as seen and as predicted, pixels of the device; `stereo` over the
+/// corners of both devices together.
+struct ReprojectionRms {
+  double camera = 0;
+  double projector = 0;
+  double stereo = 0;
+};
+
+/// A pose that took part.
+struct CalibratedPose {
+  std::string name;
+  int corners = 0;  ///< seen
+  int lit = 0;      ///< of them, with a projector pixel
+  ReprojectionRms rms;
+  /// Measured with a calibration of all the other poses. None where too few corners are lit.
+  std::optional<BoardQuality> left_out;
+};
+
+struct GeometryCalibration {
+  BundleState state;  ///< the scanner, the poses and the board as it was found to be
+  BundleDeviation deviation;
+  LensChoice camera_lens;
+  LensChoice projector_lens;
+  ReprojectionRms rms;
+  std::vector<CalibratedPose> poses;
+  double covered_camera = 0;          ///< share of the camera's picture that some board covered
+  double covered_projector = 0;       ///< share of the projector's picture
+  double largest_tilt = 0;            ///< largest angle between two boards, rad
+  std::vector<std::string> warnings;  ///< in plain words, a line each
+};
+
+inline constexpr std::size_t fewest_poses = 3;
+
+/// Camera, projector and how they stand to each other, from where both see a board's corners. The
+/// printed board gives the scale. Throws Error for fewer than `fewest_poses` views, views of
+/// mirrored or swapped projector axes, or views that cannot be of one rigid rig and that board.
+GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const CalibrationBoard& board,
+                                       Size camera, Size projector,
+                                       const GeometryCalibrationSettings& settings = {});
+
+}  // namespace slipstream

@@ -1,0 +1,124 @@
+#include "slipstream/calibrate/lens_choice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+/// Of few poses one is left out at a time; of many a quarter, for the time it takes.
+std::size_t fold_count(std::size_t poses) {
+  constexpr std::size_t few = 6, parts = 4;
+  return poses <= few ? poses : parts;
+}
+
+/// Some of the poses.
+struct Part {
+  std::vector<BoardView> views;
+  BundleState state;
+};
+
+Part part_of(const std::vector<BoardView>& views, const BundleState& state, std::size_t fold,
+             std::size_t folds, bool left_out) {
+  Part part{{}, {state.scanner, {}, state.places}};
+  for (std::size_t pose = 0; pose < views.size(); ++pose) {
+    if ((pose % folds == fold) != left_out) continue;
+    part.views.push_back(views[pose]);
+    part.state.poses.push_back(state.poses[pose]);
+  }
+  return part;
+}
+
+/// Mean squared error of the poses that a fold leaves out.
+double left_out_error(const std::vector<BoardView>& views, const BundleState& state,
+                      BundleSettings settings, std::size_t fold, std::size_t folds) {
+  Part kept = part_of(views, state, fold, folds, false);
+  const auto forget = [](Lens& lens, int coefficients) {
+    auto& k = lens.distortion.coefficients;
+    std::fill(k.begin() + coefficients, k.end(), 0.0);
+  };
+  forget(kept.state.scanner.camera, settings.camera_coefficients);
+  forget(kept.state.scanner.projector, settings.projector_coefficients);
+  const BundleState calibrated =
+      bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
+
+  Part left_out = part_of(views, state, fold, folds, true);
+  left_out.state.scanner = calibrated.scanner;
+  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
+  const BundleState explained =
+      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
+  return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
+}
+
+double mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
+/// Whether `errors` are worse than `best`, fold by fold, by more than the standard error, and by
+/// more than the half percent for which nobody wants further coefficients.
+bool clearly_worse(const std::vector<double>& errors, const std::vector<double>& best) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
+  const double average = mean(differences);
+  double squares = 0;
+  for (const double difference : differences) squares += std::pow(difference - average, 2);
+  const auto n = static_cast<double>(differences.size());
+  constexpr double least_share = 0.005;
+  return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
+}
+
+}  // namespace
+
+const char* name_of_lens_model(int coefficients) {
+  switch (coefficients) {
+    case 0:
+      return "none";
+    case 1:
+      return "k1";
+    case 2:
+      return "k1 k2";
+    case 4:
+      return "k1 k2, tangential";
+    case 5:
+      return "k1 k2 k3, tangential";
+    case 8:
+      return "rational, tangential";
+    default:
+      return "rational, tangential, thin prism";
+  }
+}
+
+LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
+                             Device device) {
+  const std::size_t folds = fold_count(views.size());
+  BundleSettings settings;
+  settings.pixel_deviations = pixel_deviations(views, state);
+  std::vector<std::vector<double>> errors;
+  std::size_t best = 0;
+  LensChoice choice;
+  for (const int coefficients : lens_models) {
+    (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
+        coefficients;
+    std::vector<double> by_fold(folds);
+    for_each_row(static_cast<int>(folds), [&](int fold) {
+      const auto f = static_cast<std::size_t>(fold);
+      by_fold[f] = left_out_error(views, state, settings, f, folds);
+    });
+    errors.push_back(by_fold);
+    choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
+    if (mean(by_fold) < mean(errors[best])) best = errors.size() - 1;
+    const bool gains_nothing_more = errors.size() > best + 2;
+    if (gains_nothing_more) break;
+  }
+  std::size_t chosen = 0;
+  while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
+  choice.coefficients = lens_models[chosen];
+  return choice;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,192 @@
+#include "slipstream/calibrate/projector_corners.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+using Vector8 = Eigen::Matrix<double, 8, 1>;
+using Matrix8 = Eigen::Matrix<double, 8, 8>;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// A camera pixel about a corner and the projector pixel that lights it.
+struct Sample {
+  Eigen::Vector2d camera;     ///< from the corner, in radii
+  Eigen::Vector2d projector;  ///< pixels, from `Neighbourhood::middle`
+  double weight = 0;
+};
+
+struct Neighbourhood {
+  std::vector<Sample> samples;
+  Eigen::Vector2d middle;  ///< median projector pixel
+  int pixels = 0;          ///< reliable or not
+};
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Neighbourhood neighbourhood(const ProjectorMap& map, const Eigen::Vector2d& corner, double radius) {
+  Neighbourhood result;
+  const int left = std::max(0, static_cast<int>(std::ceil(corner.x() - radius)));
+  const int right = std::min(map.x.width() - 1, static_cast<int>(std::floor(corner.x() + radius)));
+  const int top = std::max(0, static_cast<int>(std::ceil(corner.y() - radius)));
+  const int bottom =
+      std::min(map.x.height() - 1, static_cast<int>(std::floor(corner.y() + radius)));
+  std::vector<double> x, y;
+  for (int row = top; row <= bottom; ++row) {
+    for (int column = left; column <= right; ++column) {
+      const Eigen::Vector2d offset = (Eigen::Vector2d(column, row) - corner) / radius;
+      if (offset.squaredNorm() > 1) continue;
+      ++result.pixels;
+      const double weight = map.weight(column, row);
+      if (weight <= 0) continue;
+      result.samples.push_back({offset, {map.x(column, row), map.y(column, row)}, weight});
+      x.push_back(map.x(column, row));
+      y.push_back(map.y(column, row));
+    }
+  }
+  if (result.samples.empty()) return result;
+  result.middle = {median(std::move(x)), median(std::move(y))};
+  for (Sample& sample : result.samples) sample.projector -= result.middle;
+  return result;
+}
+
+/// The homography [h0 h1 h2; h3 h4 h5; h6 h7 1] at a point.
+Eigen::Vector2d at(const Vector8& h, const Eigen::Vector2d& point) {
+  const Eigen::Vector3d p = point.homogeneous();
+  return Eigen::Vector2d(h.segment<3>(0).dot(p), h.segment<3>(3).dot(p)) /
+         (h.tail<2>().dot(point) + 1);
+}
+
+/// Its derivative at the corner.
+Eigen::Matrix2d slope_at_corner(const Vector8& h) {
+  Eigen::Matrix2d slope;
+  slope << h[0] - h[2] * h[6], h[1] - h[2] * h[7], h[3] - h[5] * h[6], h[4] - h[5] * h[7];
+  return slope;
+}
+
+/// Linear least squares for h with the samples' weights times `factors`.
+std::optional<Vector8> fitted(const std::vector<Sample>& samples,
+                              const std::vector<double>& factors) {
+  Matrix8 normal = Matrix8::Zero();
+  Vector8 right = Vector8::Zero();
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const auto& [camera, projector, weight] = samples[i];
+    Vector8 row_x = Vector8::Zero(), row_y = Vector8::Zero();
+    row_x.segment<3>(0) = camera.homogeneous();
+    row_y.segment<3>(3) = camera.homogeneous();
+    row_x.tail<2>() = -projector.x() * camera;
+    row_y.tail<2>() = -projector.y() * camera;
+    const double w = weight * factors[i];
+    normal += w * (row_x * row_x.transpose() + row_y * row_y.transpose());
+    right += w * (projector.x() * row_x + projector.y() * row_y);
+  }
+  const Vector8 h = normal.ldlt().solve(right);
+  return h.allFinite() ? std::optional(h) : std::nullopt;
+}
+
+/// Tukey's weight: 0 from `reach` on.
+double tukey(double residual, double reach) {
+  const double ratio = residual / reach;
+  return ratio < 1 ? (1 - ratio * ratio) * (1 - ratio * ratio) : 0;
+}
+
+/// The affine start leaves out pixels whose coordinate is off by fringes.
+std::vector<double> starting_factors(const std::vector<Sample>& samples) {
+  std::vector<double> distances;
+  for (const Sample& sample : samples) distances.push_back(sample.projector.norm());
+  const double reach = std::max(4 * median(distances), 2.0);
+  std::vector<double> factors;
+  for (const double distance : distances) factors.push_back(distance < reach ? 1 : 0);
+  return factors;
+}
+
+ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d& corner,
+                                 double radius) {
+  constexpr double least_share = 0.3;  // of the pixels about the corner
+  constexpr std::size_t fewest_samples = 24;
+  constexpr int rounds = 5;
+  constexpr double reach_in_deviations = 4.685;  // 95 % as efficient as least squares
+  const Neighbourhood about = neighbourhood(map, corner, radius);
+  const std::vector<Sample>& samples = about.samples;
+  const bool enough = samples.size() >= fewest_samples &&
+                      static_cast<double>(samples.size()) >= least_share * about.pixels;
+  const ProjectorCorner none{{nan, nan}, Eigen::Matrix2d::Constant(nan)};
+  if (!enough) return none;
+
+  std::vector<double> factors = starting_factors(samples);
+  std::vector<double> residuals(samples.size());
+  Vector8 h = Vector8::Zero();
+  for (int round = 0; round < rounds; ++round) {
+    const std::optional<Vector8> fit = fitted(samples, factors);
+    if (!fit) return none;
+    h = *fit;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      residuals[i] = (at(h, samples[i].camera) - samples[i].projector).norm();
+    }
+    const double deviation = std::max(median(residuals) / 1.1774, 1e-9);  // of a Rayleigh variable
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      factors[i] = tukey(residuals[i], reach_in_deviations * deviation);
+    }
+  }
+  return {at(h, Eigen::Vector2d::Zero()) + about.middle, slope_at_corner(h) / radius};
+}
+
+double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    if (j != i) least = std::min(least, (corners[i] - corners[j]).norm());
+  }
+  return least;
+}
+
+}  // namespace
+
+ProjectorMap projector_map(const FrameSet& frames_x, const DecodedScan& along_x,
+                           const FrameSet& frames_y, const DecodedScan& along_y, Size projector,
+                           double minimum_modulation) {
+  const Size size = frames_x.size();
+  ProjectorMap map{Image<double>(size), Image<double>(size), Image<double>(size)};
+  const Image<std::uint8_t> saturated_x = saturation_mask(frames_x);
+  const Image<std::uint8_t> saturated_y = saturation_mask(frames_y);
+  const double grey_level = frames_x.full_scale() / 255;
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      map.x(column, row) = along_x.coordinate(column, row) * projector.width;
+      map.y(column, row) = along_y.coordinate(column, row) * projector.height;
+      const double modulation =
+          std::min(along_x.modulation(column, row), along_y.modulation(column, row)) / grey_level;
+      const bool reliable = modulation >= minimum_modulation && saturated_x(column, row) == 0 &&
+                            saturated_y(column, row) == 0;
+      map.weight(column, row) = reliable ? modulation * modulation : 0;
+    }
+  });
+  return map;
+}
+
+std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map,
+                                               const std::vector<Eigen::Vector2d>& corners,
+                                               double share) {
+  std::vector<ProjectorCorner> result(corners.size());
+  for_each_row(static_cast<int>(corners.size()), [&](int corner) {
+    const auto i = static_cast<std::size_t>(corner);
+    constexpr double least_radius = 4;  // pixels
+    const double radius = std::max(share * distance_to_next(corners, i), least_radius);
+    result[i] = projector_corner(map, corners[i], radius);
+  });
+  return result;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,295 @@
+#include "slipstream/calibrate/report.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "slipstream/calibrate/residual_plots.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// Text that grows a line at a time.
+class Page {
+ public:
+  template <class... Values>
+  void line(fmt::format_string<Values...> format, Values&&... values) {
+    text_ += fmt::format(format, std::forward<Values>(values)...) + "\n";
+  }
+  void gap() { text_ += "\n"; }
+  [[nodiscard]] const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
+};
+
+std::string flatness_text(const std::optional<BoardQuality>& quality) {
+  return quality ? fmt::format("{:.4f}", quality->flatness) : "-";
+}
+
+std::string scale_text(const std::optional<BoardQuality>& quality) {
+  return quality ? fmt::format("{:+.3f}", 100 * quality->scale_error) : "-";
+}
+
+void write_warnings(Page& page, const GeometryCalibration& calibration) {
+  page.gap();
+  if (calibration.warnings.empty()) {
+    page.line("Nothing in the data speaks against this calibration.");
+    return;
+  }
+  page.line("## Warnings");
+  page.gap();
+  for (const std::string& warning : calibration.warnings) page.line("- {}", warning);
+}
+
+void write_poses(Page& page, const CalibrationReport& report) {
+  const GeometryCalibration& calibration = report.calibration;
+  page.gap();
+  page.line("## Poses");
+  page.gap();
+  page.line(
+      "RMS distances, in pixels of the device, between where corners are seen and where the "
+      "calibration puts them.");
+  page.gap();
+  page.line("| pose | corners | with projector coordinate | camera | projector | stereo |");
+  page.line("| --- | --- | --- | --- | --- | --- |");
+  for (const CalibratedPose& pose : calibration.poses) {
+    page.line("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} |", pose.name, pose.corners, pose.lit,
+              pose.rms.camera, pose.rms.projector, pose.rms.stereo);
+  }
+  const ReprojectionRms& rms = calibration.rms;
+  page.line("| **all** | | | **{:.3f}** | **{:.3f}** | **{:.3f}** |", rms.camera, rms.projector,
+            rms.stereo);
+  for (const UnusedPose& pose : report.unused) {
+    page.gap();
+    page.line("{} took no part: {}.", pose.name, pose.why);
+  }
+}
+
+void write_left_out(Page& page, const CalibrationReport& report) {
+  const GeometryCalibration& calibration = report.calibration;
+  const ScannerComparison* other = report.comparison;
+  page.gap();
+  page.line("## What it measures");
+  page.gap();
+  page.line(
+      "Each pose's board, measured with a calibration of all the other poses: the RMS "
+      "distance of its corners from their best plane, and how much too large the distances "
+      "between them are.{}",
+      other != nullptr ? fmt::format(" Beside it the same corners measured with {}, which "
+                                     "may have been made of these very poses.",
+                                     other->name)
+                       : "");
+  page.gap();
+  page.line("| pose | flatness, mm | scale error, % |{}",
+            other != nullptr
+                ? fmt::format(" {0}: flatness, mm | {0}: scale error, % |", other->name)
+                : "");
+  page.line("| --- | --- | --- |{}", other != nullptr ? " --- | --- |" : "");
+  for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
+    const CalibratedPose& pose = calibration.poses[i];
+    page.line(
+        "| {} | {} | {} |{}", pose.name, flatness_text(pose.left_out), scale_text(pose.left_out),
+        other != nullptr
+            ? fmt::format(" {} | {} |", flatness_text(other->poses[i]), scale_text(other->poses[i]))
+            : "");
+  }
+  const BoardQuality own = overall(left_out_qualities(calibration));
+  std::string compared;
+  if (other != nullptr) {
+    const BoardQuality theirs = overall(other->poses);
+    compared = fmt::format(" **{:.4f}** | **{:.3f}** |", theirs.flatness, 100 * theirs.scale_error);
+  }
+  page.line("| **root mean square** | **{:.4f}** | **{:.3f}** |{}", own.flatness,
+            100 * own.scale_error, compared);
+}
+
+void write_number(Page& page, const char* name, double value, double deviation, const char* unit) {
+  page.line("| {} | {:.6g} | {} | {} |", name, value,
+            deviation > 0 ? fmt::format("{:.2g}", deviation) : "held", unit);
+}
+
+void write_lens(Page& page, const std::string& device, const Lens& lens,
+                const LensDeviation& deviation, int coefficients) {
+  static constexpr std::array names{"k1", "k2", "p1", "p2", "k3", "k4",
+                                    "k5", "k6", "s1", "s2", "s3", "s4"};
+  const Eigen::Matrix3d& K = lens.intrinsic;
+  const auto row = [&](const char* name, double value, double its_deviation, const char* unit) {
+    write_number(page, fmt::format("{} {}", device, name).c_str(), value, its_deviation, unit);
+  };
+  row("fx", K(0, 0), deviation.focal.x(), "px");
+  row("fy", K(1, 1), deviation.focal.y(), "px");
+  row("cx", K(0, 2), deviation.principal_point.x(), "px");
+  row("cy", K(1, 2), deviation.principal_point.y(), "px");
+  for (std::size_t i = 0; i < static_cast<std::size_t>(coefficients); ++i) {
+    row(names[i], lens.distortion.coefficients[i], deviation.coefficients[i], "");
+  }
+}
+
+void write_parameters(Page& page, const GeometryCalibration& calibration) {
+  const Scanner& scanner = calibration.state.scanner;
+  const BundleDeviation& deviation = calibration.deviation;
+  const Eigen::AngleAxisd turn(scanner.rotation);
+  const Eigen::Vector3d angles = turn.angle() * turn.axis() / degree;
+  page.gap();
+  page.line("## Parameters");
+  page.gap();
+  page.line("The standard deviation is what the noise of the corners alone would do.");
+  page.gap();
+  page.line("| parameter | value | standard deviation | unit |");
+  page.line("| --- | --- | --- | --- |");
+  write_lens(page, "camera", scanner.camera, deviation.camera,
+             calibration.camera_lens.coefficients);
+  write_lens(page, "projector", scanner.projector, deviation.projector,
+             calibration.projector_lens.coefficients);
+  static constexpr std::array turns{"rotation about x", "rotation about y", "rotation about z"};
+  static constexpr std::array ways{"translation x", "translation y", "translation z"};
+  for (int i = 0; i < 3; ++i) {
+    write_number(page, turns[static_cast<std::size_t>(i)], angles[i],
+                 deviation.rotation[i] / degree, "degrees");
+  }
+  for (int i = 0; i < 3; ++i) {
+    write_number(page, ways[static_cast<std::size_t>(i)], scanner.translation[i],
+                 deviation.translation[i], "mm");
+  }
+  page.gap();
+  page.line("Baseline: {:.3f} mm.", scanner.translation.norm());
+}
+
+void write_lens_models(Page& page, const GeometryCalibration& calibration) {
+  const LensChoice &camera = calibration.camera_lens, &projector = calibration.projector_lens;
+  page.gap();
+  page.line("## Lens models");
+  page.gap();
+  page.line("Camera: {}. Projector: {}.", name_of_lens_model(camera.coefficients),
+            name_of_lens_model(projector.coefficients));
+  if (camera.scores.empty() && projector.scores.empty()) return;
+  page.gap();
+  page.line(
+      "RMS error, in standard deviations, of how both devices see poses that were left out, over "
+      "all poses in turn. Chosen is the simplest model that is not clearly worse than the "
+      "best.");
+  page.gap();
+  page.line("| model | camera | projector |");
+  page.line("| --- | --- | --- |");
+  const auto score = [](const LensChoice& choice, std::size_t i) {
+    return i < choice.scores.size() ? fmt::format("{:.4f}", choice.scores[i].error)
+                                    : std::string("-");
+  };
+  for (std::size_t i = 0; i < lens_models.size(); ++i) {
+    page.line("| {} | {} | {} |", name_of_lens_model(lens_models[i]), score(camera, i),
+              score(projector, i));
+  }
+}
+
+void write_field(Page& page, const GeometryCalibration& calibration) {
+  page.gap();
+  page.line("## Field of view and residuals");
+  page.gap();
+  page.line(
+      "The boards covered {:.0f} % of the camera's picture and {:.0f} % of the projector's; "
+      "they were at most {:.0f} degrees apart.",
+      100 * calibration.covered_camera, 100 * calibration.covered_projector,
+      calibration.largest_tilt / degree);
+  page.line(
+      "Arrows go from where a corner was seen against where it is predicted, enlarged; they "
+      "should look random. A pattern common to all poses is a lens model too simple, one "
+      "pose with long arrows a board that moved.");
+  for (const char* device : {"camera", "projector"}) {
+    page.gap();
+    page.line("![residuals of the {0} over its picture](residuals_{0}.png)", device);
+    page.gap();
+    page.line("![residuals of the {0}, x against y](scatter_{0}.png)", device);
+  }
+}
+
+Residuals residuals_of(const CalibrationReport& report, Device device) {
+  const BundleState& state = report.calibration.state;
+  Residuals residuals;
+  for (std::size_t v = 0; v < report.views.size(); ++v) {
+    residuals.push_back(
+        device == Device::camera
+            ? camera_residuals(report.views[v], state.scanner, state.poses[v], state.places)
+            : projector_residuals(report.views[v], state.scanner, state.poses[v], state.places));
+  }
+  return residuals;
+}
+
+void write_plots(const fs::path& folder, const CalibrationReport& report) {
+  const Scanner& scanner = report.calibration.state.scanner;
+  const Residuals camera = residuals_of(report, Device::camera);
+  const Residuals projector = residuals_of(report, Device::projector);
+  write_residual_map(folder / "residuals_camera.png", report.views, camera, Device::camera,
+                     scanner.camera.size);
+  write_residual_map(folder / "residuals_projector.png", report.views, projector, Device::projector,
+                     scanner.projector.size);
+  write_residual_scatter(folder / "scatter_camera.png", report.views, camera);
+  write_residual_scatter(folder / "scatter_projector.png", report.views, projector);
+}
+
+}  // namespace
+
+ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
+                                const std::vector<BoardView>& views,
+                                const CalibrationBoard& board) {
+  ScannerComparison comparison{name, scanner, {}};
+  for (const BoardView& view : views) {
+    comparison.poses.push_back(board_quality(view, scanner, printed_places(board)));
+  }
+  return comparison;
+}
+
+std::vector<std::optional<BoardQuality>> left_out_qualities(
+    const GeometryCalibration& calibration) {
+  std::vector<std::optional<BoardQuality>> qualities;
+  for (const CalibratedPose& pose : calibration.poses) qualities.push_back(pose.left_out);
+  return qualities;
+}
+
+BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses) {
+  BoardQuality squares;
+  int count = 0;
+  for (const std::optional<BoardQuality>& pose : poses) {
+    if (!pose) continue;
+    squares.flatness += pose->flatness * pose->flatness;
+    squares.scale_error += pose->scale_error * pose->scale_error;
+    ++count;
+  }
+  if (count == 0) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {nan, nan};
+  }
+  return {std::sqrt(squares.flatness / count), std::sqrt(squares.scale_error / count)};
+}
+
+void write_calibration_report(const fs::path& folder, const CalibrationReport& report) {
+  const GeometryCalibration& calibration = report.calibration;
+  Page page;
+  page.line("# Calibration of a camera and a projector");
+  page.gap();
+  page.line(
+      "{} poses of a {} of {}x{}, {:g} mm apart. RMS: camera {:.3f} px, projector {:.3f} px, "
+      "stereo {:.3f} px.",
+      calibration.poses.size(), name_of(report.board.kind), report.board.columns, report.board.rows,
+      report.board.spacing, calibration.rms.camera, calibration.rms.projector,
+      calibration.rms.stereo);
+  write_warnings(page, calibration);
+  write_poses(page, report);
+  write_left_out(page, report);
+  write_parameters(page, calibration);
+  write_lens_models(page, calibration);
+  write_field(page, calibration);
+
+  make_folder(folder);
+  write_plots(folder, report);
+  write_file(folder / "report.md", page.text());
+}
+
+}  // namespace slipstream

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/calibrate/board_view.h"
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibrate/geometry_calibration.h"
+
+namespace slipstream {
+
+/// A pose that took no part.
+struct UnusedPose {
+  std::string name;
+  std::string why;
+};
+
+/// The same boards measured with a scanner file that came from elsewhere.
+struct ScannerComparison {
+  std::string name;  ///< of the file
+  Scanner scanner;
+  std::vector<std::optional<BoardQuality>> poses;
+};
+
+ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
+                                const std::vector<BoardView>& views, const CalibrationBoard& board);
+
+/// Of each pose, measured with a calibration of the others.
+std::vector<std::optional<BoardQuality>> left_out_qualities(const GeometryCalibration& calibration);
+
+/// One figure for all poses: the root mean square of each of the two. NaN where no pose has any.
+BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses);
+
+/// What a report is made of; refers to, does not own.
+struct CalibrationReport {
+  const GeometryCalibration& calibration;
+  const std::vector<BoardView>& views;
+  const std::vector<UnusedPose>& unused;
+  const CalibrationBoard& board;
+  const ScannerComparison* comparison = nullptr;  ///< may be null
+};
+
+/// Writes report.md and its pictures into a folder: warnings, RMS, what the left-out poses say
+/// beside what another scanner file says, parameters with their standard deviations, lens models,
+/// coverage and residuals. Throws WorldError when that fails.
+void write_calibration_report(const std::filesystem::path& folder, const CalibrationReport& report);
+
+}  // namespace slipstream

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "slipstream/geometry/scanner.h"
+
+namespace slipstream {
+
+/// Poses of a flat sheet, its frame (X right, Y down, Z away, origin at its middle) to the
+/// camera's, as a person would hold a calibration board: tilted by 15 to 35 degrees this way and
+/// that, nearer and farther, moved towards the edges of the view, but always seen whole by camera
+/// and projector. The same arguments give the same poses. Throws Error where a sheet of `width` x
+/// `height` mm does not fit into the scanner's view.
+std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, double width,
+                                           double height);
+
+}  // namespace slipstream

@@ -1,0 +1,172 @@
+// Drives `slipstream calibrate` and what it needs of `simulate`.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+void expect_bad_input(const ProgramRun& run, const std::vector<std::string>& parts) {
+  EXPECT_EQ(run.exit_code, 2) << run.err;
+  for (const std::string& part : parts) {
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "lacks: " << part;
+  }
+}
+
+/// Poses of a small virtual board, taken once for all tests.
+class CalibrateProgram : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    const ProgramRun run =
+        run_program({"simulate", poses(), "--boards", "4", "--corners", "7x5", "--spacing", "22",
+                     "--camera", "320x240", "--strategy", "dual-frequency", "--high", "8"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  static std::string poses() { return folder_->path() / "poses"; }
+
+  static ProgramRun calibrate(const std::string& in, const fs::path& out,
+                              const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"calibrate", "geometry", in,          "-o", out,
+                                       "--corners", "7x5",      "--spacing", "22"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_program(arguments);
+  }
+
+  /// A copy of the poses to spoil.
+  static std::string copy_to(const TemporaryFolder& folder) {
+    const fs::path copy = folder.path() / "copy";
+    fs::copy(poses(), copy, fs::copy_options::recursive);
+    return copy;
+  }
+
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+};
+
+TEST_F(CalibrateProgram, GivesAScannerFileAReportAndADocument) {
+  const TemporaryFolder out;
+  const ProgramRun run = calibrate(poses(), out.path() / "scanner.yaml",
+                                   {"--exclude", "board02", "--report", out.path() / "report",
+                                    "--compare", poses() + "/scanner.yaml", "--json",
+                                    "--camera-distortion", "2", "--projector-distortion", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* part : {"\"rms\"", "\"camera\"", "\"projector\"", "\"stereo\"", "\"poses\"",
+                           "\"name\": \"board01\"", "\"used\": true", "\"used\": false",
+                           "\"flatness_mm\"", "\"scale_error\"", "\"compared\"", "only 3 poses"}) {
+    EXPECT_NE(run.out.find(part), std::string::npos) << part << "\n" << run.out;
+  }
+  const Scanner found = read_scanner(out.path() / "scanner.yaml");
+  const Scanner truth = read_scanner(poses() + "/scanner.yaml");
+  EXPECT_NEAR(found.translation.norm(), truth.translation.norm(), 5);
+  for (const char* file : {"report.md", "residuals_camera.png", "residuals_projector.png",
+                           "scatter_camera.png", "scatter_projector.png"}) {
+    EXPECT_TRUE(fs::exists(out.path() / "report" / file)) << file;
+  }
+}
+
+TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
+  const TemporaryFolder out;
+  const fs::path file = out.path() / "scanner.yaml";
+  expect_bad_input(run_program({"calibrate", "geometry", poses(), "-o", file, "--corners", "9x7"}),
+                   {"0 of 4 poses", "no chessboard of 9x7 corners"});
+  expect_bad_input(calibrate(poses(), file, {"--exclude", "board9"}), {"board9", "no such pose"});
+  expect_bad_input(calibrate(poses(), file, {"--exclude", "board01", "--exclude", "board02"}),
+                   {"2 of 4 poses", "at least 3"});
+  expect_bad_input(calibrate(poses(), file, {"--camera-distortion", "3"}),
+                   {"--camera-distortion 3", "auto"});
+  expect_bad_input(calibrate(poses(), file, {"--board", "hexagons"}), {"hexagons"});
+  expect_bad_input(calibrate(poses(), file, {"--print", "so-so"}), {"--print so-so"});
+  expect_bad_input(calibrate(poses() + "/nowhere", file, {}), {"nowhere", "no such folder"});
+  expect_bad_input(calibrate(poses(), file, {"--compare", "nowhere.xml"}), {"nowhere.xml"});
+  EXPECT_EQ(entries_in(out.path()), 0);
+}
+
+TEST_F(CalibrateProgram, SwappedMirroredAndMixedCapturesAreTold) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "scanner.yaml";
+  const std::string copy = copy_to(folder);
+  for (const char* pose : {"board01", "board02", "board03", "board04"}) {
+    const fs::path both = fs::path(copy) / pose;
+    fs::rename(both / "x", both / "was_x");
+    fs::rename(both / "y", both / "x");
+    fs::rename(both / "was_x", both / "y");
+  }
+  expect_bad_input(calibrate(copy, file, {}), {"board01", "axis"});
+  for (const char* pose : {"board01", "board02", "board03", "board04"}) {
+    for (const char* axis : {"x", "y"}) fs::remove(fs::path(copy) / pose / axis / "scan.yaml");
+  }
+  const std::vector<std::string> flags{"--strategy", "dual-frequency", "--steps", "3", "--high",
+                                       "8",          "--projector",    "1280x800"};
+  expect_bad_input(calibrate(copy, file, flags), {"board01", "swapped"});
+
+  const TemporaryFolder other;
+  const std::string mixed = copy_to(other);
+  const fs::path scan = fs::path(mixed) / "board03" / "x";
+  for (const fs::path& frame : images_in_folder(scan)) {
+    write_image(frame, Image<std::uint8_t>({160, 120}, 80));
+  }
+  expect_bad_input(calibrate(mixed, file, {}), {"board03", "160x120", "320x240"});
+  EXPECT_FALSE(fs::exists(file));
+}
+
+TEST_F(CalibrateProgram, MirroredPicturesAreTold) {
+  const TemporaryFolder folder;
+  const std::string copy = copy_to(folder);
+  for (const auto& entry : fs::recursive_directory_iterator(copy)) {
+    if (!is_image_file(entry.path())) continue;
+    const Image<std::uint16_t> seen = read_grey_image(entry.path());
+    Image<std::uint8_t> mirrored(seen.size());
+    for (int row = 0; row < seen.height(); ++row) {
+      for (int column = 0; column < seen.width(); ++column) {
+        mirrored(seen.width() - 1 - column, row) = static_cast<std::uint8_t>(seen(column, row));
+      }
+    }
+    write_image(entry.path(), mirrored);
+  }
+  expect_bad_input(calibrate(copy, folder.path() / "scanner.yaml", {}), {"board01", "mirrored"});
+  EXPECT_FALSE(fs::exists(folder.path() / "scanner.yaml"));
+}
+
+TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
+  const TemporaryFolder out;
+  const fs::path file = out.path() / "board.png";
+  const ProgramRun run = run_program(
+      {"calibrate", "board", "-o", file, "--corners", "9x6", "--spacing", "20", "--dpi", "254"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("240.00 mm x 180.00 mm"), std::string::npos) << run.out;
+  EXPECT_EQ(read_grey_image(file).size(), (Size{2400, 1800}));
+  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--corners", "9"}),
+                   {"--corners"});
+  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--dpi", "0"}), {"--dpi 0"});
+}
+
+TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
+  const TemporaryFolder out;
+  const std::string folder = out.path() / "boards";
+  for (const std::vector<std::string>& flag : std::vector<std::vector<std::string>>{
+           {"--scene", "sphere"}, {"--axis", "y"}, {"--motion", "1", "0", "0"}}) {
+    std::vector<std::string> arguments{"simulate", folder, "--boards", "2"};
+    arguments.insert(arguments.end(), flag.begin(), flag.end());
+    expect_bad_input(run_program(arguments), {"--boards", flag[0]});
+  }
+  expect_bad_input(run_program({"simulate", folder, "--corners", "9x6"}), {"--boards"});
+  expect_bad_input(run_program({"simulate", folder, "--boards", "0"}), {"--boards 0"});
+  expect_bad_input(run_program({"simulate", folder, "--boards", "2", "--spacing", "60"}),
+                   {"does not fit"});
+  EXPECT_FALSE(fs::exists(folder));
+}
+
+}  // namespace
+}  // namespace slipstream

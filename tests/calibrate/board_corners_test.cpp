@@ -1,0 +1,130 @@
+#include "slipstream/calibrate/board_corners.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "tests/io/expect_error.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int side = 20;  // pixels, of a spacing
+
+/// The board turned by `turn`, rad, in the middle of a grey picture, smooth as a lens leaves it.
+struct Picture {
+  FringeFreePictures seen;
+  std::vector<Eigen::Vector2d> truth;
+};
+
+Picture picture_of(const CalibrationBoard& board, double turn, Size size = {480, 400}) {
+  constexpr int fine = 4;  // samples along each side of a pixel
+  const Image<std::uint8_t> drawn = draw_board(board, side * fine);
+  const Eigen::Vector2d middle(size.width / 2.0 - 0.5, size.height / 2.0 - 0.5);
+  const Eigen::Rotation2D<double> rotation(turn);
+  Picture picture{{Image<float>(size), Image<float>(size)}, {}};
+  const auto grey_at = [&](const Eigen::Vector2d& pixel) -> double {
+    const Eigen::Vector2d on_board = rotation.inverse() * (pixel - middle) * fine;
+    const double column = std::floor(on_board.x() + drawn.width() / 2.0);
+    const double row = std::floor(on_board.y() + drawn.height() / 2.0);
+    const bool inside = column >= 0 && row >= 0 && column < drawn.width() && row < drawn.height();
+    return inside ? 30 + 0.7 * drawn(static_cast<int>(column), static_cast<int>(row)) : 120.0;
+  };
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      double sum = 0;
+      for (int sample = 0; sample < fine * fine; ++sample) {
+        const Eigen::Vector2d offset((sample % fine + 0.5) / fine - 0.5,
+                                     (sample / fine + 0.5) / fine - 0.5);
+        sum += grey_at(Eigen::Vector2d(column, row) + offset);
+      }
+      picture.seen.mean(column, row) = static_cast<float>(sum / (fine * fine));
+    }
+  }
+  picture.seen.brightest = picture.seen.mean;
+  // Places are counted from the first one, which lies two spacings inside the margin's edge.
+  const Eigen::Vector2d first(2.0 * side - drawn.width() / 2.0 / fine,
+                              2.0 * side - drawn.height() / 2.0 / fine);
+  for (const Eigen::Vector3d& place : printed_places(board)) {
+    const Eigen::Vector2d on_board = first + place.head<2>() / board.spacing * side;
+    picture.truth.emplace_back(middle + rotation * on_board);
+  }
+  return picture;
+}
+
+void expect_found(const CalibrationBoard& board, const Picture& picture, double tolerance) {
+  const std::optional<BoardCorners> found = find_board(board, picture.seen);
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->pixels.size(), static_cast<std::size_t>(place_count(board)));
+  for (std::size_t i = 0; i < found->pixels.size(); ++i) {
+    const Eigen::Vector2d& truth = picture.truth[static_cast<std::size_t>(found->places[i])];
+    EXPECT_LT((found->pixels[i] - truth).norm(), tolerance)
+        << found->detector << ", corner " << i << " at " << found->pixels[i].transpose() << ", not "
+        << truth.transpose();
+  }
+}
+
+TEST(BoardCorners, OfAChessboardAreFoundToAFractionOfAPixel) {
+  const CalibrationBoard board{.columns = 9, .rows = 7};
+  for (const double turn : {0.0, 0.2, -0.6, 1.0}) expect_found(board, picture_of(board, turn), 0.1);
+}
+
+TEST(BoardCorners, OfACircleGridAreFoundToAFractionOfAPixel) {
+  const CalibrationBoard board{.kind = BoardKind::circles, .columns = 4, .rows = 9};
+  for (const double turn : {0.0, 0.2}) expect_found(board, picture_of(board, turn), 0.15);
+}
+
+TEST(BoardCorners, OfACharucoBoardAreFoundWhereItIsInView) {
+  const CalibrationBoard board{.kind = BoardKind::charuco, .columns = 9, .rows = 7};
+  for (const double turn : {0.0, 0.2, 2.5}) expect_found(board, picture_of(board, turn), 0.2);
+
+  const Picture cut = picture_of(board, 0.1, {160, 150});
+  const std::optional<BoardCorners> found = find_board(board, cut.seen);
+  ASSERT_TRUE(found);
+  EXPECT_GE(found->pixels.size(), 15U);
+  EXPECT_LT(found->pixels.size(), 63U);
+  for (std::size_t i = 0; i < found->pixels.size(); ++i) {
+    const Eigen::Vector2d& truth = cut.truth[static_cast<std::size_t>(found->places[i])];
+    EXPECT_LT((found->pixels[i] - truth).norm(), 0.3);
+  }
+}
+
+TEST(BoardCorners, ABoardOfAnotherSizeIsToldByItsSize) {
+  const Picture picture = picture_of({.columns = 9, .rows = 7}, 0.1);
+  EXPECT_FALSE(find_board({.columns = 9, .rows = 8}, picture.seen));
+  EXPECT_EQ(chessboard_size(picture.seen), (Size{9, 7}));
+  // Where a smaller board is found in it, it is seen to go on.
+  for (const CalibrationBoard& smaller :
+       {CalibrationBoard{.columns = 8, .rows = 7}, CalibrationBoard{.columns = 9, .rows = 6}}) {
+    try {
+      EXPECT_FALSE(find_board(smaller, picture.seen));
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("--corners"), std::string::npos);
+    }
+  }
+}
+
+TEST(BoardCorners, NoBoardIsNothing) {
+  const Picture picture = picture_of({.columns = 5, .rows = 4}, 0.1);
+  EXPECT_FALSE(find_board({.columns = 9, .rows = 7}, picture.seen));
+  for (const BoardKind kind : {BoardKind::chessboard, BoardKind::circles, BoardKind::charuco}) {
+    const FringeFreePictures grey{Image<float>({200, 150}, 90), Image<float>({200, 150}, 90)};
+    EXPECT_FALSE(find_board({.kind = kind, .columns = 5, .rows = 5}, grey));
+  }
+}
+
+TEST(BoardCorners, MeanAndMaximumAreOverAllFrames) {
+  using Images = FrameSet::Images8;
+  const FrameSet x(Images{Image<std::uint8_t>({2, 1}, 10), Image<std::uint8_t>({2, 1}, 30)});
+  const FrameSet y(FrameSet::Images16{Image<std::uint16_t>({2, 1}, 4095)}, 12);
+  const FringeFreePictures pictures = fringe_free_pictures(x, y);
+  EXPECT_FLOAT_EQ(pictures.mean(1, 0), (10 + 30 + 255) / 3.0F);
+  EXPECT_FLOAT_EQ(pictures.brightest(0, 0), 255);
+  const FrameSet other(Images{Image<std::uint8_t>({3, 1}, 10)});
+  expect_error([&] { (void)fringe_free_pictures(x, other); }, {"2x1", "3x1"});
+}
+
+}  // namespace
+}  // namespace slipstream

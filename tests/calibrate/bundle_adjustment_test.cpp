@@ -1,0 +1,103 @@
+#include "slipstream/calibrate/bundle_adjustment.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/calibrate/board_quality.h"
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibrate/first_guess.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "tests/calibrate/virtual_views.h"
+
+namespace slipstream {
+namespace {
+
+const CalibrationBoard board{.columns = 7, .rows = 5, .spacing = 20};
+
+TEST(BundleAdjustment, OfExactCornersGivesTheTruth) {
+  const Scanner truth = example_scanner();
+  const auto places = printed_places(board);
+  const VirtualViews boards = virtual_views(truth, board, places, 6, 0);
+  BundleState state = first_guess(boards.views, places, truth.camera.size, truth.projector.size);
+  state = bundle_adjusted(boards.views, std::move(state), places, {});
+  const Scanner& found = state.scanner;
+  EXPECT_TRUE(found.camera.intrinsic.isApprox(truth.camera.intrinsic, 1e-5));
+  EXPECT_TRUE(found.projector.intrinsic.isApprox(truth.projector.intrinsic, 1e-5));
+  EXPECT_TRUE(found.rotation.isApprox(truth.rotation, 1e-5));
+  EXPECT_TRUE(found.translation.isApprox(truth.translation, 1e-4));
+  for (const Eigen::Vector2d& residual :
+       camera_residuals(boards.views[0], found, state.poses[0], places)) {
+    EXPECT_LT(residual.norm(), 1e-3);
+  }
+}
+
+TEST(BundleAdjustment, OneWrongCornerInAHundredHardlyMatters) {
+  const Scanner truth = example_scanner();
+  const auto places = printed_places(board);
+  VirtualViews boards = virtual_views(truth, board, places, 6, 0.05);
+  const BundleState start{truth, boards.poses, places};
+  const BundleState clean = bundle_adjusted(boards.views, start, places, {});
+  boards.views[2].camera[7] += Eigen::Vector2d(9, -6);
+  boards.views[4].projector[9] += Eigen::Vector2d(-20, 11);
+  const BundleState robust = bundle_adjusted(boards.views, start, places, {});
+  EXPECT_NEAR(robust.scanner.camera.intrinsic(0, 0), clean.scanner.camera.intrinsic(0, 0), 0.2);
+  EXPECT_NEAR(robust.scanner.translation.norm(), clean.scanner.translation.norm(), 0.05);
+}
+
+TEST(BundleAdjustment, FindsWhereABoardIsPrintedWrongly) {
+  const Scanner truth = example_scanner();
+  const auto printed = printed_places(board);
+  std::vector<Eigen::Vector3d> real = printed;
+  std::mt19937 random(4);
+  std::normal_distribution<double> error(0, 0.1);
+  for (Eigen::Vector3d& place : real) place += Eigen::Vector3d(error(random), error(random), 0);
+  const VirtualViews boards = virtual_views(truth, board, real, 8, 0.02);
+  const BundleState start{truth, boards.poses, printed};
+  const BundleState found =
+      bundle_adjusted(boards.views, start, printed, {.print_deviation = 0.25});
+  const BundleState held = bundle_adjusted(boards.views, start, printed, {});
+  const auto focal_error = [&](const BundleState& state) {
+    return std::abs(state.scanner.camera.intrinsic(0, 0) - truth.camera.intrinsic(0, 0));
+  };
+  EXPECT_LT(focal_error(found), 0.5);  // 0.06 %
+  EXPECT_LT(focal_error(found), 0.5 * focal_error(held));
+}
+
+TEST(BundleAdjustment, StandardDeviationsAreTheSpreadOfTheResults) {
+  const Scanner truth = example_scanner();
+  const auto places = printed_places(board);
+  BundleDeviation deviation;
+  double squares = 0, predicted = 0;
+  constexpr int runs = 12;
+  for (int run = 0; run < runs; ++run) {
+    const VirtualViews boards =
+        virtual_views(truth, board, places, 5, 0.1, static_cast<std::uint32_t>(run + 1));
+    const BundleState found =
+        bundle_adjusted(boards.views, {truth, boards.poses, places}, places, {}, &deviation);
+    const double error = found.scanner.camera.intrinsic(0, 0) - truth.camera.intrinsic(0, 0);
+    squares += error * error / runs;
+    predicted += deviation.camera.focal.x() / runs;
+  }
+  EXPECT_GT(predicted, 0.5 * std::sqrt(squares));
+  EXPECT_LT(predicted, 2 * std::sqrt(squares));
+}
+
+TEST(BoardQuality, OfAnExactScannerIsPerfectAndOfAWrongOneIsNot) {
+  const Scanner truth = example_scanner();
+  const auto places = printed_places(board);
+  const VirtualViews boards = virtual_views(truth, board, places, 2, 0);
+  const auto exact = board_quality(boards.views[1], truth, places);
+  ASSERT_TRUE(exact);
+  EXPECT_LT(exact->flatness, 1e-6);
+  EXPECT_LT(std::abs(exact->scale_error), 1e-8);
+  Scanner larger = truth;
+  larger.translation *= 1.01;
+  EXPECT_NEAR(board_quality(boards.views[1], larger, places)->scale_error, 0.01, 1e-8);
+  Scanner bent = truth;
+  bent.camera.distortion = {};
+  EXPECT_GT(board_quality(boards.views[1], bent, places)->flatness, 0.01);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,189 @@
+#include "slipstream/calibrate/geometry_calibration.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "slipstream/calibrate/board_capture.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "tests/calibrate/virtual_views.h"
+#include "tests/io/expect_error.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+double angle_between(const Scanner& a, const Scanner& b) {
+  return Eigen::AngleAxisd(a.rotation.transpose() * b.rotation).angle();
+}
+
+/// The frames of a board under a strategy's patterns along one axis.
+AxisScan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy, Axis axis,
+                 std::uint64_t seed) {
+  return {strategy,
+          take_scan(scanner, {sheet}, pattern_set(strategy, axis),
+                    {.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = seed, .rays = 6})
+              .frames};
+}
+
+// From frames to the scanner, against known truth. Under the sanitizers with fewer poses.
+TEST(GeometryCalibration, OfVirtualBoardsIsTheTrueScanner) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int count = 4;
+  constexpr double tolerance = 10;  // times that of twelve poses of a finer camera
+  const Scanner truth = example_scanner({320, 240});
+#else
+  constexpr int count = 12;
+  constexpr double tolerance = 1;
+  const Scanner truth = example_scanner({640, 480});
+#endif
+  const CalibrationBoard board{.columns = 13, .rows = 9, .spacing = 15};
+  const Strategy strategy = DualFrequency{.steps = 4, .high = 16, .low = 1};
+  const Image<std::uint8_t> picture = draw_board(board, 60);
+  const double mm_per_pixel = board.spacing / 60;
+  Body sheet{.shape = Board{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel},
+             .texture = picture_texture(picture, mm_per_pixel, 0.08, 0.85)};
+  std::vector<BoardView> views;
+  for (const Eigen::Isometry3d& pose :
+       board_poses(truth, count, picture.width() * mm_per_pixel, picture.height() * mm_per_pixel)) {
+    sheet.pose = pose;
+    const std::uint64_t seed = 2 * views.size() + 1;
+    const BoardCapture capture =
+        board_capture("pose" + std::to_string(views.size()), board,
+                      scan_of(truth, sheet, strategy, Axis::x, seed),
+                      scan_of(truth, sheet, strategy, Axis::y, seed + 1), truth.projector.size);
+    ASSERT_TRUE(capture.view) << capture.told;
+    views.push_back(*capture.view);
+  }
+  const GeometryCalibration found =
+      calibrate_geometry(views, board, truth.camera.size, truth.projector.size,
+                         {.camera_coefficients = 4, .projector_coefficients = 4});
+  const Scanner& scanner = found.state.scanner;
+  for (const auto& [lens, true_lens] :
+       {std::pair(scanner.camera, truth.camera), std::pair(scanner.projector, truth.projector)}) {
+    const Eigen::Matrix3d& K = lens.intrinsic;
+    const Eigen::Matrix3d& true_K = true_lens.intrinsic;
+    EXPECT_NEAR(K(0, 0), true_K(0, 0), tolerance * 1e-3 * true_K(0, 0));
+    EXPECT_NEAR(K(1, 1), true_K(1, 1), tolerance * 1e-3 * true_K(1, 1));
+    EXPECT_NEAR(K(0, 2), true_K(0, 2), tolerance);
+    EXPECT_NEAR(K(1, 2), true_K(1, 2), tolerance);
+  }
+  EXPECT_NEAR(scanner.translation.norm(), truth.translation.norm(),
+              tolerance * 1e-3 * truth.translation.norm());
+  EXPECT_LT(angle_between(scanner, truth), tolerance * 0.02 * degree);
+  EXPECT_LT(found.rms.camera, 0.15);
+  EXPECT_LT(found.rms.projector, 0.25);
+}
+
+class CalibrationOfCorners : public testing::Test {
+ protected:
+  const CalibrationBoard board{.columns = 7, .rows = 5, .spacing = 20};
+  const Scanner truth = example_scanner();
+  const GeometryCalibrationSettings plain{.camera_coefficients = 2, .projector_coefficients = 2};
+
+  VirtualViews boards(int count, double noise = 0.05) const {
+    return virtual_views(truth, board, printed_places(board), count, noise);
+  }
+  GeometryCalibration calibrated(const std::vector<BoardView>& views,
+                                 const GeometryCalibrationSettings& settings) const {
+    return calibrate_geometry(views, board, truth.camera.size, truth.projector.size, settings);
+  }
+};
+
+TEST_F(CalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
+  Scanner straight = truth;
+  straight.camera.distortion = {};
+  const auto views = virtual_views(straight, board, printed_places(board), 6, 0.05).views;
+  const GeometryCalibration found = calibrated(views, {});
+  EXPECT_LE(found.camera_lens.coefficients, 1);
+  EXPECT_GE(found.projector_lens.coefficients, 1);
+  EXPECT_GE(found.camera_lens.scores.size(), 3U);
+  const auto& k = found.state.scanner.camera.distortion.coefficients;
+  EXPECT_EQ(k[4], 0);
+}
+
+TEST_F(CalibrationOfCorners, TellsFewPosesAndParallelBoards) {
+  const auto warned = [](const GeometryCalibration& calibration, const std::string& words) {
+    for (const std::string& warning : calibration.warnings) {
+      if (warning.find(words) != std::string::npos) return true;
+    }
+    return false;
+  };
+  const GeometryCalibration three = calibrated(boards(3).views, plain);
+  EXPECT_TRUE(warned(three, "only 3 poses"));
+  EXPECT_FALSE(warned(three, "parallel"));
+
+  std::vector<BoardView> parallel;
+  const VirtualViews tilted = boards(6, 0);
+  for (const double turn : {0.0, 0.03, 0.06, 0.09, 0.12, 0.15}) {
+    BoardView view = tilted.views[0];
+    Eigen::Isometry3d pose = tilted.poses[0];
+    pose.rotate(Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitX()));
+    pose.pretranslate(Eigen::Vector3d(0, 0, 100 * turn));
+    const auto places = printed_places(board);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      view.camera[i] = project(truth.camera, pose * places[i]);
+      view.projector[i] = project(truth.projector, in_projector_frame(truth, pose * places[i]));
+    }
+    parallel.push_back(view);
+  }
+  EXPECT_TRUE(warned(calibrated(parallel, plain), "nearly parallel"));
+}
+
+TEST_F(CalibrationOfCorners, WithTooFewPosesIsAnError) {
+  expect_error([&] { (void)calibrated(boards(2).views, plain); }, {"2 usable poses", "at least 3"});
+  expect_error([&] { (void)calibrated(boards(3).views, {.camera_coefficients = 3}); },
+               {"3 distortion coefficients", "0, 1, 2, 4, 5, 8, 12"});
+}
+
+TEST_F(CalibrationOfCorners, MirroredAndSwappedAxesAreTold) {
+  const auto changed = [&](const auto& change) {
+    std::vector<BoardView> views = boards(4).views;
+    for (BoardView& view : views) {
+      for (Eigen::Vector2d& pixel : view.projector) pixel = change(pixel);
+    }
+    return views;
+  };
+  using Pixel = Eigen::Vector2d;
+  expect_error(
+      [&] { (void)calibrated(changed([](Pixel p) { return Pixel(1279 - p.x(), p.y()); }), plain); },
+      {"pose0", "mirrored along x"});
+  expect_error(
+      [&] { (void)calibrated(changed([](Pixel p) { return Pixel(p.x(), 799 - p.y()); }), plain); },
+      {"pose0", "mirrored along y"});
+  expect_error(
+      [&] { (void)calibrated(changed([](Pixel p) { return Pixel(p.y(), p.x()); }), plain); },
+      {"pose0", "swapped", "--first-axis"});
+  // A device that is turned is no mistake.
+  EXPECT_NO_THROW(
+      (void)calibrated(changed([](Pixel p) { return Pixel(1279 - p.x(), 799 - p.y()); }), plain));
+}
+
+TEST_F(CalibrationOfCorners, PosesOfAnotherCameraAreTold) {
+  Scanner other = truth;
+  other.camera.intrinsic(0, 0) = other.camera.intrinsic(1, 1) = 1000;
+  other.translation.x() += 20;
+  const auto views_of_other = virtual_views(other, board, printed_places(board), 6, 0.05).views;
+  std::vector<BoardView> one = boards(6).views;
+  one[4] = views_of_other[4];
+  expect_error([&] { (void)calibrated(one, plain); }, {"pose4", "do not fit", "--exclude"});
+  std::vector<BoardView> half = boards(6).views;
+  for (const std::size_t v : {1U, 3U, 5U}) half[v] = views_of_other[v];
+  expect_error([&] { (void)calibrated(half, plain); }, {"fit"});
+}
+
+TEST_F(CalibrationOfCorners, CornersOffByAFringeAreLeftOut) {
+  std::vector<BoardView> views = boards(5).views;
+  views[1].projector[3].x() += 80;
+  views[1].projector[12].y() -= 50;
+  const GeometryCalibration found = calibrated(views, plain);
+  EXPECT_EQ(found.poses[1].lit, 33);
+  EXPECT_LT(found.rms.projector, 0.1);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,88 @@
+// Six real boards taken by others, and what others made of five of them.
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "slipstream/calibrate/board_capture.h"
+#include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/calibrate/report.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/reconstructor.h"
+#include "tests/shared_data.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+BoardCapture capture(const fs::path& folder, const CalibrationBoard& board, Size projector) {
+  const std::vector<fs::path> pictures = images_in_folder(folder);
+  const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
+  const auto scan = [&](std::ptrdiff_t first) -> AxisScan {
+    const auto begin = pictures.begin() + first;
+    return {strategy, read_frames({begin, begin + 6}).frames};
+  };
+  return board_capture(folder.filename().string(), board, scan(0), scan(6), projector);
+}
+
+/// RMS distance of the points of the skull under two scanners, pixel by pixel, after the second is
+/// moved rigidly onto the first, mm.
+double shape_difference(const fs::path& folder, const Scanner& a, const Scanner& b) {
+  const FrameSet frames = read_frames(images_in_folder(folder)).frames;
+  const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
+  const Cloud cloud_a = Reconstructor(a, strategy, Axis::x)(frames).cloud;
+  const Cloud cloud_b = Reconstructor(b, strategy, Axis::x)(frames).cloud;
+  std::vector<Eigen::Vector3d> points_a, points_b;
+  for (std::size_t i = 0; i < cloud_a.z.pixel_count(); ++i) {
+    const Eigen::Vector3d p(cloud_a.x.begin()[i], cloud_a.y.begin()[i], cloud_a.z.begin()[i]);
+    const Eigen::Vector3d q(cloud_b.x.begin()[i], cloud_b.y.begin()[i], cloud_b.z.begin()[i]);
+    if (!p.allFinite() || !q.allFinite()) continue;
+    points_a.push_back(p);
+    points_b.push_back(q);
+  }
+  using Points = Eigen::Map<const Eigen::Matrix3Xd>;
+  const auto count = static_cast<Eigen::Index>(points_a.size());
+  const Points A(points_a.front().data(), 3, count), B(points_b.front().data(), 3, count);
+  const Eigen::Isometry3d onto_a(Eigen::umeyama(B, A, false));
+  const Eigen::Matrix3Xd moved = (onto_a.linear() * B).colwise() + onto_a.translation();
+  return std::sqrt((A - moved).squaredNorm() / static_cast<double>(count));
+}
+
+TEST(SkullBoards, AreCalibratedAtLeastAsWellAsPublished) {
+  const fs::path folder = shared_data() / "skull";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "too slow under the sanitizers";
+#endif
+  const CalibrationBoard board{.columns = 13, .rows = 9, .spacing = 10};
+  const Size camera{1688, 1352}, projector{1824, 1140};
+  std::vector<BoardView> views;
+  for (const char* name : {"board1", "board2", "board3", "board4", "board5", "board6"}) {
+    const BoardCapture found = capture(folder / "calibration" / name, board, projector);
+    ASSERT_TRUE(found.view) << name << ": " << found.told;
+    EXPECT_EQ(lit_corners(*found.view), 117) << name;
+    if (name != std::string("board2")) views.push_back(*found.view);
+  }
+  const GeometryCalibration found = calibrate_geometry(views, board, camera, projector);
+  EXPECT_LE(found.rms.camera, 0.28);
+  EXPECT_LE(found.rms.projector, 0.40);
+  EXPECT_LE(found.rms.stereo, 0.42);
+  const BoardQuality own = overall(left_out_qualities(found));
+  const BoardQuality published = overall(
+      compared_with(read_scanner(folder / "calibration.xml"), "published", views, board).poses);
+  EXPECT_LE(own.flatness, published.flatness);
+  EXPECT_LE(own.scale_error, published.scale_error);
+
+  const double difference = shape_difference(folder / "dual-frequency", found.state.scanner,
+                                             read_scanner(folder / "calibration.xml"));
+  RecordProperty("skull_difference_mm", std::to_string(difference));
+  EXPECT_LT(difference, 0.4);  // of about 150 mm; the published scale is off by 0.3 %
+}
+
+}  // namespace
+}  // namespace slipstream

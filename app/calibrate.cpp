@@ -8,6 +8,8 @@ void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen) {
   add_calibrate_board(*calibrate, shared, chosen);
   add_calibrate_geometry(*calibrate, shared, chosen);
   add_calibrate_gamma(*calibrate, shared, chosen);
+  add_calibrate_ambient(*calibrate, shared, chosen);
+  add_calibrate_noise(*calibrate, shared, chosen);
 }
 
 }  // namespace slipstream::app

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/calibrate.h"
+#include "app/calibration_scans.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
 #include "slipstream/capture/mean_frames.h"
@@ -45,30 +46,11 @@ struct AveragedScans {
   MeanFrames frames;
 };
 
-ScanDescription describe(const fs::path& folder, const ScanFlags& flags) {
-  ScanDescription scan;
-  if (fs::exists(folder / "scan.yaml")) {
-    scan = read_scan_description(folder / "scan.yaml");
-  } else if (!flags.strategy) {
-    throw Error(fmt::format("{}: no scan.yaml in it; say what the pictures are with --strategy",
-                            folder.string()));
-  } else {
-    scan.frames = images_in_folder(folder);
-  }
-  scan.strategy = strategy_from(flags, scan.strategy);
-  const int wanted = frame_count(scan.strategy);
-  if (static_cast<int>(scan.frames.size()) != wanted) {
-    throw Error(fmt::format("{}: {} frames, but {} with these steps takes {}", folder.string(),
-                            scan.frames.size(), name_of(scan.strategy), wanted));
-  }
-  return scan;
-}
-
 AveragedScans averaged_scans(const CalibrateGammaFlags& flags, Output& output) {
   AveragedScans scans;
   Progress progress("scans", static_cast<int>(flags.folders.size()));
   for (const std::string& folder : flags.folders) {
-    ScanDescription scan = describe(folder, flags.scan);
+    ScanDescription scan = describe_scan(folder, flags.scan);
     const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
     for (const std::string& warning : loaded.warnings) output.warn(warning);
     if (scans.frames.count() == 0) {

@@ -24,6 +24,7 @@ void add_shared_flags(CLI::App& subcommand, SharedFlags& shared);
 void add_patterns(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_design(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_reproduce(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_bench(CLI::App& program, SharedFlags& shared, Command& chosen);

@@ -49,6 +49,7 @@ int run_program(int argc, char** argv) {
   add_patterns(program, shared, chosen);
   add_simulate(program, shared, chosen);
   add_calibrate(program, shared, chosen);
+  add_design(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
   add_reproduce(program, shared, chosen);
   add_bench(program, shared, chosen);

@@ -18,6 +18,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/strategy/multiplexing_design.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
@@ -72,6 +73,21 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
       flags.uniform, folder.string());
 }
 
+/// Patterns of pcmp that can be shown but whose cue is too weak for their periods.
+void warn_if_unwise(const ScanDescription& scan, Output& output) {
+  constexpr double alpha = 0.5, least_success = 0.85;
+  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&scan.strategy);
+  if (pcmp == nullptr) return;
+  const CueSettings usual{};
+  const double success =
+      predicted_unwrapping(*pcmp, scan.light, alpha, usual.ambient, usual.noise_variance);
+  if (success >= least_success) return;
+  output.warn(fmt::format(
+      "at a reflectivity of {} and sigma_w^2 of {} only {:.0f} % of the pixels would be unwrapped "
+      "rightly each by itself; fewer periods or a smaller --share are wiser, see slipstream design",
+      alpha, usual.noise_variance, 100 * success));
+}
+
 void write_patterns(const PatternsFlags& flags, Output& output) {
   ScanDescription scan;
   scan.strategy = strategy_from(flags.scan, DualFrequency{});
@@ -79,6 +95,7 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   scan.light = light_from(flags.scan, {});
   scan.projector = projector_from(flags.scan, {1920, 1080});
   require_resolved(scan.strategy, length_along(scan.axis, scan.projector));
+  warn_if_unwise(scan, output);
   PatternSet patterns = pattern_set(scan.strategy, scan.axis, scan.light);
   if (flags.precompensate) patterns = precompensated(patterns, response_from(*flags.precompensate));
 

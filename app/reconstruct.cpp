@@ -19,6 +19,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/preview.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
@@ -51,12 +52,15 @@ struct ReconstructFlags {
   std::optional<std::string> scanner;
   std::optional<int> bits;
   std::string backend = "fused";
+  std::string unwrapping = "consensus";
   std::string gamma = "scanner";
   bool one_camera = false;
   PhaseMatchSettings match;
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
+  bool uncertainty = false;
+  PhotometricCalibration photometry;  ///< as far as flags say it
   OutputFiles files;
 };
 
@@ -88,6 +92,7 @@ ScanDescription describe(const fs::path& folder, const ReconstructFlags& flags) 
   }
   scan.strategy = strategy_from(flags.scan, scan.strategy);
   scan.axis = axis_from(flags.scan, scan.axis);
+  scan.light = light_from(flags.scan, scan.light);
   scan.projector = projector_from(flags.scan, scan.projector);
   scan.bits = flags.bits.value_or(scan.bits);
   if (scan.bits != 0 && (scan.bits < 8 || scan.bits > 16)) {
@@ -128,6 +133,39 @@ Scanner scanner_for(const ScanDescription& scan, Size camera) {
     throw Error(fmt::format("{}: {}", scan.scanner->string(), error.what()));
   }
   return scanner;
+}
+
+/// What the flags say of light and sensor, else the scanner's file. Throws Error where neither says
+/// what is needed.
+PhotometricCalibration photometry_for(const ScanDescription& scan, const ReconstructFlags& flags) {
+  PhotometricCalibration known = read_photometric_calibration(*scan.scanner);
+  if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
+  if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
+  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&scan.strategy);
+  if (pcmp != nullptr && pcmp->steps == 3 && !known.ambient) {
+    throw Error(
+        fmt::format("{}: no ambient light in it, which pcmp of 3 frames needs; measure it "
+                    "with slipstream calibrate ambient, or give --ambient",
+                    scan.scanner->string()));
+  }
+  if (flags.uncertainty && !known.noise_variance) {
+    throw Error(
+        fmt::format("{}: no noise variance in it, which --uncertainty needs; measure it "
+                    "with slipstream calibrate noise, or give --noise-variance",
+                    scan.scanner->string()));
+  }
+  return known;
+}
+
+/// Median of the standard deviations of depth, mm.
+double median_depth_sigma(const Uncertainty& uncertainty) {
+  std::vector<float> sigma;
+  std::copy_if(uncertainty.z.begin(), uncertainty.z.end(), std::back_inserter(sigma),
+               [](float value) { return std::isfinite(value); });
+  if (sigma.empty()) return 0;
+  const auto middle = sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2);
+  std::nth_element(sigma.begin(), middle, sigma.end());
+  return *middle;
 }
 
 /// The cloud of a scan with two cameras, by matching their phases.
@@ -174,7 +212,8 @@ void require_good_paths(const ReconstructFlags& flags) {
 
 /// What was written, by its name in the JSON document.
 nlohmann::json write_outputs(const ReconstructFlags& flags, const fs::path& folder,
-                             const Reconstruction& result) {
+                             const Reconstruction& result,
+                             const std::optional<Uncertainty>& uncertainty) {
   nlohmann::json written = nlohmann::json::object();
   const auto write = [&](const char* name, const std::string& asked, const auto& writer) {
     if (asked.empty()) return;
@@ -189,7 +228,9 @@ nlohmann::json write_outputs(const ReconstructFlags& flags, const fs::path& fold
   write("cloud", flags.files.cloud, [&](const std::string& path) {
     const std::optional<Normals> normals =
         flags.normals ? std::optional(surface_normals(result.cloud)) : std::nullopt;
-    write_cloud(path, result.cloud, normals ? &*normals : nullptr);
+    write_cloud(path, result.cloud,
+                {.normals = normals ? &*normals : nullptr,
+                 .uncertainty = uncertainty ? &*uncertainty : nullptr});
   });
   write_as_map("depth", flags.files.depth, result.cloud.z);
   write_as_map("coordinate", flags.files.coordinate, result.decoded.coordinate);
@@ -236,14 +277,19 @@ class ReconstructorOfScans {
  public:
   explicit ReconstructorOfScans(const ReconstructSettings& settings) : settings_(settings) {}
 
-  const Reconstructor& for_scan(const ScanDescription& scan, Size camera,
-                                const GammaChoice& gamma) {
-    const std::string wanted =
-        fmt::format("{} {} {} {} {} {}", scan.scanner->string(),
-                    nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-                    name_of(scan.axis), text_of(camera), json_of(gamma).dump());
+  const Reconstructor& for_scan(const ScanDescription& scan, Size camera, const GammaChoice& gamma,
+                                const PhotometricCalibration& photometry) {
+    const std::string wanted = fmt::format(
+        "{} {} {} {} {} {} {} {} {} {}", scan.scanner->string(),
+        nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
+        name_of(scan.axis), text_of(camera), json_of(gamma).dump(), scan.light.alpha_p,
+        scan.light.beta_p, photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
     if (wanted != made_for_) {
       settings_.phase_corrections = gamma.corrections;
+      settings_.cue.light = scan.light;
+      settings_.cue.ambient = photometry.ambient.value_or(settings_.cue.ambient);
+      settings_.cue.noise_variance =
+          photometry.noise_variance.value_or(settings_.cue.noise_variance);
       reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
       made_for_ = wanted;
     }
@@ -266,6 +312,10 @@ void tell(const nlohmann::json& scan, Output& output) {
   if (scan.contains("rms_mm")) {
     output.say("  RMS error against truth: {:.4g} mm", scan["rms_mm"].get<double>());
   }
+  if (scan.contains("median_sigma_z_mm")) {
+    output.say("  uncertainty of depth: median sigma {:.4g} mm",
+               scan["median_sigma_z_mm"].get<double>());
+  }
   const auto& seconds = scan["seconds"];
   output.say("  time: {:.0f} ms to read, {:.0f} for tables, {:.0f} to reconstruct, {:.0f} to write",
              1e3 * seconds["read"].get<double>(), 1e3 * seconds["tables"].get<double>(),
@@ -286,13 +336,20 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const GammaChoice gamma =
       two_cameras ? GammaChoice{.source = "two cameras", .sentence = "two cameras, free of gamma"}
                   : choose_gamma(flags.gamma, scan, loaded.frames);
-  const Reconstructor& reconstruct = reconstructors.for_scan(scan, loaded.frames.size(), gamma);
+  if (two_cameras && flags.uncertainty) {
+    throw Error("--uncertainty is of one camera and the projector; add --one-camera");
+  }
+  const Reconstructor& reconstruct =
+      reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry_for(scan, flags));
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
   const Reconstruction result =
       two_cameras ? match_cameras(scan, loaded.frames, flags, output) : reconstruct(loaded.frames);
   const double computed = watch.lap();
-  nlohmann::json files = write_outputs(flags, folder, result);
+  const std::optional<Uncertainty> uncertainty =
+      flags.uncertainty ? std::optional(reconstruct.uncertainty(result, loaded.frames))
+                        : std::nullopt;
+  nlohmann::json files = write_outputs(flags, folder, result, uncertainty);
 
   nlohmann::json told = {
       {"scan", folder.string()},
@@ -305,6 +362,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"warnings", loaded.warnings},
       {"seconds",
        {{"read", read}, {"tables", tables}, {"reconstruct", computed}, {"write", watch.lap()}}}};
+  if (uncertainty) told["median_sigma_z_mm"] = median_depth_sigma(*uncertainty);
   if (const auto rms = error_against_truth(folder, result.cloud)) told["rms_mm"] = *rms;
   return told;
 }
@@ -312,6 +370,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
 void reconstruct(ReconstructFlags flags, Output& output) {
   require_good_paths(flags);
   flags.settings.backend = backend_named(flags.backend);
+  flags.settings.cue.unwrapping = unwrapping_named(flags.unwrapping);
   flags.settings.drop_saturated = !flags.keep_saturated;
   ReconstructorOfScans reconstructors(flags.settings);
   output.document["scans"] = nlohmann::json::array();
@@ -344,6 +403,10 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   command.add_option("--preview", files.preview, "depth as a coloured picture with a scale: .png")
       ->group(group);
   command.add_flag("--normals", flags.normals, "surface normals into the cloud")->group(group);
+  command
+      .add_flag("--uncertainty", flags.uncertainty,
+                "standard deviation of each point, by the frames' noise, into the cloud")
+      ->group(group);
 }
 
 void add_point_flags(CLI::App& command, ReconstructFlags& flags) {
@@ -372,6 +435,14 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
   command->add_option("--scanner", flags->scanner, "scanner file; where not that of scan.yaml");
   command->add_option("--backend", flags->backend, "fused, lut, closed-form or equation")
       ->capture_default_str();
+  command
+      ->add_option("--unwrapping", flags->unwrapping,
+                   "fringe order from a cue in the same frames: consensus, likelihood or published")
+      ->capture_default_str();
+  command->add_option("--ambient", flags->photometry.ambient,
+                      "ambient light, grey levels of 255, where not that of the scanner file");
+  command->add_option("--noise-variance", flags->photometry.noise_variance,
+                      "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
   command
       ->add_option(
           "--gamma", flags->gamma,

@@ -14,8 +14,10 @@
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -74,14 +76,27 @@ void write_truth(const fs::path& folder, const VirtualScan& virtual_scan) {
   write_map(folder / "reflectivity.tiff", virtual_scan.reflectivity);
 }
 
+/// What a calibration of light and sensor would find, rounding included.
+PhotometricCalibration photometric_truth(const Photometry& photometry) {
+  double variance = photometry.noise_variance;
+  if (photometry.bits) {
+    const double step = 255.0 / ((1 << *photometry.bits) - 1);
+    variance += quantisation_variance * step * step;
+  }
+  PhotometricCalibration truth{.ambient = photometry.ambient, .noise_variance = {}};
+  if (variance > 0) truth.noise_variance = variance;
+  return truth;
+}
+
 void write_scan(const fs::path& folder, ScanDescription scan, const Scanner& scanner,
-                const VirtualScan& virtual_scan) {
+                const VirtualScan& virtual_scan, const PhotometricCalibration& photometry) {
   make_folder(folder);
   scan.frames = frame_names(folder, virtual_scan.frames);
   scan.scanner = folder / "scanner.yaml";
   if (virtual_scan.frames.quantised()) scan.bits = virtual_scan.frames.bits();
   write_frames(scan.frames, virtual_scan.frames);
   write_scanner(*scan.scanner, scanner);
+  write_photometric_calibration(scan.scanner, *scan.scanner, photometry);
   write_truth(folder / "truth", virtual_scan);
   write_scan_description(folder / "scan.yaml", scan);
 }
@@ -98,7 +113,8 @@ void write_second_camera(const SimulateFlags& flags, ScanDescription scan, const
   make_folder(folder);
   write_scan(
       folder, scan, second,
-      take_scan(second, scene, pattern_set(scan.strategy, scan.axis, scan.light), photometry));
+      take_scan(second, scene, pattern_set(scan.strategy, scan.axis, scan.light), photometry),
+      photometric_truth(photometry));
 }
 
 void simulate(const SimulateFlags& flags, Output& output) {
@@ -131,7 +147,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
     scan.second_camera = folder / "second";
     write_second_camera(flags, scan, scanner, photometry);
   }
-  write_scan(folder, scan, scanner, virtual_scan);
+  write_scan(folder, scan, scanner, virtual_scan, photometric_truth(photometry));
 
   output.say("took {} frames of {} ({}) in {:.2f} s; the scan is in {}",
              virtual_scan.frames.count(), text_of(scanner.camera.size),

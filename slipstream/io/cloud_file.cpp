@@ -6,6 +6,7 @@
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -23,17 +24,37 @@ void append(std::string& bytes, float value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
 }
 
-/// x y z intensity [nx ny nz] of one pixel, as 32-bit floats.
-void append_point(std::string& bytes, const Cloud& cloud, const Normals* normals, int column,
-                  int row) {
+/// What stands behind x y z intensity, each by its name in PLY and in PCD.
+struct Extra {
+  const char* ply_name;
+  const char* pcd_name;
+  const Image<float>& values;
+};
+
+std::vector<Extra> extras_of(const CloudExtras& extras) {
+  std::vector<Extra> all;
+  if (const Normals* normals = extras.normals) {
+    all.push_back({"nx", "normal_x", normals->x});
+    all.push_back({"ny", "normal_y", normals->y});
+    all.push_back({"nz", "normal_z", normals->z});
+  }
+  if (const Uncertainty* sigma = extras.uncertainty) {
+    all.push_back({"sigma_coordinate", "sigma_coordinate", sigma->coordinate});
+    all.push_back({"sigma_x", "sigma_x", sigma->x});
+    all.push_back({"sigma_y", "sigma_y", sigma->y});
+    all.push_back({"sigma_z", "sigma_z", sigma->z});
+  }
+  return all;
+}
+
+/// x y z intensity and the extras of one pixel, as 32-bit floats.
+void append_point(std::string& bytes, const Cloud& cloud, const std::vector<Extra>& extras,
+                  int column, int row) {
   append(bytes, static_cast<float>(cloud.x(column, row)));
   append(bytes, static_cast<float>(cloud.y(column, row)));
   append(bytes, static_cast<float>(cloud.z(column, row)));
   append(bytes, cloud.intensity(column, row));
-  if (normals == nullptr) return;
-  append(bytes, normals->x(column, row));
-  append(bytes, normals->y(column, row));
-  append(bytes, normals->z(column, row));
+  for (const Extra& extra : extras) append(bytes, extra.values(column, row));
 }
 
 template <class Visit>
@@ -50,30 +71,34 @@ void for_each_point(const Cloud& cloud, const Visit& visit) {
   });
 }
 
-std::string ply(const Cloud& cloud, const Normals* normals) {
+std::string ply(const Cloud& cloud, const std::vector<Extra>& extras) {
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n"
       "obj_info num_cols {}\nobj_info num_rows {}\nelement vertex {}\n",
       cloud.size().width, cloud.size().height, point_count(cloud));
   file += "property float x\nproperty float y\nproperty float z\nproperty float intensity\n";
-  if (normals != nullptr) file += "property float nx\nproperty float ny\nproperty float nz\n";
+  for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "end_header\n";
   for_each_point(cloud,
-                 [&](int column, int row) { append_point(file, cloud, normals, column, row); });
+                 [&](int column, int row) { append_point(file, cloud, extras, column, row); });
   return file;
 }
 
-std::string pcd(const Cloud& cloud, const Normals* normals) {
-  const bool with_normals = normals != nullptr;
+std::string pcd(const Cloud& cloud, const std::vector<Extra>& extras) {
+  std::string fields, sizes, types, counts;
+  for (const Extra& extra : extras) {
+    fields += fmt::format(" {}", extra.pcd_name);
+    sizes += " 4";
+    types += " F";
+    counts += " 1";
+  }
   std::string file = fmt::format(
       "# .PCD v0.7 - slipstream, camera frame, mm\nVERSION 0.7\nFIELDS x y z intensity{}\n"
       "SIZE 4 4 4 4{}\nTYPE F F F F{}\nCOUNT 1 1 1 1{}\nWIDTH {}\nHEIGHT {}\n"
       "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
-      with_normals ? " normal_x normal_y normal_z" : "", with_normals ? " 4 4 4" : "",
-      with_normals ? " F F F" : "", with_normals ? " 1 1 1" : "", cloud.size().width,
-      cloud.size().height, cloud.z.pixel_count());
+      fields, sizes, types, counts, cloud.size().width, cloud.size().height, cloud.z.pixel_count());
   for_each_pixel(cloud,
-                 [&](int column, int row) { append_point(file, cloud, normals, column, row); });
+                 [&](int column, int row) { append_point(file, cloud, extras, column, row); });
   return file;
 }
 
@@ -96,13 +121,13 @@ void require_cloud_ending(const fs::path& path) {
   }
 }
 
-void write_cloud(const fs::path& path, const Cloud& cloud, const Normals* normals) {
+void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
   const std::string extension = lower_case_extension(path);
   if (extension == ".ply") {
-    write_file(path, ply(cloud, normals));
+    write_file(path, ply(cloud, extras_of(extras)));
   } else if (extension == ".pcd") {
-    write_file(path, pcd(cloud, normals));
+    write_file(path, pcd(cloud, extras_of(extras)));
   } else {
     write_file(path, xyz(cloud));
   }

@@ -4,20 +4,28 @@
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/normals.h"
+#include "slipstream/cloud/uncertainty.h"
 
 namespace slipstream {
+
+/// What a cloud file may hold beside position and intensity; null: not.
+struct CloudExtras {
+  const Normals* normals = nullptr;
+  const Uncertainty* uncertainty = nullptr;
+};
 
 /// Throws Error unless the file's ending is one that write_cloud knows.
 void require_cloud_ending(const std::filesystem::path& path);
 
 /// Writes the cloud by the file's ending, coordinates in mm, 32-bit float:
-///   .ply  binary little-endian PLY: x y z intensity [nx ny nz], the valid points; the picture's
+///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
+///         [sigma_coordinate sigma_x sigma_y sigma_z], the valid points; the picture's
 ///         size stands in obj_info num_cols, num_rows;
 ///   .pcd  binary PCD 0.7, organised: every pixel of the picture, NaN where there is no point;
 ///   .xyz  text: x y z intensity, a point a line, the valid points.
-/// `normals` are written where not null (not to .xyz). Throws Error for another ending, WorldError
+/// The extras are not written to .xyz. Throws Error for another ending, WorldError
 /// when it cannot be written; never leaves half a file.
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
-                 const Normals* normals = nullptr);
+                 const CloudExtras& extras = {});
 
 }  // namespace slipstream

@@ -197,4 +197,20 @@ std::string with_entries(const std::string& text, const Entries& entries, const 
   return changed;
 }
 
+void write_entries(const std::optional<fs::path>& from, const fs::path& to,
+                   const Entries& entries) {
+  const bool xml = lower_case_extension(to) == ".xml";
+  if (from && (lower_case_extension(*from) == ".xml") != xml) {
+    throw Error(fmt::format("{}: {} is {}; give the output the same ending", to.string(),
+                            from->string(), xml ? "YAML" : "XML"));
+  }
+  std::string text = "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n";
+  if (!xml) text = fmt::format("%YAML:1.0\n---\n{}: 0\n", entries.begin()->first);
+  if (from) {
+    const std::vector<std::uint8_t> bytes = read_file(*from);
+    text.assign(bytes.begin(), bytes.end());
+  }
+  write_file(to, with_entries(text, entries, from.value_or(to).string()));
+}
+
 }  // namespace slipstream

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,5 +31,12 @@ std::map<std::string, StoredMatrix> opencv_entries(const std::string& text,
 std::string with_entries(const std::string& text,
                          const std::map<std::string, StoredMatrix>& entries,
                          const std::string& name);
+
+/// Writes the FileStorage file `from` to `to` (which may be the same) with those entries; where
+/// `from` is missing, the new file holds them alone. Throws Error where both names do not end alike
+/// in .xml or not.
+void write_entries(const std::optional<std::filesystem::path>& from,
+                   const std::filesystem::path& to,
+                   const std::map<std::string, StoredMatrix>& entries);
 
 }  // namespace slipstream

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
 
 namespace slipstream {
@@ -21,10 +20,6 @@ constexpr const char* light_entry = "response_light";
 
 StoredMatrix row_of(std::vector<double> numbers) {
   return {1, static_cast<int>(numbers.size()), std::move(numbers)};
-}
-
-bool is_xml(const fs::path& path) {
-  return lower_case_extension(path) == ".xml";
 }
 
 }  // namespace
@@ -50,10 +45,6 @@ std::optional<Response> read_response(const fs::path& scanner_file) {
 
 void write_response(const std::optional<fs::path>& from, const fs::path& to,
                     const Response& response, double gamma, double standard_error) {
-  if (from && is_xml(*from) != is_xml(to)) {
-    throw Error(fmt::format("{}: {} is {}; give the output the same ending", to.string(),
-                            from->string(), is_xml(*from) ? "XML" : "YAML"));
-  }
   std::map<std::string, StoredMatrix> entries{{gamma_entry, row_of({gamma})},
                                               {error_entry, row_of({standard_error})},
                                               {values_entry, {}},
@@ -62,13 +53,7 @@ void write_response(const std::optional<fs::path>& from, const fs::path& to,
     entries[values_entry] = row_of(curve->values);
     entries[light_entry] = row_of(curve->light);
   }
-  std::string text = is_xml(to) ? "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n"
-                                : "%YAML:1.0\n---\ngamma: 1\n";
-  if (from) {
-    const std::vector<std::uint8_t> bytes = read_file(*from);
-    text.assign(bytes.begin(), bytes.end());
-  }
-  write_file(to, with_entries(text, entries, from.value_or(to).string()));
+  write_entries(from, to, entries);
 }
 
 }  // namespace slipstream

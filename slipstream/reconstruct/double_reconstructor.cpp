@@ -33,10 +33,11 @@ DoubleReconstructor::DoubleReconstructor(const Scanner& scanner, const Strategy&
                                          Axis axis, const ReconstructSettings& settings)
     : settings_(settings),
       axis_(axis),
+      strategy_(strategy),
       highest_frequency_(highest_frequency(strategy)),
       triangulate_(scanner, axis, point_method(settings.backend)),
       decode_(strategy, length_along(axis, scanner.projector.size), settings.backend,
-              settings.phase_corrections) {}
+              settings.phase_corrections, settings.cue) {}
 
 Reconstruction DoubleReconstructor::operator()(const FrameSet& frames) const {
   const Size camera = triangulate_.scanner().camera.size;
@@ -95,6 +96,30 @@ Cloud DoubleReconstructor::triangulated(const DecodedScan& decoded,
     }
   });
   return cloud;
+}
+
+Uncertainty DoubleReconstructor::uncertainty(const Reconstruction& scan,
+                                             const FrameSet& frames) const {
+  constexpr double step = 1e-6;  // of y: 1e-3 mm in depth, where the point is a straight line of it
+  const double grey_level = frames.full_scale() / 255;
+  Uncertainty sigma(scan.cloud.size());
+  for_each_row(scan.cloud.size().height, [&](int row) {
+    for (int column = 0; column < scan.cloud.size().width; ++column) {
+      if (scan.cloud.validity(column, row) != Validity::valid) continue;
+      const double modulation = scan.decoded.modulation(column, row) / grey_level;
+      const double sigma_y =
+          std::sqrt(coordinate_variance(strategy_, modulation, settings_.cue.noise_variance));
+      const double y = scan.decoded.coordinate(column, row);
+      const Eigen::Vector3d sigma_point =
+          (triangulate_(column, row, y + step) - triangulate_(column, row, y - step)).cwiseAbs() *
+          (sigma_y / (2 * step));
+      sigma.coordinate(column, row) = static_cast<float>(sigma_y);
+      sigma.x(column, row) = static_cast<float>(sigma_point.x());
+      sigma.y(column, row) = static_cast<float>(sigma_point.y());
+      sigma.z(column, row) = static_cast<float>(sigma_point.z());
+    }
+  });
+  return sigma;
 }
 
 Validity DoubleReconstructor::validity_of(const Eigen::Vector3d& point) const {

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "slipstream/cloud/uncertainty.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/reconstruct/reconstruction.h"
@@ -21,6 +22,9 @@ class DoubleReconstructor {
   /// Throws Error when the frames are not of the camera's size or not as many as the strategy's.
   [[nodiscard]] Reconstruction operator()(const FrameSet& frames) const;
 
+  /// See Reconstructor::uncertainty.
+  [[nodiscard]] Uncertainty uncertainty(const Reconstruction& scan, const FrameSet& frames) const;
+
   [[nodiscard]] std::string backend_for(const FrameSet& frames) const {
     return decode_.backend_for(frames);
   }
@@ -33,6 +37,7 @@ class DoubleReconstructor {
 
   ReconstructSettings settings_;
   Axis axis_;
+  Strategy strategy_;
   double highest_frequency_;
   Triangulator triangulate_;
   Decoder decode_;

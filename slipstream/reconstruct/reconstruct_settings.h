@@ -21,6 +21,9 @@ struct ReconstructSettings {
   bool drop_saturated = true;
   /// When the fringe order of a strategy with several frequencies is believed.
   FringeOrderConsensus fringe_order;
+  /// Of a strategy whose fringe order comes from a cue in the same frames: the light of its
+  /// patterns and of the room, and the rule by which it is unwrapped.
+  CueSettings cue;
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;

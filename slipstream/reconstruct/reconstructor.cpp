@@ -75,6 +75,10 @@ Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
   return is_fused(frames) ? reconstruct_fused(*fused_, frames) : (*in_double_)()(frames);
 }
 
+Uncertainty Reconstructor::uncertainty(const Reconstruction& scan, const FrameSet& frames) const {
+  return (*in_double_)().uncertainty(scan, frames);
+}
+
 std::string Reconstructor::backend_for(const FrameSet& frames) const {
   return is_fused(frames) ? std::string(name_of(Backend::fused))
                           : (*in_double_)().backend_for(frames);

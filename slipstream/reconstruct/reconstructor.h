@@ -5,6 +5,7 @@
 #include <string>
 
 #include "slipstream/capture/frame_set.h"
+#include "slipstream/cloud/uncertainty.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/reconstruct/fused_reconstructor.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
@@ -26,6 +27,11 @@ class Reconstructor {
 
   /// Throws Error when the frames are not of the camera's size or not as many as the strategy's.
   [[nodiscard]] Reconstruction operator()(const FrameSet& frames) const;
+
+  /// How sure each point of a scan is under noise of settings.cue.noise_variance on each frame:
+  /// sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the derivative of the point.
+  /// `frames` are those that the scan was made from.
+  [[nodiscard]] Uncertainty uncertainty(const Reconstruction& scan, const FrameSet& frames) const;
 
   /// What really reconstructs such frames: "fused", or the backends of Decoder::backend_for, "lut"
   /// standing in for "fused" where the frames are not quantised or fused_stages has none.

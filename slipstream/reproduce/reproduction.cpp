@@ -6,11 +6,17 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/reproduce/multiplexing.h"
 
 namespace slipstream {
 
 std::vector<Reproducible> reproducibles() {
-  return gamma_reproducibles();
+  std::vector<Reproducible> all;
+  for (const auto& some :
+       {multiplexing_table_reproducibles(), noise_figure_reproducibles(), gamma_reproducibles()}) {
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
 }
 
 std::vector<Reproducible> reproducibles_named(const std::vector<std::string>& names) {

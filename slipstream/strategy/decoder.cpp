@@ -7,12 +7,15 @@
 #include "slipstream/error/error.h"
 
 namespace slipstream {
-Decoder::Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections)
+Decoder::Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections,
+                 const CueSettings& cue)
     : strategy_(strategy),
       length_(length),
+      cue_(cue),
       phase_(backend, step_counts(strategy), std::move(corrections)) {
   std::visit([](const auto& chosen) { chosen.require_valid(); }, strategy_);
   require_resolved(strategy_, length);
+  require_valid(cue_);
 }
 
 DecodedScan Decoder::operator()(const FrameSet& frames) const {
@@ -20,8 +23,8 @@ DecodedScan Decoder::operator()(const FrameSet& frames) const {
     throw Error(fmt::format("{} frames given; {} takes {}", frames.count(), name_of(strategy_),
                             frame_count(strategy_)));
   }
-  return std::visit([&](const auto& chosen) { return chosen.decode(frames, phase_, length_); },
-                    strategy_);
+  return std::visit(
+      [&](const auto& chosen) { return chosen.decode(frames, phase_, length_, cue_); }, strategy_);
 }
 
 std::string Decoder::backend_for(const FrameSet& frames) const {

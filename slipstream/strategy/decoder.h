@@ -4,6 +4,7 @@
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/phase/phase_decoder.h"
+#include "slipstream/strategy/cue_settings.h"
 #include "slipstream/strategy/decoded_scan.h"
 #include "slipstream/strategy/strategy.h"
 
@@ -13,9 +14,11 @@ namespace slipstream {
 class Decoder {
  public:
   /// `length`: projector pixels along the axis of the patterns. Every phase is corrected by what
-  /// `corrections` has for its N. Throws Error for a strategy whose settings are out of range or
-  /// too fine for that projector.
-  Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections = {});
+  /// `corrections` has for its N. `cue`: what a cue multiplexed into the patterns needs beside
+  /// them. Throws Error for a strategy whose settings are out of range or too fine for that
+  /// projector.
+  Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections = {},
+          const CueSettings& cue = {});
 
   /// Throws Error when there are not as many frames as the strategy has patterns.
   [[nodiscard]] DecodedScan operator()(const FrameSet& frames) const;
@@ -28,6 +31,7 @@ class Decoder {
  private:
   Strategy strategy_;
   int length_;
+  CueSettings cue_;
   PhaseDecoder phase_;
 };
 

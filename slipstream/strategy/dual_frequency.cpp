@@ -35,8 +35,8 @@ double DualFrequency::shape(int n, double y) const {
                    : sinusoid_intensity({low_step_count(), low}, n - steps, y);
 }
 
-DecodedScan DualFrequency::decode(const FrameSet& frames, const PhaseDecoder& phase,
-                                  int length) const {
+DecodedScan DualFrequency::decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
+                                  const CueSettings&) const {
   PhaseMaps fine = phase(frames, 0, steps);
   const PhaseMaps coarse = phase(frames, steps, low_step_count());
   Image<double> coordinate(frames.size());

@@ -17,8 +17,8 @@ double PhaseMeasuring::shape(int n, double y) const {
   return sinusoid_intensity({steps, frequency}, n, y);
 }
 
-DecodedScan PhaseMeasuring::decode(const FrameSet& frames, const PhaseDecoder& phase,
-                                   int length) const {
+DecodedScan PhaseMeasuring::decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
+                                   const CueSettings&) const {
   PhaseMaps maps = phase(frames, 0, steps);
   Image<double> coordinate;
   if (has_coordinate()) {

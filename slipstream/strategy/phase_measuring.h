@@ -4,6 +4,7 @@
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/phase/phase_decoder.h"
+#include "slipstream/strategy/cue_settings.h"
 #include "slipstream/strategy/decoded_scan.h"
 
 namespace slipstream {
@@ -32,8 +33,10 @@ struct PhaseMeasuring {
   /// Pattern n at projector coordinate y, in [0, 1].
   [[nodiscard]] double shape(int n, double y) const;
   /// `length`: projector pixels along the axis.
-  [[nodiscard]] DecodedScan decode(const FrameSet& frames, const PhaseDecoder& phase,
-                                   int length) const;
+  [[nodiscard]] DecodedScan decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
+                                   const CueSettings& cue) const;
+  /// B^c over alpha alpha_p / 2, by which noise is judged from the modulation.
+  [[nodiscard]] static double modulation_share() { return 1; }
   /// Predicted variance of y, Eq. (3.40): see phase_variance.
   [[nodiscard]] double coordinate_variance(double alpha, double alpha_p,
                                            double noise_variance) const;

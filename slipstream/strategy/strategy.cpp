@@ -49,6 +49,9 @@ void set(std::optional<int>& target, const std::string& name, double value) {
 void set(double& target, const std::string&, double value) {
   target = value;
 }
+void set(std::optional<double>& target, const std::string&, double value) {
+  target = value;
+}
 
 std::optional<double> get(int value) {
   return value;
@@ -57,6 +60,9 @@ std::optional<double> get(const std::optional<int>& value) {
   return value;
 }
 std::optional<double> get(double value) {
+  return value;
+}
+std::optional<double> get(const std::optional<double>& value) {
   return value;
 }
 
@@ -154,6 +160,17 @@ void require_resolved(const Strategy& strategy, int length) {
         "frequency {} is too high for {} projector pixels; at most {} periods can be shown",
         highest, length, length / 2));
   }
+}
+
+double coordinate_variance(const Strategy& strategy, double modulation, double noise_variance) {
+  return std::visit(
+      [&](const auto& chosen) {
+        // Alpha and alpha_p bear on the noise by their product alone.
+        constexpr double alpha_p = 2;
+        return chosen.coordinate_variance(modulation / chosen.modulation_share(), alpha_p,
+                                          noise_variance);
+      },
+      strategy);
 }
 
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light) {

@@ -8,12 +8,13 @@
 
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/strategy/dual_frequency.h"
+#include "slipstream/strategy/phase_channel_multiplexing.h"
 #include "slipstream/strategy/phase_measuring.h"
 
 namespace slipstream {
 
 /// The registry: every pattern set that slipstream projects and decodes. A new one is added here.
-using Strategy = std::variant<PhaseMeasuring, DualFrequency>;
+using Strategy = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing>;
 
 /// Settings by the names that struct, scan.yaml and command line share.
 using StrategySettings = std::map<std::string, double>;
@@ -55,6 +56,11 @@ double highest_frequency(const Strategy& strategy);
 /// Throws Error when the highest frequency has less than two of the `length` projector pixels along
 /// the axis for each period, so that no projector of that size can show it.
 void require_resolved(const Strategy& strategy, int length);
+
+/// Predicted variance of y (fields^2) at a pixel of that modulation (grey levels, as DecodedScan
+/// tells it) under noise of sigma_w^2 (grey levels^2): what coordinate_variance of the strategy
+/// says for the reflectivity that gives this modulation, Eqs. (3.6), (3.59).
+double coordinate_variance(const Strategy& strategy, double modulation, double noise_variance);
 
 /// What the projector shows.
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light = {});

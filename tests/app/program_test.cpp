@@ -189,6 +189,27 @@ TEST_F(Program, SaysThatTheEquationsDecodeFiveSteps) {
   EXPECT_NE(run.out.find("backend equation"), std::string::npos) << run.out;
 }
 
+TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
+  for (const char* const steps : {"3", "4", "5"}) {
+    ASSERT_EQ(run_program({"simulate", path("pcmp"), "--camera", "160x120", "--scene", "board",
+                           "--strategy", "pcmp", "--steps", steps, "--alpha-p", "200", "--beta-p",
+                           "40", "--ambient", "-4"})
+                  .exit_code,
+              0);
+    for (const char* const rule : {"published", "likelihood", "consensus"}) {
+      const ProgramRun run = run_program({"reconstruct", path("pcmp"), "--unwrapping", rule,
+                                          "--ambient", "-4", "-o", path("pcmp.ply")});
+      EXPECT_EQ(run.exit_code, 0) << run.err;
+      EXPECT_NE(run.out.find("RMS error"), std::string::npos) << run.out;
+    }
+  }
+  expect_refused(run_program({"reconstruct", path("pcmp"), "--unwrapping", "spatial"}), 2,
+                 {"spatial", "consensus"});
+  expect_refused(
+      run_program({"simulate", path("x"), "--strategy", "pcmp", "--high", "4", "--share", "0.2"}),
+      2, {"share", "0.25"});
+}
+
 TEST_F(Program, BenchTimesEveryRow) {
   const ProgramRun run = run_program({"bench", "--quick", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;

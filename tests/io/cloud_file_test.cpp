@@ -60,10 +60,26 @@ TEST(CloudFile, PlyTakesNormals) {
   const TemporaryFolder folder;
   const Cloud cloud = small_cloud();
   const Normals normals = surface_normals(cloud);
-  write_cloud(folder.path() / "cloud.ply", cloud, &normals);
+  write_cloud(folder.path() / "cloud.ply", cloud, {.normals = &normals});
   const auto [header, floats] = parse(folder.path() / "cloud.ply", "end_header\n");
   EXPECT_NE(header.find("property float nz\n"), std::string::npos);
   EXPECT_EQ(floats.size(), 21U);
+}
+
+TEST(CloudFile, PlyAndPcdTakeUncertainty) {
+  const TemporaryFolder folder;
+  const Cloud cloud = small_cloud();
+  Uncertainty sigma(cloud.size());
+  sigma.z(0, 0) = 0.125F;
+  write_cloud(folder.path() / "cloud.ply", cloud, {.uncertainty = &sigma});
+  const auto [header, floats] = parse(folder.path() / "cloud.ply", "end_header\n");
+  EXPECT_NE(header.find("property float sigma_z\n"), std::string::npos);
+  ASSERT_EQ(floats.size(), 24U);
+  EXPECT_EQ(floats[7], 0.125F);
+  write_cloud(folder.path() / "cloud.pcd", cloud, {.uncertainty = &sigma});
+  const auto [fields, points] = parse(folder.path() / "cloud.pcd", "DATA binary\n");
+  EXPECT_NE(fields.find("sigma_coordinate sigma_x sigma_y sigma_z\n"), std::string::npos);
+  EXPECT_EQ(points.size(), 48U);
 }
 
 TEST(CloudFile, PcdIsOrganised) {

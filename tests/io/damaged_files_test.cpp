@@ -13,6 +13,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/png_check.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
@@ -100,6 +101,11 @@ const std::vector<Format> formats{
      [](const auto& path) { require_valid(read_scanner(path)); }},
     {"response.yaml", write_curve, read_curve},
     {"response.xml", write_curve, read_curve},
+    {"photometry.yaml",
+     [](const auto& path) {
+       write_photometric_calibration(std::nullopt, path, {.ambient = -7, .noise_variance = 1.55});
+     },
+     [](const auto& path) { (void)read_photometric_calibration(path); }},
     {"frame.png", write_picture, read_picture},
     {"frame.pgm", write_picture, read_picture},
     {"frame.bmp", write_picture, read_picture},

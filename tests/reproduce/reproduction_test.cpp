@@ -17,6 +17,11 @@ TEST(Reproducibles, HaveNamesOfTheirOwn) {
   }
   EXPECT_TRUE(names.contains("table-4.1"));
   EXPECT_TRUE(names.contains("section-4.5"));
+  for (const char* const name :
+       {"table-3.1", "table-3.2", "table-3.3", "table-3.5", "table-3.7", "figure-3.1", "figure-3.2",
+        "figure-3.3", "figure-3.5", "figure-3.7", "figure-3.8", "figure-3.10", "figure-3.11"}) {
+    EXPECT_TRUE(names.contains(name)) << name;
+  }
   for (int figure = 1; figure <= 10; ++figure) {
     EXPECT_TRUE(names.contains("figure-4." + std::to_string(figure)));
   }
@@ -28,6 +33,21 @@ TEST(Reproducibles, AreChosenByName) {
   EXPECT_EQ(reproducibles_named({"figure-4.1"}).size(), 1U);
   EXPECT_EQ(reproducibles_named({"figure-4."}).size(), 10U);
   EXPECT_THROW((void)reproducibles_named({"figure-4.99"}), Error);
+}
+
+TEST(Reproductions, OfChapter3AgreeWithThePrint) {
+  for (const Reproducible& item : reproducibles_named({"figure-3."})) {
+    const Reproduction result = item.run(1);
+    EXPECT_FALSE(result.plots.empty()) << item.name();
+    for (const ReproducedCell& cell : result.cells) {
+      ASSERT_TRUE(cell.recomputed && std::isfinite(*cell.recomputed)) << cell.quantity;
+      // At alpha of 0.05 and less the noise is not small any more.
+      const bool dark =
+          cell.parameters.front().first == "alpha" && cell.parameters.front().second < 0.08;
+      if (!cell.published || dark) continue;
+      EXPECT_NEAR(*cell.recomputed / *cell.published, 1, 0.08) << item.name() << cell.quantity;
+    }
+  }
 }
 
 TEST(Reproductions, OfTheModelAgreeWithThePrintToTwoDigits) {

@@ -1,0 +1,112 @@
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/commands.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/photometric_file.h"
+#include "slipstream/io/plot_file.h"
+#include "slipstream/noise/phase_noise.h"
+#include "slipstream/strategy/multiplexing_design.h"
+
+namespace slipstream::app {
+namespace {
+
+struct DesignFlags {
+  DesignGoal goal;
+  std::optional<double> ambient;
+  std::optional<double> noise_variance;
+  std::optional<std::string> scanner;
+  std::string plot;
+};
+
+/// Light and noise: the flags', else the scanner file's.
+DesignGoal goal_from(const DesignFlags& flags) {
+  DesignGoal goal = flags.goal;
+  PhotometricCalibration known;
+  if (flags.scanner) known = read_photometric_calibration(*flags.scanner);
+  const std::optional<double> noise =
+      flags.noise_variance ? flags.noise_variance : known.noise_variance;
+  if (!noise) {
+    throw Error("no noise variance; give --noise-variance, or a scanner file that holds it");
+  }
+  goal.noise_variance = *noise;
+  goal.ambient = flags.ambient.value_or(known.ambient.value_or(0));
+  return goal;
+}
+
+Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
+  PlotLine noise{fmt::format("PCMP, {} % unwrapped", 100 * goal.success), {}, {}};
+  PlotLine unit{"PMP of unit frequency", {}, {}};
+  for (const Design& design : designs) {
+    noise.x.push_back(design.strategy.f_h());
+    noise.y.push_back(design.coordinate_sigma);
+    unit.x.push_back(design.strategy.f_h());
+    unit.y.push_back(std::sqrt(coordinate_variance(
+        phase_variance(goal.steps, goal.alpha, design.light.alpha_p, goal.noise_variance), 1)));
+  }
+  return LinePlot{fmt::format("Noise of the coordinate, {} steps", goal.steps),
+                  "f_h",
+                  "standard deviation of y",
+                  PlotScale::logarithmic,
+                  {std::move(noise), std::move(unit)}};
+}
+
+void design(const DesignFlags& flags, Output& output) {
+  const DesignGoal goal = goal_from(flags);
+  const Design best = best_design(goal);
+  const auto& [strategy, light, success, sigma] = best;
+  output.say("pcmp, {} steps: f_h = {}, c_1 = {:.2f}, alpha_p = {}, beta_p = {}", strategy.steps,
+             strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
+  output.say(
+      "at alpha = {}: standard deviation of y {:.3g}, {:.1f} times less than {}-step pmp of "
+      "unit frequency; {:.2f} % of the pixels unwrapped each by itself",
+      goal.alpha, sigma, strategy.c1() * strategy.f_h(), strategy.steps, 100 * success);
+  output.say(
+      "slipstream patterns FOLDER --strategy pcmp --steps {} --high {} --share {:.2f} "
+      "--alpha-p {} --beta-p {}",
+      strategy.steps, strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
+  output.document = {{"steps", strategy.steps},   {"high", strategy.f_h()},
+                     {"share", strategy.c1()},    {"alpha_p", light.alpha_p},
+                     {"beta_p", light.beta_p},    {"success", success},
+                     {"coordinate_sigma", sigma}, {"gain", strategy.c1() * strategy.f_h()}};
+  if (!flags.plot.empty()) {
+    write_plot(flags.plot, plot_of(goal, designs_by_frequency(goal)));
+    output.document["plot"] = flags.plot;
+    output.say("plot: {}", flags.plot);
+  }
+}
+
+}  // namespace
+
+void add_design(CLI::App& program, SharedFlags& shared, Command& chosen) {
+  CLI::App* command = program.add_subcommand(
+      "design", "the pcmp patterns of least noise for a given light, noise and surface");
+  const auto flags = std::make_shared<DesignFlags>();
+  command->add_option("--steps", flags->goal.steps, "frames of one scan, 3 or more")
+      ->capture_default_str();
+  command->add_option("--reflectivity", flags->goal.alpha, "the least that is to be measured")
+      ->capture_default_str();
+  command->add_option("--ambient", flags->ambient, "grey levels of 255; 0 where nothing says it");
+  command->add_option("--noise-variance", flags->noise_variance, "sigma_w^2, grey levels^2 of 255");
+  command->add_option("--scanner", flags->scanner, "scanner file that says both");
+  command
+      ->add_option("--success", flags->goal.success,
+                   "share of the pixels to be unwrapped rightly each by itself")
+      ->capture_default_str();
+  command->add_option("--most-periods", flags->goal.most_periods, "largest f_h to be considered")
+      ->capture_default_str();
+  command->add_option("--plot", flags->plot, "noise over f_h: .png");
+  add_shared_flags(*command, shared);
+  command->footer(
+      "Example:\n  slipstream design --steps 4 --noise-variance 1.55 --ambient -7 --reflectivity "
+      "0.3 --plot design.png");
+  command->callback(
+      [flags, &chosen] { chosen = [flags](Output& output) { design(*flags, output); }; });
+}
+
+}  // namespace slipstream::app

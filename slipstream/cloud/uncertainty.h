@@ -1,0 +1,24 @@
+#pragma once
+
+#include <limits>
+
+#include "slipstream/image/image.h"
+
+namespace slipstream {
+
+/// How sure the points of a cloud are: one standard deviation of what the frames' noise does to
+/// each. NaN where there is no point.
+struct Uncertainty {
+  explicit Uncertainty(Size size = {})
+      : coordinate(size, nan), x(size, nan), y(size, nan), z(size, nan) {}
+
+  Image<float> coordinate;  ///< of the projector coordinate, fields
+  Image<float> x;           ///< mm, as y and z
+  Image<float> y;
+  Image<float> z;
+
+ private:
+  static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+};
+
+}  // namespace slipstream

@@ -1,0 +1,52 @@
+#include "slipstream/io/photometric_file.h"
+
+#include <cmath>
+#include <map>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/opencv_storage.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* ambient_entry = "ambient_light";
+constexpr const char* noise_entry = "noise_variance";
+
+}  // namespace
+
+PhotometricCalibration read_photometric_calibration(const fs::path& scanner_file) {
+  const std::map<std::string, StoredMatrix> entries = read_opencv_storage(scanner_file);
+  const auto number = [&](const char* name) -> std::optional<double> {
+    const auto found = entries.find(name);
+    if (found == entries.end()) return std::nullopt;
+    if (found->second.numbers.size() != 1) {
+      throw Error(fmt::format("{}: {} is not a number", scanner_file.string(), name));
+    }
+    return found->second.numbers[0];
+  };
+  const PhotometricCalibration read{.ambient = number(ambient_entry),
+                                    .noise_variance = number(noise_entry)};
+  if (read.ambient && !(std::abs(*read.ambient) <= 255)) {
+    throw Error(fmt::format("{}: {} {} is out of range; -255 to 255 grey levels",
+                            scanner_file.string(), ambient_entry, *read.ambient));
+  }
+  if (read.noise_variance && !(*read.noise_variance > 0 && std::isfinite(*read.noise_variance))) {
+    throw Error(fmt::format("{}: {} {} is out of range; above 0", scanner_file.string(),
+                            noise_entry, *read.noise_variance));
+  }
+  return read;
+}
+
+void write_photometric_calibration(const std::optional<fs::path>& from, const fs::path& to,
+                                   const PhotometricCalibration& calibration) {
+  std::map<std::string, StoredMatrix> entries;
+  if (calibration.ambient) entries[ambient_entry] = {1, 1, {*calibration.ambient}};
+  if (calibration.noise_variance) entries[noise_entry] = {1, 1, {*calibration.noise_variance}};
+  write_entries(from, to, entries);
+}
+
+}  // namespace slipstream

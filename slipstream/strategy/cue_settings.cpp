@@ -1,0 +1,48 @@
+#include "slipstream/strategy/cue_settings.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::array<std::pair<Unwrapping, std::string_view>, 3> unwrapping_names{{
+    {Unwrapping::published, "published"},
+    {Unwrapping::likelihood, "likelihood"},
+    {Unwrapping::consensus, "consensus"},
+}};
+
+}  // namespace
+
+std::string_view name_of(Unwrapping unwrapping) {
+  for (const auto& [value, name] : unwrapping_names) {
+    if (value == unwrapping) return name;
+  }
+  return "";
+}
+
+Unwrapping unwrapping_named(std::string_view name) {
+  for (const auto& [unwrapping, known] : unwrapping_names) {
+    if (known == name) return unwrapping;
+  }
+  throw Error(
+      fmt::format("unwrapping '{}' is not known; it is published, likelihood or consensus", name));
+}
+
+void require_valid(const CueSettings& settings) {
+  require_valid(settings.light);
+  if (!(std::abs(settings.ambient) <= 255)) {
+    throw Error(
+        fmt::format("ambient light {} is out of range; -255 to 255 grey levels", settings.ambient));
+  }
+  if (!(settings.noise_variance > 0 && std::isfinite(settings.noise_variance))) {
+    throw Error(fmt::format("noise variance {} is out of range; above 0", settings.noise_variance));
+  }
+}
+
+}  // namespace slipstream

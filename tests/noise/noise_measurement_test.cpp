@@ -1,0 +1,133 @@
+// sigma_w^2 from virtual scans by each of the four measurements.
+#include "slipstream/noise/noise_measurement.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/noise/phase_noise.h"
+#include "slipstream/phase/phase_channel.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/strategy.h"
+
+namespace slipstream {
+namespace {
+
+constexpr PatternLight light{.alpha_p = 200, .beta_p = 40};
+constexpr int runs = 10;
+
+/// A board in view of a scanner, scanned again and again with noise of another seed each time.
+class Board {
+ public:
+  explicit Board(const Strategy& strategy, Photometry photometry)
+      : patterns_(pattern_set(strategy, Axis::x, light)), photometry_(photometry) {
+    const Scanner scanner = example_scanner({240, 180});
+    first_ = take_scan(scanner, scene_named("board", scanner), patterns_, photometry);
+    lit_ = Image<std::uint8_t>(first_.coordinate.size());
+    std::transform(first_.coordinate.begin(), first_.coordinate.end(), lit_.begin(),
+                   [](double y) { return static_cast<std::uint8_t>(std::isnan(y) ? 0 : 1); });
+  }
+
+  [[nodiscard]] FrameSet frames() {
+    ++photometry_.seed;
+    return take_again(first_, patterns_, photometry_);
+  }
+  [[nodiscard]] const Image<std::uint8_t>& lit() const { return lit_; }
+
+ private:
+  PatternSet patterns_;
+  Photometry photometry_;
+  VirtualScan first_;
+  Image<std::uint8_t> lit_;
+};
+
+/// Mean of ten measurements over scans of N-step PMP at unit frequency.
+template <class Measure>
+double averaged(int steps, const Photometry& photometry, const Measure& measure) {
+  Board board(PhaseMeasuring{.steps = steps, .frequency = 1}, photometry);
+  double sum = 0;
+  for (int run = 0; run < runs; ++run) sum += measure(board).variance;
+  return sum / runs;
+}
+
+NoiseEstimate by_means(Board& board) {
+  const auto mean = [&] { return weighted_sum(board.frames(), 0, mean_weights(3)); };
+  return noise_from_means(mean(), 3, mean(), 3, board.lit());
+}
+Image<double> b_cos(Board& board) {
+  return weighted_sum(board.frames(), 0, half_phase_weights());
+}
+NoiseEstimate by_half_phase(Board& board) {
+  return noise_from_half_phase(b_cos(board), board.lit());
+}
+NoiseEstimate by_half_phases(Board& board) {
+  return noise_from_half_phases(b_cos(board), b_cos(board), board.lit());
+}
+
+constexpr Photometry linear{.ambient = 5, .noise_variance = 2, .bits = std::nullopt};
+constexpr Photometry bent{.ambient = 5, .gamma = 1.1, .noise_variance = 2, .bits = std::nullopt};
+
+TEST(NoiseMeasurement, IsRightWithinOnePercentOverTenRuns) {
+  EXPECT_NEAR(averaged(3, linear, by_means), 2, 0.02);
+  EXPECT_NEAR(averaged(4, linear, by_half_phase), 2, 0.02);
+  EXPECT_NEAR(averaged(4, linear, by_half_phases), 2, 0.02);
+}
+
+TEST(NoiseMeasurement, OfTwoScansIsRightWhereGammaMisleadsThatOfOne) {
+  EXPECT_GT(averaged(4, bent, by_half_phase), 2.2);
+  EXPECT_NEAR(averaged(4, bent, by_half_phases), 2, 0.02);
+  EXPECT_NEAR(averaged(3, bent, by_means), 2, 0.02);
+}
+
+TEST(NoiseMeasurement, ByMeansTakesScansOfAnyTwoStepCounts) {
+  Board three(PhaseMeasuring{.steps = 3, .frequency = 1}, linear);
+  Photometry other = linear;
+  other.seed = 1000;
+  Board five(PhaseMeasuring{.steps = 5, .frequency = 1}, other);
+  double sum = 0;
+  for (int run = 0; run < runs; ++run) {
+    const Image<double> mean_3 = weighted_sum(three.frames(), 0, mean_weights(3));
+    const Image<double> mean_5 = weighted_sum(five.frames(), 0, mean_weights(5));
+    sum += noise_from_means(mean_3, 3, mean_5, 5, three.lit()).variance;
+  }
+  EXPECT_NEAR(sum / runs, 2, 0.02);
+}
+
+TEST(NoiseMeasurement, FromOneMultiplexedScanIsRightWithinTwoPercent) {
+  for (const double c1 : {0.5, 0.6, 0.8}) {
+    const Strategy strategy =
+        PhaseChannelMultiplexing{.steps = 5, .high = 12, .share = c1, .reference = {}};
+    Board board(strategy, {.ambient = 5, .noise_variance = 1.6, .bits = std::nullopt});
+    double sum = 0;
+    for (int run = 0; run < runs; ++run) {
+      const FrameSet frames = board.frames();
+      const auto modulation = [&](int channel) {
+        Image<double> C = weighted_sum(frames, 0, channel_cosines(5, channel));
+        const Image<double> S = weighted_sum(frames, 0, channel_sines(5, channel));
+        std::transform(C.begin(), C.end(), S.begin(), C.begin(),
+                       [](double c, double s) { return std::hypot(c, s); });
+        return C;
+      };
+      sum += noise_from_modulations(modulation(1), modulation(2), 5, c1, board.lit()).variance;
+    }
+    EXPECT_NEAR(sum / runs / 1.6, 1, 0.02) << "c_1 " << c1;
+  }
+}
+
+TEST(NoiseMeasurement, OfQuantisedFramesCountsTheRounding) {
+  Photometry photometry = linear;
+  photometry.bits = 8;
+  EXPECT_NEAR(averaged(3, photometry, by_means), 2 + quantisation_variance, 0.02);
+}
+
+TEST(NoiseMeasurement, RefusesTooFewPixels) {
+  const Image<double> image({20, 20});
+  const Image<std::uint8_t> dark({20, 20});
+  EXPECT_THROW(noise_from_half_phase(image, dark), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,91 @@
+// Virtual PCMP scans: at their true depth without noise, and with noise no point of a wrong order.
+#include <array>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+namespace {
+
+constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};
+constexpr double ambient = -5;
+
+PhaseChannelMultiplexing pcmp(int steps) {
+  return {.steps = steps, .high = {}, .share = {}, .reference = {}};
+}
+
+ReconstructSettings settings(Unwrapping unwrapping, Backend backend = Backend::lut) {
+  return {.backend = backend,
+          .cue = {.light = light, .ambient = ambient, .unwrapping = unwrapping}};
+}
+
+TEST(PcmpScans, ComeOutAtTheirTrueDepth) {
+  const Scanner scanner = example_scanner({160, 120});
+  for (const int steps : {3, 4, 5, 6}) {
+    for (const Axis axis : {Axis::x, Axis::y}) {
+      const VirtualScan scan =
+          take_scan(scanner, scene_named("boxes", scanner), pattern_set(pcmp(steps), axis, light),
+                    {.ambient = ambient, .bits = std::nullopt});
+      for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
+        for (const Unwrapping unwrapping : {Unwrapping::published, Unwrapping::consensus}) {
+          const Reconstructor reconstruct(scanner, pcmp(steps), axis,
+                                          settings(unwrapping, backend));
+          const Cloud cloud = reconstruct(scan.frames).cloud;
+          std::size_t points = 0, lit = 0;
+          for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
+            if (!std::isnan(scan.coordinate.begin()[i])) ++lit;
+            if (std::isnan(cloud.z.begin()[i])) continue;
+            ++points;
+            ASSERT_NEAR(cloud.z.begin()[i], scan.depth.begin()[i], 1e-6)
+                << steps << " steps, " << name_of(backend) << ", " << name_of(unwrapping);
+          }
+          EXPECT_EQ(points, lit);
+        }
+      }
+    }
+  }
+}
+
+struct Counts {
+  std::size_t points = 0;
+  std::size_t wrong = 0;
+};
+
+Counts noisy_statue(int steps, Unwrapping unwrapping, int bits) {
+  const Scanner scanner = example_scanner({640, 480});
+  const VirtualScan scan =
+      take_scan(scanner, scene_named("statue", scanner), pattern_set(pcmp(steps), Axis::x, light),
+                {.ambient = ambient, .noise_variance = 1.55, .bits = bits});
+  const Reconstruction made =
+      Reconstructor(scanner, pcmp(steps), Axis::x, settings(unwrapping))(scan.frames);
+  Counts counts;
+  for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
+    if (made.cloud.validity.begin()[i] != Validity::valid) continue;
+    ++counts.points;
+    const double error = made.decoded.coordinate.begin()[i] - scan.coordinate.begin()[i];
+    if (!(std::abs(error) < 0.5 / pcmp(steps).f_h())) ++counts.wrong;
+  }
+  return counts;
+}
+
+TEST(PcmpScans, ShowNoPointOfAWrongFringeOrder) {
+  for (const int steps : {3, 4, 5}) {
+    const Counts consensus = noisy_statue(steps, Unwrapping::consensus, 8);
+    const Counts published = noisy_statue(steps, Unwrapping::published, 8);
+    EXPECT_EQ(consensus.wrong, 0U) << steps << " steps, of " << consensus.points;
+    EXPECT_GE(consensus.points, published.points - published.wrong) << steps << " steps";
+  }
+}
+
+TEST(PcmpScans, DecodeSixteenBitFrames) {
+  const Counts counts = noisy_statue(3, Unwrapping::consensus, 12);
+  EXPECT_GT(counts.points, 100000U);
+  EXPECT_EQ(counts.wrong, 0U);
+}
+
+}  // namespace
+}  // namespace slipstream

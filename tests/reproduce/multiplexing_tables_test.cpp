@@ -1,0 +1,64 @@
+// Tables 3.1 to 3.3, 3.5 and 3.7 of Liu 2010.
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/reproduce/unwrapping_tables.h"
+#include "slipstream/reproduce/variance_ratio_tables.h"
+#include "slipstream/strategy/multiplexing_design.h"
+
+namespace slipstream {
+namespace {
+
+class UnwrappingTable : public testing::TestWithParam<int> {};
+
+constexpr Size picture{480, 360};
+
+TEST_P(UnwrappingTable, IsRecomputedImprovedAndPredicted) {
+  const auto table = unwrapping_table(GetParam(), {.size = picture});
+  ASSERT_EQ(table.size(), 9U);
+  for (const UnwrappingCell& cell : table) {
+    SCOPED_TRACE(testing::Message()
+                 << "f_h " << cell.high << ", c_1 " << cell.c1 << ", alpha_p " << cell.alpha_p);
+    EXPECT_NEAR(cell.recomputed, cell.published, 0.35);
+    EXPECT_GE(cell.improved, 99.8);
+    const PhaseChannelMultiplexing strategy{
+        .steps = cell.steps, .high = cell.high, .share = cell.c1, .reference = {}};
+    const PatternLight light{.alpha_p = cell.alpha_p, .beta_p = 255 - cell.alpha_p};
+    const double predicted = 100 * predicted_unwrapping(strategy, light, 0.5, -7, 1.55);
+    // The prediction takes the cue of 5 steps for the circle that the published rule cuts open.
+    EXPECT_NEAR(predicted, cell.steps < 5 ? cell.recomputed : cell.improved, 0.6);
+  }
+}
+
+TEST_P(UnwrappingTable, IsImprovedAtDepthEdgesAndNoPixelMadeWorse) {
+  const UnwrappingTrial trial{.surface = UnwrappingTrial::Surface::stepped, .size = picture};
+  for (const UnwrappingCell& cell : unwrapping_table(GetParam(), trial)) {
+    SCOPED_TRACE(testing::Message()
+                 << "f_h " << cell.high << ", c_1 " << cell.c1 << ", alpha_p " << cell.alpha_p);
+    EXPECT_GE(cell.improved, 99.8);
+    EXPECT_EQ(cell.worse, 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(N, UnwrappingTable, testing::Values(3, 4, 5));
+
+class VarianceRatioTable : public testing::TestWithParam<int> {};
+
+TEST_P(VarianceRatioTable, IsAsPredictedWithinFivePercent) {
+  const auto table = variance_ratio_table(GetParam(), {.camera = {320, 240}});
+  ASSERT_EQ(table.size(), 9U);
+  for (const VarianceRatioCell& cell : table) {
+    EXPECT_NEAR(cell.measured / cell.predicted, 1, 0.05)
+        << "N " << cell.steps << ", f_h " << cell.high << ", c_1 " << cell.c1;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(N, VarianceRatioTable, testing::Values(4, 5));
+
+TEST(ReproducedTables, RefuseStepsThatHaveNone) {
+  EXPECT_THROW(unwrapping_table(6), Error);
+  EXPECT_THROW(variance_ratio_table(3), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

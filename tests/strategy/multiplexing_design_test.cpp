@@ -1,0 +1,49 @@
+#include "slipstream/strategy/multiplexing_design.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+TEST(MultiplexingDesign, MeetsItsGoalAtTheLeastNoise) {
+  for (const int steps : {3, 4, 5, 8}) {
+    const DesignGoal goal{.steps = steps, .alpha = 0.4, .ambient = -5};
+    const Design best = best_design(goal);
+    EXPECT_NO_THROW(best.strategy.require_valid());
+    EXPECT_NO_THROW(require_valid(best.light));
+    EXPECT_GE(best.success, goal.success);
+    for (const Design& other : designs_by_frequency(goal)) {
+      EXPECT_GE(other.success, goal.success);
+      EXPECT_GE(other.coordinate_sigma, best.coordinate_sigma);
+    }
+    // The darkest and the brightest frame stay off both ends.
+    const auto& [alpha_p, beta_p] = best.light;
+    EXPECT_GT(goal.alpha * (beta_p + goal.ambient) + goal.ambient, 0);
+    EXPECT_LT(alpha_p + beta_p + 2 * goal.ambient, 255);
+  }
+}
+
+TEST(MultiplexingDesign, AsksLessOfBetterLight) {
+  const auto sigma = [](double alpha, double noise_variance) {
+    return best_design({.alpha = alpha, .noise_variance = noise_variance}).coordinate_sigma;
+  };
+  EXPECT_LT(sigma(0.8, 1.6), sigma(0.4, 1.6));
+  EXPECT_LT(sigma(0.4, 1.6), sigma(0.4, 4));
+}
+
+TEST(MultiplexingDesign, RefusesWhatCannotBe) {
+  EXPECT_THROW(best_design({.steps = 2}), Error);
+  EXPECT_THROW(best_design({.alpha = 0}), Error);
+  EXPECT_THROW(best_design({.success = 1}), Error);
+  EXPECT_THROW(best_design({.noise_variance = std::nan("")}), Error);
+  EXPECT_THROW(best_design({.alpha = 0.02, .ambient = -7}), Error) << "underflows at any beta_p";
+  EXPECT_THROW(best_design({.steps = 3, .alpha = 0.2, .noise_variance = 400, .success = 0.999}),
+               Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -83,7 +83,8 @@ struct Neighbour {
 std::vector<Neighbour> same_surface(const Links& links, int column, int row, int radius) {
   std::array<bool, 25> reached{};
   const auto place = [&](int c, int r) {
-    return static_cast<std::size_t>((r - row + 2) * 5 + c - column + 2);
+    const int index = (r - row + 2) * 5 + c - column + 2;
+    return static_cast<std::size_t>(index);
   };
   std::vector<Neighbour> found{{column, row, 0}};
   found.reserve(25);
@@ -113,9 +114,8 @@ bool neighbours_disagree(const Links& links, const Image<int>& orders, int colum
 int least_cost_order(const std::vector<Neighbour>& surface, const Image<int>& orders,
                      const Image<int>& own, const FringeOrderCost& cost,
                      const NeighbourhoodChoice& settings) {
-  const auto [column, row, none] = surface.front();
   const auto total = [&](int order) {
-    double sum = cost(column, row, order);
+    double sum = cost(surface.front().column, surface.front().row, order);
     for (std::size_t i = 1; i < surface.size(); ++i) {
       const auto& [c, r, order_step] = surface[i];
       const double against = cost(c, r, order + order_step) - cost(c, r, own(c, r));

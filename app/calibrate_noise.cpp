@@ -54,14 +54,6 @@ struct Measured {
   [[nodiscard]] double standard_error() const { return std::sqrt(sum.standard_error) / count; }
 };
 
-Image<double> modulation_in(const FrameSet& frames, int steps, int channel) {
-  Image<double> C = weighted_sum(frames, 0, channel_cosines(steps, channel));
-  const Image<double> S = weighted_sum(frames, 0, channel_sines(steps, channel));
-  std::transform(C.begin(), C.end(), S.begin(), C.begin(),
-                 [](double c, double s) { return std::hypot(c, s); });
-  return C;
-}
-
 NoiseScan read_scan(const std::string& folder, const ScanFlags& flags, Output& output) {
   constexpr double least_modulation = 8;
   NoiseScan scan;
@@ -79,7 +71,7 @@ NoiseScan read_scan(const std::string& folder, const ScanFlags& flags, Output& o
   const bool pcmp = std::holds_alternative<PhaseChannelMultiplexing>(scan.scan.strategy);
   scan.mean = in_8_bits(weighted_sum(frames, 0, mean_weights(N)));
   if (N == 4 && !pcmp) scan.b_cos = in_8_bits(weighted_sum(frames, 0, half_phase_weights()));
-  const Image<double> modulation = in_8_bits(modulation_in(frames, N, 1));
+  const Image<double> modulation = in_8_bits(channel_modulation(frames, N, 1));
   scan.measured = unclipped(frames);
   std::transform(scan.measured.begin(), scan.measured.end(), modulation.begin(),
                  scan.measured.begin(), [](std::uint8_t good, double B) {
@@ -87,7 +79,7 @@ NoiseScan read_scan(const std::string& folder, const ScanFlags& flags, Output& o
                  });
   if (N >= 5 && pcmp) {
     scan.modulation[0] = modulation;
-    scan.modulation[1] = in_8_bits(modulation_in(frames, N, 2));
+    scan.modulation[1] = in_8_bits(channel_modulation(frames, N, 2));
   }
   return scan;
 }

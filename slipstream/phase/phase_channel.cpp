@@ -1,5 +1,6 @@
 #include "slipstream/phase/phase_channel.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -47,6 +48,14 @@ Image<double> weighted_sum(const FrameSet& frames, int first, std::span<const do
     });
   });
   return sums;
+}
+
+Image<double> channel_modulation(const FrameSet& frames, int steps, int channel) {
+  Image<double> C = weighted_sum(frames, 0, channel_cosines(steps, channel));
+  const Image<double> S = weighted_sum(frames, 0, channel_sines(steps, channel));
+  std::transform(C.begin(), C.end(), S.begin(), C.begin(),
+                 [](double c, double s) { return std::hypot(c, s); });
+  return C;
 }
 
 }  // namespace slipstream

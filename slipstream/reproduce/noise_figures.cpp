@@ -222,14 +222,7 @@ Modulations modulations(double c1, std::uint64_t seed) {
   const FrameSet frames =
       frames_of(PhaseChannelMultiplexing{.steps = 5, .high = 12, .share = c1, .reference = {}},
                 published_light, {.alpha = 0.5, .beta = -7, .noise_variance = 1.6}, seed);
-  const auto modulation = [&](int channel) {
-    Image<double> C = weighted_sum(frames, 0, channel_cosines(5, channel));
-    const Image<double> S = weighted_sum(frames, 0, channel_sines(5, channel));
-    std::transform(C.begin(), C.end(), S.begin(), C.begin(),
-                   [](double c, double s) { return std::hypot(c, s); });
-    return C;
-  };
-  return {modulation(1), modulation(2)};
+  return {channel_modulation(frames, 5, 1), channel_modulation(frames, 5, 2)};
 }
 
 Reproduction figure_310(std::uint64_t seed) {

@@ -104,14 +104,9 @@ TEST(NoiseMeasurement, FromOneMultiplexedScanIsRightWithinTwoPercent) {
     double sum = 0;
     for (int run = 0; run < runs; ++run) {
       const FrameSet frames = board.frames();
-      const auto modulation = [&](int channel) {
-        Image<double> C = weighted_sum(frames, 0, channel_cosines(5, channel));
-        const Image<double> S = weighted_sum(frames, 0, channel_sines(5, channel));
-        std::transform(C.begin(), C.end(), S.begin(), C.begin(),
-                       [](double c, double s) { return std::hypot(c, s); });
-        return C;
-      };
-      sum += noise_from_modulations(modulation(1), modulation(2), 5, c1, board.lit()).variance;
+      sum += noise_from_modulations(channel_modulation(frames, 5, 1),
+                                    channel_modulation(frames, 5, 2), 5, c1, board.lit())
+                 .variance;
     }
     EXPECT_NEAR(sum / runs / 1.6, 1, 0.02) << "c_1 " << c1;
   }

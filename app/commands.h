@@ -26,7 +26,6 @@ void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_reproduce(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_bench(CLI::App& program, SharedFlags& shared, Command& chosen);
 
 }  // namespace slipstream::app

@@ -51,7 +51,6 @@ int run_program(int argc, char** argv) {
   add_calibrate(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
   add_reproduce(program, shared, chosen);
-  add_calibrate(program, shared, chosen);
   add_bench(program, shared, chosen);
 
   try {

@@ -1,6 +1,5 @@
 #include "app/simulate_boards.h"
 
-#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -19,15 +18,10 @@ namespace fs = std::filesystem;
 namespace {
 
 /// The board as a sheet in the scene, its printing as fine as a camera could ever see.
-Body sheet_of(const CalibrationBoard& board) {
+Body sheet_of(const CalibrationBoard& board, const Scanner& scanner) {
   constexpr int pixels_per_spacing = 100;
-  constexpr double dark = 0.08, bright = 0.85;
-  Image<std::uint8_t> picture = draw_board(board, pixels_per_spacing);
-  const double mm_per_pixel = board.spacing / pixels_per_spacing;
-  const Board sheet{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel};
-  return Body{.shape = sheet,
-              .texture = picture_texture(std::move(picture), mm_per_pixel, dark, bright),
-              .shading = Shading::lambertian};
+  return printed_sheet(draw_board(board, pixels_per_spacing), board.spacing / pixels_per_spacing,
+                       scanner);
 }
 
 void take_and_write(const fs::path& folder, const Scanner& scanner, const Scene& scene,
@@ -62,7 +56,7 @@ void simulate_boards(const fs::path& folder, const SimulateBoardsFlags& flags,
   }
   const CalibrationBoard board = board_from(flags.board);
   require_resolved(scan.strategy, length_along(Axis::y, scanner.projector.size));
-  Body sheet = sheet_of(board);
+  Body sheet = sheet_of(board, scanner);
   const Board& shape = std::get<Board>(sheet.shape);
   const std::vector<Eigen::Isometry3d> poses =
       board_poses(scanner, count, shape.width, shape.height);

@@ -9,22 +9,22 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
-#include <ceres/autodiff_cost_function.h>
 #include <ceres/crs_matrix.h>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/rotation.h>
+#include <ceres/sized_cost_function.h>
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
+#include "slipstream/calibrate/pixel_derivatives.h"
 #include "slipstream/error/error.h"
-#include "slipstream/geometry/distortion_formula.h"
 
 namespace slipstream {
 namespace {
 
-constexpr int lens_size = 4 + untilted_coefficient_count;
+constexpr int lens_size = lens_number_count;
 using LensNumbers = std::array<double, lens_size>;  ///< fx fy cx cy, distortion
 using PoseNumbers = std::array<double, 6>;          ///< axis times angle, translation
 
@@ -57,77 +57,99 @@ void set_lens(Lens& lens, const LensNumbers& numbers) {
   std::copy(numbers.begin() + 4, numbers.end(), lens.distortion.coefficients.begin());
 }
 
-template <class T>
-using Vector2 = Eigen::Matrix<T, 2, 1>;
-template <class T>
-using Vector3 = Eigen::Matrix<T, 3, 1>;
+template <int Columns>
+using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Columns, Eigen::RowMajor>>;
 
-template <class T>
-Vector3<T> moved(const T* pose, const Vector3<T>& point) {
-  Vector3<T> result;
-  ceres::AngleAxisRotatePoint(pose, point.data(), result.data());
-  for (int i = 0; i < 3; ++i) result[i] += pose[3 + i];
-  return result;
+/// Sets a parameter's block of the Jacobian where Ceres asks for it.
+template <int Columns, class Derivative>
+void set_block(double** jacobians, int block, const Derivative& derivative) {
+  if (jacobians == nullptr || jacobians[block] == nullptr) return;
+  Block<Columns>(jacobians[block], derivative.rows(), Columns) = derivative;
 }
 
-/// Pixel at which a device sees a point of its own frame.
-template <class T>
-Vector2<T> pixel_of(const T* lens, const Vector3<T>& point) {
-  const Vector2<T> direction(point.x() / point.z(), point.y() / point.z());
-  const Vector2<T> bent = distort_untilted(lens + 4, direction);
-  return {lens[0] * bent.x() + lens[2], lens[1] * bent.y() + lens[3]};
-}
+/// How far off the camera sees a corner, in standard deviations: of lens, pose, place.
+class CameraError : public ceres::SizedCostFunction<2, lens_size, 6, 3> {
+ public:
+  CameraError(Eigen::Vector2d seen, double deviation)  // pixels
+      : seen_(std::move(seen)), deviation_(deviation) {}
 
-/// How far off the camera sees a corner, in standard deviations.
-struct CameraError {
-  Eigen::Vector2d seen;
-  double deviation;  ///< pixels
-
-  template <class T>
-  bool operator()(const T* lens, const T* pose, const T* place, T* residual) const {
-    const Vector3<T> in_camera = moved<T>(pose, Vector3<T>(place[0], place[1], place[2]));
-    const Vector2<T> predicted = pixel_of(lens, in_camera);
-    for (int i = 0; i < 2; ++i) residual[i] = (seen[i] - predicted[i]) / deviation;
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const MovedPoint in_camera =
+        moved_point(parameters[1], Eigen::Map<const Eigen::Vector3d>(parameters[2]));
+    const SeenPoint predicted = seen_point(parameters[0], in_camera.point);
+    Eigen::Map<Eigen::Vector2d>{residuals} = (seen_ - predicted.pixel) / deviation_;
+    if (jacobians == nullptr) return true;
+    const Eigen::Matrix<double, 2, 3> by_point = -predicted.by_point / deviation_;
+    set_block<lens_size>(jacobians, 0, -predicted.by_lens / deviation_);
+    set_block<6>(jacobians, 1, by_point * in_camera.by_pose);
+    set_block<3>(jacobians, 2, by_point * in_camera.by_point);
     return true;
   }
+
+ private:
+  Eigen::Vector2d seen_;
+  double deviation_;
 };
 
 /// How far off camera and projector see a corner, in standard deviations; the projector's without
-/// what comes of the camera's.
-struct PairError {
-  Eigen::Vector2d camera_seen, projector_seen;
-  Eigen::Matrix2d slope;
-  double camera_deviation, projector_deviation;  ///< pixels
+/// what comes of the camera's: of camera, projector, rig, pose, place.
+class PairError : public ceres::SizedCostFunction<4, lens_size, lens_size, 6, 6, 3> {
+ public:
+  PairError(Eigen::Vector2d camera_seen, Eigen::Vector2d projector_seen,
+            const Eigen::Matrix2d& slope, const PixelDeviations& deviations)
+      : camera_seen_(std::move(camera_seen)), projector_seen_(std::move(projector_seen)) {
+    // Both distances to what the residuals are made of: own deviation, carried over taken away.
+    to_residuals_ << Eigen::Matrix2d::Identity() / deviations.camera, Eigen::Matrix2d::Zero(),
+        -slope / deviations.projector, Eigen::Matrix2d::Identity() / deviations.projector;
+  }
 
-  template <class T>
-  bool operator()(const T* camera, const T* projector, const T* rig, const T* pose, const T* place,
-                  T* residual) const {
-    const Vector3<T> in_camera = moved<T>(pose, Vector3<T>(place[0], place[1], place[2]));
-    const Vector2<T> in_camera_picture = pixel_of(camera, in_camera);
-    const Vector2<T> in_projector_picture = pixel_of(projector, moved<T>(rig, in_camera));
-    const T camera_x = camera_seen.x() - in_camera_picture.x();
-    const T camera_y = camera_seen.y() - in_camera_picture.y();
-    residual[0] = camera_x / camera_deviation;
-    residual[1] = camera_y / camera_deviation;
-    for (int i = 0; i < 2; ++i) {
-      const T carried_over = slope(i, 0) * camera_x + slope(i, 1) * camera_y;
-      residual[2 + i] =
-          (projector_seen[i] - in_projector_picture[i] - carried_over) / projector_deviation;
-    }
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const MovedPoint in_camera =
+        moved_point(parameters[3], Eigen::Map<const Eigen::Vector3d>(parameters[4]));
+    const MovedPoint in_projector = moved_point(parameters[2], in_camera.point);
+    const SeenPoint camera = seen_point(parameters[0], in_camera.point);
+    const SeenPoint projector = seen_point(parameters[1], in_projector.point);
+    Eigen::Vector4d distances;
+    distances << camera_seen_ - camera.pixel, projector_seen_ - projector.pixel;
+    Eigen::Map<Eigen::Vector4d>{residuals} = to_residuals_ * distances;
+    if (jacobians == nullptr) return true;
+    const Eigen::Matrix<double, 4, 2> by_camera = -to_residuals_.leftCols<2>();
+    const Eigen::Matrix<double, 4, 2> by_projector = -to_residuals_.rightCols<2>();
+    const Eigen::Matrix<double, 4, 3> by_projector_point = by_projector * projector.by_point;
+    const Eigen::Matrix<double, 4, 3> by_point =
+        by_camera * camera.by_point + by_projector_point * in_projector.by_point;
+    set_block<lens_size>(jacobians, 0, by_camera * camera.by_lens);
+    set_block<lens_size>(jacobians, 1, by_projector * projector.by_lens);
+    set_block<6>(jacobians, 2, by_projector_point * in_projector.by_pose);
+    set_block<6>(jacobians, 3, by_point * in_camera.by_pose);
+    set_block<3>(jacobians, 4, by_point * in_camera.by_point);
     return true;
   }
+
+ private:
+  Eigen::Vector2d camera_seen_, projector_seen_;
+  Eigen::Matrix4d to_residuals_;
 };
 
-/// How far a corner lies from where it should be printed.
-struct PrintError {
-  Eigen::Vector3d printed;
-  double deviation;  ///< mm
+/// How far a corner lies from where it should be printed, in standard deviations.
+class PrintError : public ceres::SizedCostFunction<3, 3> {
+ public:
+  PrintError(Eigen::Vector3d printed, double deviation)  // mm
+      : printed_(std::move(printed)), deviation_(deviation) {}
 
-  template <class T>
-  bool operator()(const T* place, T* residual) const {
-    for (int i = 0; i < 3; ++i) residual[i] = (place[i] - printed[i]) / deviation;
+  bool Evaluate(const double* const* parameters, double* residuals,
+                double** jacobians) const override {
+    const Eigen::Map<const Eigen::Vector3d> place(parameters[0]);
+    Eigen::Map<Eigen::Vector3d>{residuals} = (place - printed_) / deviation_;
+    set_block<3>(jacobians, 0, Eigen::Matrix3d::Identity() / deviation_);
     return true;
   }
+
+ private:
+  Eigen::Vector3d printed_;
+  double deviation_;
 };
 
 /// The parameters of a BundleState as Ceres moves them.
@@ -276,15 +298,12 @@ class BundleProblem {
       double* place = parameters_.places[static_cast<std::size_t>(view.places[i])].data();
       double* pose = parameters_.poses[v].data();
       if (view.projector[i].allFinite()) {
-        using Cost = ceres::AutoDiffCostFunction<PairError, 4, lens_size, lens_size, 6, 6, 3>;
         problem_.AddResidualBlock(
-            new Cost(new PairError{view.camera[i], view.projector[i], slope_at(view, i),
-                                   deviations.camera, deviations.projector}),
+            new PairError(view.camera[i], view.projector[i], slope_at(view, i), deviations),
             new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
             parameters_.projector.data(), parameters_.rig.data(), pose, place);
       } else if (view.camera[i].allFinite()) {
-        using Cost = ceres::AutoDiffCostFunction<CameraError, 2, lens_size, 6, 3>;
-        problem_.AddResidualBlock(new Cost(new CameraError{view.camera[i], deviations.camera}),
+        problem_.AddResidualBlock(new CameraError(view.camera[i], deviations.camera),
                                   new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
                                   pose, place);
       }
@@ -314,8 +333,7 @@ class BundleProblem {
         hold(place);
         continue;
       }
-      using Cost = ceres::AutoDiffCostFunction<PrintError, 3, 3>;
-      problem_.AddResidualBlock(new Cost(new PrintError{printed[i], *deviation}), nullptr, place);
+      problem_.AddResidualBlock(new PrintError(printed[i], *deviation), nullptr, place);
     }
   }
 

@@ -77,4 +77,16 @@ std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, do
   return poses;
 }
 
+Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel,
+                   const Scanner& scanner) {
+  constexpr double dark = 0.08, bright = 0.85;
+  constexpr double blur = 0.5;  // camera pixels
+  const double mm_of_camera_pixel =
+      working_volume(scanner).centre.z() / scanner.camera.intrinsic(0, 0);
+  return {
+      .shape = Board{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel},
+      .texture = picture_texture(picture, mm_per_pixel, dark, bright, blur * mm_of_camera_pixel),
+      .shading = Shading::lambertian};
+}
+
 }  // namespace slipstream

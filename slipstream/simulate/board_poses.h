@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "slipstream/geometry/scanner.h"
+#include "slipstream/image/image.h"
+#include "slipstream/simulate/scene.h"
 
 namespace slipstream {
 
@@ -15,5 +18,10 @@ namespace slipstream {
 /// `height` mm does not fit into the scanner's view.
 std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, double width,
                                            double height);
+
+/// A printed picture, each pixel a square of `mm_per_pixel`, as a flat sheet for the scene. Its
+/// edges are as soft as a good lens makes them, half a camera pixel where the scanner's devices
+/// look at one place: without that, single rays would put edges where the pixel grid is.
+Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel, const Scanner& scanner);
 
 }  // namespace slipstream

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace slipstream {
@@ -65,6 +66,52 @@ std::optional<Hit> hit(const Body& body, const Ray& ray, int frame) {
   return std::visit([&](const auto& shape) { return hit(shape, in_body); }, body.shape);
 }
 
+constexpr float white = 255;
+
+/// White about the picture.
+float grey_at(const Image<float>& picture, double column, double row) {
+  const bool inside = column >= 0 && column < picture.width() && row >= 0 && row < picture.height();
+  return inside ? picture(static_cast<int>(column), static_cast<int>(row)) : white;
+}
+
+/// Linear between the centres of pixels, which are at integers.
+double between_pixels(const Image<float>& picture, double column, double row) {
+  const double left = std::floor(column), top = std::floor(row);
+  const double right_share = column - left, bottom_share = row - top;
+  const auto along = [&](double at_row) {
+    return (1 - right_share) * grey_at(picture, left, at_row) +
+           right_share * grey_at(picture, left + 1, at_row);
+  };
+  return (1 - bottom_share) * along(top) + bottom_share * along(top + 1);
+}
+
+/// Convolved with a Gaussian of standard deviation `deviation` pixels.
+Image<float> blurred(const Image<std::uint8_t>& picture, double deviation) {
+  Image<float> result(picture.size());
+  std::copy(picture.begin(), picture.end(), result.begin());
+  if (!(deviation > 0)) return result;
+  const int reach = static_cast<int>(std::ceil(4 * deviation));
+  std::vector<float> weights;
+  for (int i = -reach; i <= reach; ++i) {
+    weights.push_back(static_cast<float>(std::exp(-0.5 * std::pow(i / deviation, 2))));
+  }
+  const float sum = std::accumulate(weights.begin(), weights.end(), 0.0F);
+  for (const auto& [right, down] : {std::pair(1, 0), std::pair(0, 1)}) {
+    const Image<float> before = result;
+    for (int row = 0; row < before.height(); ++row) {
+      for (int column = 0; column < before.width(); ++column) {
+        float weighed = 0;
+        for (int i = -reach; i <= reach; ++i) {
+          weighed += weights[static_cast<std::size_t>(i + reach)] *
+                     grey_at(before, column + i * right, row + i * down);
+        }
+        result(column, row) = weighed / sum;
+      }
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 Texture uniform_texture(double alpha) {
@@ -90,17 +137,16 @@ Texture chessboard_texture(int columns, int rows, double spacing, double dark, d
   };
 }
 
-Texture picture_texture(Image<std::uint8_t> picture, double mm_per_pixel, double dark,
-                        double bright) {
-  const auto pixels = std::make_shared<const Image<std::uint8_t>>(std::move(picture));
+Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel, double dark,
+                        double bright, double blur) {
+  const auto grey = std::make_shared<const Image<float>>(blurred(picture, blur / mm_per_pixel));
+  const bool sharp = !(blur > 0);
   return [=](const Eigen::Vector3d& p) {
-    const double column = std::floor(p.x() / mm_per_pixel + pixels->width() / 2.0);
-    const double row = std::floor(p.y() / mm_per_pixel + pixels->height() / 2.0);
-    const bool inside =
-        column >= 0 && column < pixels->width() && row >= 0 && row < pixels->height();
-    if (!inside) return bright;
-    const double grey = (*pixels)(static_cast<int>(column), static_cast<int>(row));
-    return dark + (bright - dark) * grey / 255;
+    const double column = p.x() / mm_per_pixel + grey->width() / 2.0 - 0.5;
+    const double row = p.y() / mm_per_pixel + grey->height() / 2.0 - 0.5;
+    const double white = sharp ? grey_at(*grey, std::round(column), std::round(row))
+                               : between_pixels(*grey, column, row);
+    return dark + (bright - dark) * white / 255;
   };
 }
 

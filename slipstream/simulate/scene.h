@@ -49,9 +49,10 @@ Texture chessboard_texture(int columns, int rows, double spacing, double dark, d
 
 /// A grey picture in the plane z = 0, centred on the origin, its rows along X and its columns along
 /// Y: black is reflectivity `dark`, white and all about it `bright`. Each pixel is a square of
-/// `mm_per_pixel`.
-Texture picture_texture(Image<std::uint8_t> picture, double mm_per_pixel, double dark,
-                        double bright);
+/// `mm_per_pixel`. Edges are soft, as a lens sees them: the picture is blurred by a Gaussian of
+/// standard deviation `blur` mm, 0: not at all.
+Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel, double dark,
+                        double bright, double blur = 0);
 
 /// How the angle of the projector's light bears on the reflectivity.
 enum class Shading {

@@ -24,13 +24,13 @@ double angle_between(const Scanner& a, const Scanner& b) {
 /// The frames of a board under a strategy's patterns along one axis.
 AxisScan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy, Axis axis,
                  std::uint64_t seed) {
-  return {strategy,
-          take_scan(scanner, {sheet}, pattern_set(strategy, axis),
-                    {.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = seed, .rays = 6})
-              .frames};
+  return {strategy, take_scan(scanner, {sheet}, pattern_set(strategy, axis),
+                              {.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = seed})
+                        .frames};
 }
 
-// From frames to the scanner, against known truth. Under the sanitizers with fewer poses.
+// From frames to the scanner by the program's defaults, against known truth. Under the sanitizers
+// with fewer poses.
 TEST(GeometryCalibration, OfVirtualBoardsIsTheTrueScanner) {
 #ifdef __SANITIZE_ADDRESS__
   constexpr int count = 4;
@@ -43,13 +43,12 @@ TEST(GeometryCalibration, OfVirtualBoardsIsTheTrueScanner) {
 #endif
   const CalibrationBoard board{.columns = 13, .rows = 9, .spacing = 15};
   const Strategy strategy = DualFrequency{.steps = 4, .high = 16, .low = 1};
-  const Image<std::uint8_t> picture = draw_board(board, 60);
-  const double mm_per_pixel = board.spacing / 60;
-  Body sheet{.shape = Board{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel},
-             .texture = picture_texture(picture, mm_per_pixel, 0.08, 0.85)};
+  constexpr int pixels_per_spacing = 100;
+  Body sheet = printed_sheet(draw_board(board, pixels_per_spacing),
+                             board.spacing / pixels_per_spacing, truth);
+  const auto& [width, height] = std::get<Board>(sheet.shape);
   std::vector<BoardView> views;
-  for (const Eigen::Isometry3d& pose :
-       board_poses(truth, count, picture.width() * mm_per_pixel, picture.height() * mm_per_pixel)) {
+  for (const Eigen::Isometry3d& pose : board_poses(truth, count, width, height)) {
     sheet.pose = pose;
     const std::uint64_t seed = 2 * views.size() + 1;
     const BoardCapture capture =
@@ -60,8 +59,7 @@ TEST(GeometryCalibration, OfVirtualBoardsIsTheTrueScanner) {
     views.push_back(*capture.view);
   }
   const GeometryCalibration found =
-      calibrate_geometry(views, board, truth.camera.size, truth.projector.size,
-                         {.camera_coefficients = 4, .projector_coefficients = 4});
+      calibrate_geometry(views, board, truth.camera.size, truth.projector.size);
   const Scanner& scanner = found.state.scanner;
   for (const auto& [lens, true_lens] :
        {std::pair(scanner.camera, truth.camera), std::pair(scanner.projector, truth.projector)}) {

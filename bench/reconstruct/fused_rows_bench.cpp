@@ -61,6 +61,7 @@ void turns_to_points(benchmark::State& state, const std::string& target) {
   const PointRow points{.width = width,
                         .E_x = row.stages.rays.E_x.row(240),
                         .E_y = row.stages.rays.E_y.row(240),
+                        .blocks = row.stages.blocks->at(240),
                         .flags = row.flags.data(),
                         .coordinate = row.turn.data(),
                         .x = row.x.data(),

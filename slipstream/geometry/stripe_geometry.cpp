@@ -205,6 +205,18 @@ double PlanePolynomial::operator()(double p, double q) const {
   return sum;
 }
 
+std::pair<double, double> StripeGeometry::inner_places() const {
+  constexpr int samples = 64;
+  constexpr double apart = 1e-3;  // more than the edges bend between two samples
+  double low = -1, high = 1;
+  for (int i = 0; i <= samples; ++i) {
+    const double p = 2.0 * i / samples - 1;
+    low = std::max(low, evaluated(low_edge, p));
+    high = std::min(high, evaluated(high_edge, p));
+  }
+  return {low + apart, high - apart};
+}
+
 StripeGeometry::Depth StripeGeometry::operator()(double E_x, double E_y, double y) const {
   const Eigen::Vector3d e(E_x, E_y, 1);
   const double g = facing * e;

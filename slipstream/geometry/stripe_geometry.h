@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -55,6 +56,9 @@ struct StripeGeometry {
   static constexpr int edge_terms = 6;
   std::array<double, edge_terms> low_edge{};   ///< q where the field and its margin end along the
   std::array<double, edge_terms> high_edge{};  ///< stripe, as polynomials in p
+
+  /// The places q that are in the field and its margin whatever the coordinate: from, to.
+  [[nodiscard]] std::pair<double, double> inner_places() const;
 
   struct Depth {
     double z = 0;                   ///< mm; not finite or not positive where there is none

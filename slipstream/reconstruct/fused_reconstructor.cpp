@@ -114,6 +114,7 @@ template <class Output>
 PointRow point_output(const FusedStages& stages, Output& output, int row) {
   PointRow points{
       .width = output.z.width(), .E_x = stages.rays.E_x.row(row), .E_y = stages.rays.E_y.row(row)};
+  if (stages.blocks) points.blocks = stages.blocks->at(row);
   if constexpr (std::is_same_v<Output, FusedCloud>) {
     points.x = output.x.row(row);
     points.y = output.y.row(row);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/geometry/ray_blocks.h"
 
 // The stages of the fused pass, a row of pixels at a time, in float, compiled once for each vector
 // target and chosen at run time. They check nothing: rows are at least `least_row_width` wide.
@@ -130,6 +131,7 @@ struct PointRow {
   int width = 0;
   const float* E_x = nullptr;
   const float* E_y = nullptr;
+  RayBlocks::Row blocks{};  ///< `described` null where there are none
   const std::int32_t* flags = nullptr;
   const float* coordinate = nullptr;
   /// The rows above and below for the consensus, where there are two frequencies; all three then

@@ -165,27 +165,9 @@ std::array<float, 6> edge(const std::array<double, StripeGeometry::edge_terms>& 
   return narrow;
 }
 
-/// The places along the stripe that are in the field whatever the coordinate.
-std::pair<float, float> inner_places(const StripeGeometry& geometry) {
-  const auto at = [](const auto& terms, double p) {
-    double sum = 0;
-    for (auto c = terms.rbegin(); c != terms.rend(); ++c) sum = sum * p + *c;
-    return sum;
-  };
-  constexpr int samples = 64;
-  constexpr double apart = 1e-3;  // more than the edges bend between two samples
-  double low = -1, high = 1;
-  for (int i = 0; i <= samples; ++i) {
-    const double p = 2.0 * i / samples - 1;
-    low = std::max(low, at(geometry.low_edge, p));
-    high = std::min(high, at(geometry.high_edge, p));
-  }
-  return {static_cast<float>(low + apart), static_cast<float>(high - apart)};
-}
-
 PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings& settings) {
   const int degree = compiled_degree(geometry.lens.degree);
-  const auto [inner_low, inner_high] = inner_places(geometry);
+  const auto [inner_low, inner_high] = geometry.inner_places();
   constexpr double largest = std::numeric_limits<float>::max();
   return {.coordinate = linear(geometry.coordinate),
           .depth = linear(geometry.depth),
@@ -202,8 +184,8 @@ PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings
           .lens = kernel_order(geometry.lens, degree),
           .low_edge = edge(geometry.low_edge),
           .high_edge = edge(geometry.high_edge),
-          .inner_low = inner_low,
-          .inner_high = inner_high,
+          .inner_low = static_cast<float>(inner_low),
+          .inner_high = static_cast<float>(inner_high),
           .nearest = static_cast<float>(std::min(settings.nearest, largest)),
           .farthest = static_cast<float>(std::min(settings.farthest, largest))};
 }
@@ -223,6 +205,7 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
   if (!geometry) return std::nullopt;
   std::optional<RayTable> rays = ray_table(scanner.camera);
   if (!rays) return std::nullopt;
+  std::optional<RayBlocks> blocks = ray_blocks(*geometry, *rays);
 
   const auto& [first, low] = *sinusoids;
   const int length = length_along(axis, scanner.projector.size);
@@ -231,7 +214,8 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
                      .low = {},
                      .coordinate = coordinate_stage(first.frequency, widest, length),
                      .point = point_stage(*geometry, settings),
-                     .rays = std::move(*rays)};
+                     .rays = std::move(*rays),
+                     .blocks = std::move(blocks)};
   stages.point.may_leave_field = widest < 1;
   if (low) stages.low = low_frequency(*low, first, length, settings);
   return stages;

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "slipstream/geometry/ray_blocks.h"
 #include "slipstream/geometry/ray_table.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/reconstruct/fused_rows.h"
@@ -25,6 +26,7 @@ struct FusedStages {
   CoordinateStage coordinate;
   PointStage point;
   RayTable rays;
+  std::optional<RayBlocks> blocks;  ///< none for small pictures
 
   [[nodiscard]] int frame_count() const { return sinusoid.steps + (low ? low->sinusoid.steps : 0); }
 };

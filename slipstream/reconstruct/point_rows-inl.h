@@ -6,6 +6,7 @@
 #define SLIPSTREAM_RECONSTRUCT_POINT_ROWS_INL_H_
 #endif
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -50,14 +51,16 @@ HWY_INLINE Floats edge_polynomial(const std::array<float, 6>& edge, Floats p) {
 
 /// Where the point of a pixel is, and the three reasons why it may have none.
 struct RayPoints {
-  Floats z;
+  Floats E_x, E_y, z;
   FloatMask exists, in_field, in_range;
 };
 
 /// StripeGeometry::operator().
 template <int lens_degree>
-HWY_INLINE RayPoints points_on_rays(const PointStage& stage, Floats E_x, Floats E_y, Floats y) {
+HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
+                                    Floats y) {
   const FloatTag d;
+  const Floats E_x = hn::LoadU(d, row.E_x + i), E_y = hn::LoadU(d, row.E_y + i);
   const Floats p = hn::MulAdd(y, hn::Set(d, stage.unit_scale), hn::Set(d, stage.unit_offset));
   const Floats g = linear(stage.facing, E_x, E_y);
   const Floats place =
@@ -86,8 +89,78 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, Floats E_x, Floats 
     in_field = hn::And(in_field, hn::And(hn::Ge(y, hn::Set(d, stage.least_coordinate)),
                                          hn::Le(y, hn::Set(d, stage.largest_coordinate))));
   }
-  return {z, hn::And(before_camera, before_projector), in_field,
+  return {E_x,
+          E_y,
+          z,
+          hn::And(before_camera, before_projector),
+          in_field,
           hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)))};
+}
+
+template <std::size_t terms>
+HWY_INLINE Floats polynomial(const float* coefficients, Floats x) {
+  const FloatTag d;
+  Floats sum = hn::Set(d, coefficients[terms - 1]);
+  for (std::size_t k = terms - 1; k > 0; --k) {
+    sum = hn::MulAdd(sum, x, hn::Set(d, coefficients[k - 1]));
+  }
+  return sum;
+}
+
+/// The coefficients of a row's block, quadratic between the knots.
+HWY_INLINE void mix(const RayBlocks::Row& blocks, std::size_t block, RayBlocks::Block& mixed) {
+  const FloatTag d;
+  const auto knot = [&](std::size_t k)
+                        HWY_ATTR { return blocks.knots[k][block].coefficients.data(); };
+  const auto weight = [&](std::size_t k) HWY_ATTR { return hn::Set(d, blocks.weights[k]); };
+  for (std::size_t i = 0; i < mixed.coefficients.size(); i += hn::Lanes(d)) {
+    Floats sum = hn::Mul(weight(0), hn::Load(d, knot(0) + i));
+    sum = hn::MulAdd(weight(1), hn::Load(d, knot(1) + i), sum);
+    sum = hn::MulAdd(weight(2), hn::Load(d, knot(2) + i), sum);
+    hn::Store(sum, d, mixed.coefficients.data() + i);
+  }
+}
+
+/// Of a block that is described at p; `t` as in RayBlocks.
+HWY_INLINE RayPoints points_of_block(const PointStage& stage, const RayBlocks::Block& block,
+                                     Floats t, Floats p, FloatMask described) {
+  using Block = RayBlocks::Block;
+  constexpr int first_slope = RayBlocks::constants;
+  constexpr int first_bend = first_slope + RayBlocks::slopes;
+  const FloatTag d;
+  const float* c = block.coefficients.data();
+  const Floats bend = polynomial<RayBlocks::bends>(c + first_bend, p);
+  const Floats slope = hn::MulAdd(bend, t, polynomial<RayBlocks::slopes>(c + first_slope, p));
+  const Floats inverse = hn::MulAdd(slope, t, polynomial<RayBlocks::constants>(c, p));
+  const Floats z = quotient(hn::Set(d, 1.0F), inverse);
+  return {polynomial<3>(c + Block::E_x, t),
+          polynomial<3>(c + Block::E_y, t),
+          z,
+          hn::Gt(inverse, hn::Zero(d)),
+          described,
+          hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)))};
+}
+
+/// A block's coefficients in one row, and where they hold.
+struct MixedBlock {
+  RayBlocks::Block block;
+  RayBlocks::Range described;
+};
+
+/// By the block where it describes all pixels that are not dark, else one by one.
+template <int lens_degree>
+HWY_INLINE RayPoints points_of(const PointStage& stage, const PointRow& row, std::size_t i,
+                               const MixedBlock& mixed, Floats t, Floats y, FloatMask dark) {
+  const FloatTag d;
+  if (HWY_LIKELY(mixed.described.least < mixed.described.largest)) {
+    const Floats p = hn::MulAdd(y, hn::Set(d, stage.unit_scale), hn::Set(d, stage.unit_offset));
+    const FloatMask described = hn::And(hn::Ge(p, hn::Set(d, mixed.described.least)),
+                                        hn::Le(p, hn::Set(d, mixed.described.largest)));
+    if (HWY_LIKELY(hn::AllTrue(d, hn::Or(described, dark)))) {
+      return points_of_block(stage, mixed.block, t, p, described);
+    }
+  }
+  return points_on_rays<lens_degree>(stage, row, i, y);
 }
 
 /// Lanes that have at least as many agreeing neighbours as they need, see FringeOrderConsensus.
@@ -192,36 +265,56 @@ HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags
   return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
 }
 
+/// The vector of pixels from `i` on.
 template <int lens_degree, bool only_depth, class Source>
-HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row) {
+HWY_INLINE void point_vector(const PointStage& stage, const Source& source, const PointRow& row,
+                             std::size_t i, const MixedBlock& mixed, Floats t) {
   const FloatTag d;
   const IntTag di;
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
-    const Ints flags = hn::LoadU(di, row.flags + i);
-    const Floats E_x = hn::LoadU(d, row.E_x + i), E_y = hn::LoadU(d, row.E_y + i);
-    const auto dark = hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di));
-    if (hn::AllTrue(di, dark)) {
-      store_points<only_depth>(row, i, E_x, E_y, nan);
-      return store_validity(hn::Set(di, static_cast<std::int32_t>(Validity::too_dark)),
-                            row.validity + i);
+  const Ints flags = hn::LoadU(di, row.flags + i);
+  const auto dark = hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di));
+  if (hn::AllTrue(di, dark)) {
+    store_points<only_depth>(row, i, nan, nan, nan);
+    return store_validity(hn::Set(di, static_cast<std::int32_t>(Validity::too_dark)),
+                          row.validity + i);
+  }
+  const Floats y = source.coordinate(i);
+  const FloatMask confirmed = source.confirms(i, y, flags);
+  const RayPoints points =
+      points_of<lens_degree>(stage, row, i, mixed, t, y, hn::RebindMask(d, dark));
+  const FloatMask unflagged = hn::RebindMask(
+      d, hn::Eq(hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated)), hn::Zero(di)));
+  const FloatMask good = hn::And(hn::And(unflagged, confirmed),
+                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
+  if (HWY_LIKELY(hn::AllTrue(d, good))) {
+    store_points<only_depth>(row, i, points.E_x, points.E_y, points.z);
+    return store_validity(hn::Zero(di), row.validity + i);
+  }
+  store_points<only_depth>(row, i, points.E_x, points.E_y, hn::IfThenElse(good, points.z, nan));
+  store_validity(reasons(points, confirmed, flags), row.validity + i);
+}
+
+template <int lens_degree, bool only_depth, class Source>
+HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row) {
+  const FloatTag d;
+  const auto width = static_cast<std::size_t>(row.width);
+  constexpr std::size_t block_width = RayBlocks::width;
+  constexpr float half = 0.5F * block_width;
+  const Floats first_t =
+      hn::Mul(hn::Add(hn::Iota(d, 0), hn::Set(d, 0.5F - half)), hn::Set(d, 1 / half));
+  MixedBlock mixed;
+  for (std::size_t b = 0; b * block_width < width; ++b) {
+    const std::size_t first = std::min(b * block_width, width - block_width);
+    if (row.blocks.described != nullptr) {
+      mixed.described = row.blocks.described[b];
+      mix(row.blocks, b, mixed.block);
     }
-    const Floats y = source.coordinate(i);
-    const FloatMask confirmed = source.confirms(i, y, flags);
-    const RayPoints points = points_on_rays<lens_degree>(stage, E_x, E_y, y);
-    const FloatMask unflagged = hn::RebindMask(
-        d,
-        hn::Eq(hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated)), hn::Zero(di)));
-    const FloatMask good =
-        hn::And(hn::And(unflagged, confirmed),
-                hn::And(points.exists, hn::And(points.in_field, points.in_range)));
-    if (HWY_LIKELY(hn::AllTrue(d, good))) {
-      store_points<only_depth>(row, i, E_x, E_y, points.z);
-      return store_validity(hn::Zero(di), row.validity + i);
+    for (std::size_t j = 0; j < block_width; j += hn::Lanes(d)) {
+      const Floats t = hn::Add(first_t, hn::Set(d, static_cast<float>(j) / half));
+      point_vector<lens_degree, only_depth>(stage, source, row, first + j, mixed, t);
     }
-    store_points<only_depth>(row, i, E_x, E_y, hn::IfThenElse(good, points.z, nan));
-    store_validity(reasons(points, confirmed, flags), row.validity + i);
-  });
+  }
 }
 
 template <int lens_degree, class Source>

@@ -108,6 +108,32 @@ TEST_P(FusedCloudOn, HasThePointsOfTheEquations) {
 INSTANTIATE_TEST_SUITE_P(VectorTarget, FusedCloudOn, testing::ValuesIn(vector_targets()),
                          [](const auto& info) { return info.param; });
 
+/// Pictures so large that most of their points come from RayBlocks, some of them not of whole
+/// blocks.
+TEST(FusedCloud, HasThePointsOfTheEquationsInLargePictures) {
+  for (const int width : {640, 653}) {
+    const Scanner scanner = example_scanner({width, 478});
+    const Axis axis = width == 640 ? Axis::x : Axis::y;
+    const Strategy strategy = width == 640 ? Strategy(PhaseMeasuring{.steps = 3, .frequency = 1})
+                                           : Strategy(DualFrequency{.steps = 3});
+    const FrameSet frames = statue_frames(scanner, strategy, axis);
+    const Reconstruction exact =
+        Reconstructor(scanner, strategy, axis, {.backend = Backend::equation})(frames);
+    const auto fused = FusedReconstructor::make(scanner, strategy, axis, {});
+    ASSERT_TRUE(fused);
+    for (const std::string& target : vector_targets()) {
+      SCOPED_TRACE(testing::Message() << "width " << width << ", vectors " << target);
+      const OnlyVectorTarget only(target);
+      FusedCloud cloud;
+      (*fused)(frames, cloud);
+      const Agreement agreement = compare(scanner, axis, cloud, exact);
+      EXPECT_GT(agreement.points, 50000U);
+      EXPECT_LE(agreement.other_validity, 3U);
+      EXPECT_LE(agreement.worst, depth_bound);
+    }
+  }
+}
+
 TEST(FusedCloud, HasThePointsOfTheEquationsForAnyScanner) {
   int scanners = 0;
   for (unsigned seed = 1; seed <= 12; ++seed) {

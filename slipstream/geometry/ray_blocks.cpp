@@ -1,0 +1,285 @@
+#include "slipstream/geometry/ray_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double coordinate_tolerance = 4e-7;  // of the field
+constexpr double ray_tolerance = 1e-7;
+constexpr int nodes = 10;        // of the coordinate
+constexpr int column_nodes = 4;  // of a block's columns
+constexpr std::array<int, column_nodes> node_columns{1, 5, 10, 14};
+
+using Block = RayBlocks::Block;
+/// Rows: nodes or powers of p, columns: nodes or powers of t.
+using NodeArray = Eigen::Array<double, nodes, 1>;
+using Samples = Eigen::Matrix<double, nodes, column_nodes>;
+
+/// Values of T_0 ... at x.
+template <int count>
+Eigen::Matrix<double, 1, count> chebyshev_polynomials(double x) {
+  Eigen::Matrix<double, 1, count> T;
+  T(0) = 1;
+  T(1) = x;
+  for (int k = 2; k < count; ++k) T(k) = 2 * x * T(k - 1) - T(k - 2);
+  return T;
+}
+
+/// Row k: the coefficients of T_k.
+template <int count>
+Eigen::Matrix<double, count, count> chebyshev_coefficients() {
+  Eigen::Matrix<double, count, count> T = Eigen::Matrix<double, count, count>::Zero();
+  T(0, 0) = T(1, 1) = 1;
+  for (int k = 2; k < count; ++k) {
+    T.row(k).tail(count - 1) = 2 * T.row(k - 1).head(count - 1);
+    T.row(k) -= T.row(k - 2);
+  }
+  return T;
+}
+
+double unit_column(int column) {
+  return (column - 0.5 * (RayBlocks::width - 1)) / (0.5 * RayBlocks::width);
+}
+
+/// PlanePolynomial at all nodes.
+NodeArray values(const PlanePolynomial& polynomial, const NodeArray& p, const NodeArray& q) {
+  NodeArray sum = NodeArray::Zero();
+  auto c = polynomial.coefficients.rbegin();
+  for (int i = polynomial.degree; i >= 0; --i) {
+    NodeArray inner = NodeArray::Zero();
+    for (int j = polynomial.degree - i; j >= 0; --j) inner = inner * q + *c++;
+    sum = sum * p + inner;
+  }
+  return sum;
+}
+
+/// What all blocks share.
+struct Fit {
+  NodeArray p, y;
+  Eigen::Matrix<double, nodes, nodes> spectrum;              ///< from values at p
+  Eigen::Matrix<double, column_nodes, column_nodes> across;  ///< from values at t, transposed
+  Eigen::Matrix<double, nodes, nodes> powers = chebyshev_coefficients<nodes>();
+  Eigen::Matrix<double, column_nodes, column_nodes> across_powers =
+      chebyshev_coefficients<column_nodes>();
+
+  explicit Fit(const UnitMap& unit) {
+    Eigen::Matrix<double, nodes, nodes> at_p;
+    for (int i = 0; i < nodes; ++i) {
+      p(i) = std::cos(std::numbers::pi * (i + 0.5) / nodes);
+      y(i) = unit.inverse(p(i));
+      at_p.row(i) = chebyshev_polynomials<nodes>(p(i));
+    }
+    spectrum = at_p.inverse();
+    Eigen::Matrix<double, column_nodes, column_nodes> at_t;
+    for (int i = 0; i < column_nodes; ++i) {
+      at_t.row(i) = chebyshev_polynomials<column_nodes>(
+          unit_column(node_columns[static_cast<std::size_t>(i)]));
+    }
+    across = at_t.inverse().transpose();
+  }
+};
+
+int terms(int power_of_t) {
+  constexpr std::array<int, column_nodes> kept{RayBlocks::constants, RayBlocks::slopes,
+                                               RayBlocks::bends, 0};
+  return kept[static_cast<std::size_t>(power_of_t)];
+}
+
+constexpr RayBlocks::Range whole{-1, 1};
+
+RayBlocks::Range common(const RayBlocks::Range& a, const RayBlocks::Range& b) {
+  return {std::max(a.least, b.least), std::min(a.largest, b.largest)};
+}
+
+/// What else is known of a block at a knot.
+struct KnownBlock {
+  double tolerance = 0;  ///< how far 1/Z may be missed
+  RayBlocks::Range described{};
+};
+
+/// The blocks of one row of knots.
+class KnotRow {
+ public:
+  KnotRow(const StripeGeometry& geometry, const Fit& fit, const RayTable& rays, int row)
+      : geometry_(geometry), fit_(fit), rays_(rays), row_(row), inner_(geometry.inner_places()) {}
+
+  /// Fills the block and says within what range it is `described`, as far as this row goes.
+  KnownBlock fill(int first_column, Block& block) const {
+    Samples inverse_depth;
+    double smallest = INFINITY, largest = -INFINITY;
+    for (int i = 0; i < column_nodes; ++i) {
+      const auto at = inverse_depth_at(first_column + node_columns[static_cast<std::size_t>(i)]);
+      inverse_depth.col(i) = at;
+      smallest = std::min(smallest, at.minCoeff());
+      largest = std::max(largest, at.maxCoeff());
+    }
+    const double length = fit_.y.maxCoeff() - fit_.y.minCoeff();
+    const double tolerance = coordinate_tolerance * (largest - smallest) / length;
+    const bool described = fill_inverse_depth(inverse_depth, tolerance, block) &&
+                           fill_ray(rays_.E_x, first_column, Block::E_x, block) &&
+                           fill_ray(rays_.E_y, first_column, Block::E_y, block);
+    if (!described) return {};
+    return {tolerance,
+            common(in_field(first_column), in_field(first_column + RayBlocks::width - 1))};
+  }
+
+ private:
+  [[nodiscard]] Eigen::Vector3d ray(int column) const {
+    return {rays_.E_x(column, row_), rays_.E_y(column, row_), 1};
+  }
+
+  /// NaN where its sign does not tell whether there is a point.
+  [[nodiscard]] Eigen::Matrix<double, nodes, 1> inverse_depth_at(int column) const {
+    const Eigen::Vector3d e = ray(column);
+    const double g = geometry_.facing * e;
+    const NodeArray q =
+        (geometry_.place_constant.dot(e) + fit_.p * geometry_.place_slope.dot(e)) / g;
+    const NodeArray w = fit_.y + values(geometry_.lens, fit_.p, q);
+    const NodeArray numerator = w * geometry_.depth(3) - geometry_.coordinate(3);
+    if (!((numerator * g).minCoeff() > 0)) {
+      return Eigen::Matrix<double, nodes, 1>::Constant(NAN);
+    }
+    return (geometry_.coordinate.head<3>().dot(e) - w * geometry_.depth.head<3>().dot(e)) /
+           numerator;
+  }
+
+  [[nodiscard]] bool fill_inverse_depth(const Samples& samples, double tolerance,
+                                        Block& block) const {
+    Samples spectrum = fit_.spectrum * samples * fit_.across;
+    double left_out = 0;
+    for (int m = 0; m < column_nodes; ++m) {
+      left_out += spectrum.col(m).tail(nodes - terms(m)).lpNorm<1>();
+      spectrum.col(m).tail(nodes - terms(m)).setZero();
+    }
+    if (!(left_out <= tolerance)) return false;
+    const Samples monomials = fit_.powers.transpose() * spectrum * fit_.across_powers;
+    auto c = block.coefficients.begin();
+    for (int m = 0; m < column_nodes; ++m) {
+      for (int k = 0; k < terms(m); ++k) *c++ = static_cast<float>(monomials(k, m));
+    }
+    return true;
+  }
+
+  bool fill_ray(const Image<float>& E, int first_column, int place, Block& block) const {
+    Eigen::Matrix<double, 1, column_nodes> samples;
+    for (int i = 0; i < column_nodes; ++i) {
+      samples(i) = E(first_column + node_columns[static_cast<std::size_t>(i)], row_);
+    }
+    Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit_.across;
+    if (!(std::abs(spectrum(3)) <= ray_tolerance)) return false;
+    spectrum(3) = 0;
+    const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit_.across_powers;
+    for (int m = 0; m < 3; ++m) {
+      block.coefficients[static_cast<std::size_t>(place + m)] = static_cast<float>(monomials(m));
+    }
+    return true;
+  }
+
+  /// Where q, which is linear in p, is in the field whatever p.
+  [[nodiscard]] RayBlocks::Range in_field(int column) const {
+    const Eigen::Vector3d e = ray(column);
+    const double g = geometry_.facing * e;
+    const double middle = geometry_.place_constant.dot(e) / g;
+    const double half = geometry_.place_slope.dot(e) / g;
+    if (std::abs(half) < 1e-6) {
+      const bool inside = middle > inner_.first && middle < inner_.second;
+      return inside ? whole : RayBlocks::Range{};
+    }
+    const double one = (inner_.first - middle) / half, other = (inner_.second - middle) / half;
+    return common(whole, {static_cast<float>(std::min(one, other)),
+                          static_cast<float>(std::max(one, other))});
+  }
+
+  const StripeGeometry& geometry_;
+  const Fit& fit_;
+  const RayTable& rays_;
+  int row_;
+  std::pair<double, double> inner_;
+};
+
+/// How far a quadratic through three knots misses the cubic through four.
+bool is_quadratic(const std::array<const Block*, 4>& b, double inverse_depth_tolerance) {
+  constexpr double share = 0.0642;  // of the third difference, at most
+  const auto missed = [&](int first, int last) {
+    double sum = 0;
+    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+      const auto c = [&](std::size_t k) { return double{b[k]->coefficients[i]}; };
+      sum += share * std::abs(c(3) - 3 * c(2) + 3 * c(1) - c(0));
+    }
+    return sum;
+  };
+  return missed(0, Block::E_x) <= inverse_depth_tolerance &&
+         missed(Block::E_x, Block::E_y) <= ray_tolerance &&
+         missed(Block::E_y, Block::E_y + 3) <= ray_tolerance;
+}
+
+}  // namespace
+
+RayBlocks::Row RayBlocks::at(int row) const {
+  const int first = std::min(row / spacing, knots.height() - 3);
+  Row blocks;
+  for (int k = 0; k < 3; ++k) {
+    double weight = 1;
+    for (int other = 0; other < 3; ++other) {
+      const int place = knot_rows[static_cast<std::size_t>(first + other)];
+      if (other == k) continue;
+      weight *= static_cast<double>(row - place) /
+                (knot_rows[static_cast<std::size_t>(first + k)] - place);
+    }
+    blocks.knots[static_cast<std::size_t>(k)] = knots.row(first + k);
+    blocks.weights[static_cast<std::size_t>(k)] = static_cast<float>(weight);
+  }
+  blocks.described = described.row(first);
+  return blocks;
+}
+
+int RayBlocks::first_column(int i, int row_width) {
+  return std::min(i * width, row_width - width);
+}
+
+std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays) {
+  const Size size = rays.E_x.size();
+  const int across = (size.width + RayBlocks::width - 1) / RayBlocks::width;
+  RayBlocks blocks;
+  for (int row = 0; row < size.height - 1; row += RayBlocks::spacing) {
+    blocks.knot_rows.push_back(row);
+  }
+  blocks.knot_rows.push_back(size.height - 1);
+  const auto down = static_cast<int>(blocks.knot_rows.size());
+  if (size.width < RayBlocks::width || down < 5) return std::nullopt;
+  blocks.knots = Image<Block>({across, down});
+  blocks.described = Image<RayBlocks::Range>({across, down});
+  Image<KnownBlock> known({across, down});
+  const Fit fit(geometry.unit_coordinate);
+  for_each_row(down, [&](int k) {
+    const KnotRow row(geometry, fit, rays, blocks.knot_rows[static_cast<std::size_t>(k)]);
+    for (int i = 0; i < across; ++i) {
+      known(i, k) = row.fill(RayBlocks::first_column(i, size.width), blocks.knots(i, k));
+    }
+  });
+  for (int k = 0; k < down - 2; ++k) {
+    // The last knot is nearer to its neighbour than the others: the four before it tell enough.
+    const int first = std::clamp(k, 0, down - 5);
+    for (int i = 0; i < across; ++i) {
+      const bool smooth = is_quadratic({&blocks.knots(i, first), &blocks.knots(i, first + 1),
+                                        &blocks.knots(i, first + 2), &blocks.knots(i, first + 3)},
+                                       known(i, k).tolerance);
+      if (!smooth) continue;
+      blocks.described(i, k) = common(known(i, k).described,
+                                      common(known(i, k + 1).described, known(i, k + 2).described));
+    }
+  }
+  return blocks;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "slipstream/geometry/ray_table.h"
+#include "slipstream/image/image.h"
+
+namespace slipstream {
+
+struct StripeGeometry;
+
+/// What StripeGeometry and RayTable say of a block of neighbouring pixels of a row, as polynomials
+/// in t, the column from the block's middle in half blocks, and p, the coordinate mapped to
+/// [-1, 1]: 1/Z as the sum of c_k p^k + t d_k p^k + t^2 e_k p^k, projector lens included, and E_x,
+/// E_y as quadratics in t. Kept at every eighth row; between them the coefficients are quadratic.
+struct RayBlocks {
+  static constexpr int width = 16;  ///< pixels of a block; a row's last one may overlap another
+  static constexpr int spacing = 8;
+  static constexpr int constants = 9, slopes = 6, bends = 4;  ///< terms c, d, e
+
+  /// The coefficients in the order in which they are named, then some that mean nothing.
+  struct alignas(64) Block {
+    static constexpr int E_x = constants + slopes + bends, E_y = E_x + 3;
+    std::array<float, 32> coefficients{};
+  };
+
+  Image<Block> knots;
+  std::vector<int> knot_rows;
+
+  /// Of the coordinates mapped to [-1, 1]; empty as it is made.
+  struct Range {
+    float least = 1, largest = -1;
+  };
+  /// For each block and knot, within what range the rows from there to the next are described by
+  /// that one and the two after it. There 1/Z is positive exactly where there is a point, and the
+  /// point is in the field and its margin.
+  Image<Range> described;
+
+  /// Of one row of pixels: each block is the sum of `weights` times those at `knots`.
+  struct Row {
+    std::array<const Block*, 3> knots{};
+    std::array<float, 3> weights{};
+    const Range* described = nullptr;
+  };
+  [[nodiscard]] Row at(int row) const;
+
+  /// Of block `i` in rows of `width` pixels.
+  static int first_column(int i, int row_width);
+};
+
+/// To 4e-7 of the field in the coordinate and 1e-7 in E_x, E_y where it is `described`. None for
+/// pictures less than a block wide or less than five knots high.
+std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
+
+}  // namespace slipstream

@@ -1,0 +1,89 @@
+// Blocks of rays and depths against the geometry that they stand for.
+#include "slipstream/geometry/ray_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/simulate/named_scenes.h"
+
+namespace slipstream {
+namespace {
+
+double coefficient(const RayBlocks::Row& row, int block, int i) {
+  double sum = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum += row.weights[k] * double{row.knots[k][block].coefficients[static_cast<std::size_t>(i)]};
+  }
+  return sum;
+}
+
+double inverse_depth(const RayBlocks::Row& row, int block, double t, double p) {
+  double sum = 0;
+  int i = 0;
+  double power_of_t = 1;
+  for (const int terms : {RayBlocks::constants, RayBlocks::slopes, RayBlocks::bends}) {
+    for (int k = 0; k < terms; ++k)
+      sum += power_of_t * std::pow(p, k) * coefficient(row, block, i++);
+    power_of_t *= t;
+  }
+  return sum;
+}
+
+TEST(RayBlocks, SayWhatTheGeometrySays) {
+  const Scanner scanner = example_scanner({653, 478});
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    const auto geometry = stripe_geometry(scanner, axis, 0.02);
+    const auto rays = ray_table(scanner.camera);
+    const auto blocks = ray_blocks(*geometry, *rays);
+    ASSERT_TRUE(blocks);
+    int points = 0;
+    double worst = 0;  // of 1/Z, against all that it changes over the field
+    for (int row = 0; row < 478; row += 9) {
+      const RayBlocks::Row known = blocks->at(row);
+      for (int block = 0; block < blocks->knots.width(); ++block) {
+        const RayBlocks::Range range = known.described[block];
+        if (range.least >= range.largest) continue;
+        for (int i = 0; i < RayBlocks::width; i += 5) {
+          const int column = RayBlocks::first_column(block, 653) + i;
+          const double t = (i - 7.5) / 8;
+          const auto at = [&](double p) {
+            return (*geometry)(rays->E_x(column, row), rays->E_y(column, row),
+                               geometry->unit_coordinate.inverse(p));
+          };
+          for (const double share : {0.01, 0.3, 0.6, 0.99}) {
+            const double p = std::lerp(double{range.least}, double{range.largest}, share);
+            const StripeGeometry::Depth exact = at(p);
+            ASSERT_TRUE(exact.in_field) << column << ' ' << row << ' ' << p;
+            const double inverse = inverse_depth(known, block, t, p);
+            worst = std::max(
+                worst, std::abs(inverse - 1 / exact.z) / std::abs(1 / at(1).z - 1 / at(-1).z));
+            if (std::abs(1 / exact.z) > 1e-6) {
+              ASSERT_EQ(inverse > 0, exact.z > 0 && exact.before_projector);
+            }
+            ++points;
+          }
+          const auto quadratic = [&](int first) {
+            return coefficient(known, block, first) + t * coefficient(known, block, first + 1) +
+                   t * t * coefficient(known, block, first + 2);
+          };
+          ASSERT_NEAR(quadratic(RayBlocks::Block::E_x), rays->E_x(column, row), 2.5e-7);
+          ASSERT_NEAR(quadratic(RayBlocks::Block::E_y), rays->E_y(column, row), 2.5e-7);
+        }
+      }
+    }
+    EXPECT_GT(points, 10000);
+    EXPECT_LE(worst, 1e-6);
+  }
+}
+
+TEST(RayBlocks, AreNotForSmallPictures) {
+  const Scanner scanner = example_scanner({64, 25});
+  const auto geometry = stripe_geometry(scanner, Axis::x, 0.02);
+  EXPECT_FALSE(ray_blocks(*geometry, *ray_table(scanner.camera)));
+}
+
+}  // namespace
+}  // namespace slipstream

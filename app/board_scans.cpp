@@ -62,6 +62,11 @@ BoardScans both_in_one(const fs::path& folder, const ScanFlags& flags, Axis firs
   return {name, std::move(first), std::move(second)};
 }
 
+/// What `calibrate geometry --report` leaves, which may be beside the poses.
+bool is_report(const fs::path& folder) {
+  return fs::exists(folder / "report.md");
+}
+
 BoardScans pose_in(const fs::path& folder, const ScanFlags& flags, Axis first_axis) {
   if (fs::is_directory(folder / "x") && fs::is_directory(folder / "y")) {
     return {folder.filename().string(), one_axis(folder / "x", flags, Axis::x),
@@ -80,9 +85,11 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanFlags& fla
   }
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory()) folders.push_back(entry.path());
+    if (entry.is_directory() && !is_report(entry.path())) folders.push_back(entry.path());
   }
-  std::sort(folders.begin(), folders.end());
+  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
+    return before_in_order(a.filename().string(), b.filename().string());
+  });
   if (folders.empty()) {
     throw Error(fmt::format("{}: no folder in it; one for each pose of the board is wanted",
                             folder.string()));

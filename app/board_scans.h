@@ -17,10 +17,11 @@ struct BoardScans {
   ScanDescription y;
 };
 
-/// The poses in a folder, by name: each a folder that holds
+/// The poses in a folder, in the order of their names with numbers counted: each a folder that
+/// holds
 ///   - scan folders x and y, with scan.yaml or flags; or
 ///   - the pictures of both scans, those along `first_axis` first in order of their names.
-/// Throws Error where there is none, or one is neither.
+/// A folder with a report.md is none. Throws Error where there is none, or one is neither.
 std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const ScanFlags& flags,
                                     Axis first_axis);
 

@@ -21,6 +21,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
@@ -201,8 +202,10 @@ nlohmann::json json_of_poses(const GeometryCalibration& calibration,
   for (const UnusedPose& pose : unused) {
     poses.push_back({{"name", pose.name}, {"used", false}, {"reason", pose.why}});
   }
-  std::sort(poses.begin(), poses.end(),
-            [](const auto& a, const auto& b) { return a["name"] < b["name"]; });
+  std::sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) {
+    return before_in_order(a["name"].template get<std::string>(),
+                           b["name"].template get<std::string>());
+  });
   return poses;
 }
 
@@ -282,9 +285,12 @@ void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
     write_calibration_report(*flags.report, {calibration, captures.views, captures.unused, board,
                                              comparison ? &*comparison : nullptr});
   }
-  write_scanner(flags.scanner, calibration.state.scanner);
+  const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, captures, calibration, comparison);
   tell(flags, calibration, comparison, output);
+  if (!kept.empty()) {
+    output.say("kept of the file that was there: {}", fmt::join(kept, ", "));
+  }
 }
 
 void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {

@@ -15,6 +15,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/mat.h"
 #include "slipstream/io/quiet_opencv.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
@@ -158,12 +159,6 @@ std::optional<double> corner_contrast(const cv::Mat& mean, cv::Point2f corner, c
              d = grey(middle, middle);
   if (!a || !b || !c || !d) return std::nullopt;
   return std::abs((*a + *d) - (*b + *c)) / 2;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// Throws Error where one row or column further out there are corners too. At the real end of a

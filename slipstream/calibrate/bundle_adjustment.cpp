@@ -20,6 +20,7 @@
 
 #include "slipstream/calibrate/pixel_derivatives.h"
 #include "slipstream/error/error.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
@@ -350,10 +351,8 @@ class BundleProblem {
 /// Standard deviation of the components, by the median of their sizes.
 double robust_deviation(std::vector<double> sizes) {
   if (sizes.empty()) return 1;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
   constexpr double least = 1e-3;  // pixels: noise-free pictures must not weigh without bound
-  return std::max(1.4826 * *middle, least);
+  return std::max(deviation_from_median(median(std::move(sizes))), least);
 }
 
 }  // namespace

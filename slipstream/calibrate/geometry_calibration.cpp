@@ -13,6 +13,7 @@
 #include "slipstream/calibrate/warnings.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
@@ -70,11 +71,6 @@ std::vector<double> stereo_rms(const std::vector<BoardView>& views, const Bundle
     rms.push_back(distances(views[v], state, v).rms().stereo);
   }
   return rms;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 /// A calibration of a simple model, of a board as printed: good enough to build on, and to see

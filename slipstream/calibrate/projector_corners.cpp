@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
@@ -30,12 +31,6 @@ struct Neighbourhood {
   Eigen::Vector2d middle;  ///< median projector pixel
   int pixels = 0;          ///< reliable or not
 };
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 Neighbourhood neighbourhood(const ProjectorMap& map, const Eigen::Vector2d& corner, double radius) {
   Neighbourhood result;
@@ -97,12 +92,6 @@ std::optional<Vector8> fitted(const std::vector<Sample>& samples,
   return h.allFinite() ? std::optional(h) : std::nullopt;
 }
 
-/// Tukey's weight: 0 from `reach` on.
-double tukey(double residual, double reach) {
-  const double ratio = residual / reach;
-  return ratio < 1 ? (1 - ratio * ratio) * (1 - ratio * ratio) : 0;
-}
-
 /// The affine start leaves out pixels whose coordinate is off by fringes.
 std::vector<double> starting_factors(const std::vector<Sample>& samples) {
   std::vector<double> distances;
@@ -118,7 +107,6 @@ ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
   constexpr double least_share = 0.3;  // of the pixels about the corner
   constexpr std::size_t fewest_samples = 24;
   constexpr int rounds = 5;
-  constexpr double reach_in_deviations = 4.685;  // 95 % as efficient as least squares
   const Neighbourhood about = neighbourhood(map, corner, radius);
   const std::vector<Sample>& samples = about.samples;
   const bool enough = samples.size() >= fewest_samples &&
@@ -138,7 +126,7 @@ ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
     }
     const double deviation = std::max(median(residuals) / 1.1774, 1e-9);  // of a Rayleigh variable
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      factors[i] = tukey(residuals[i], reach_in_deviations * deviation);
+      factors[i] = tukey_weight(residuals[i] / deviation);
     }
   }
   return {at(h, Eigen::Vector2d::Zero()) + about.middle, slope_at_corner(h) / radius};

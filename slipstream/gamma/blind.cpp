@@ -8,7 +8,7 @@
 
 #include "slipstream/gamma/distortion.h"
 #include "slipstream/gamma/response.h"
-#include "slipstream/gamma/robust.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/gamma/response.h"
-#include "slipstream/gamma/robust.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

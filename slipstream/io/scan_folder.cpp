@@ -159,7 +159,8 @@ ScanDescription interpret(const YamlMap& map, const fs::path& folder) {
   return scan;
 }
 
-/// Compares names as a person does: runs of digits by their number.
+}  // namespace
+
 bool before_in_order(const std::string& a, const std::string& b) {
   const auto is_digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
   std::size_t i = 0, j = 0;
@@ -184,8 +185,6 @@ bool before_in_order(const std::string& a, const std::string& b) {
   }
   return std::pair(a.size() - i, a) < std::pair(b.size() - j, b);
 }
-
-}  // namespace
 
 ScanDescription read_scan_description(const fs::path& file) {
   const YamlMap map = parse(file);

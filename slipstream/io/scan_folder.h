@@ -32,6 +32,10 @@ ScanDescription read_scan_description(const std::filesystem::path& file);
 /// Writes scan.yaml; frames and scanner are named relative to its folder.
 void write_scan_description(const std::filesystem::path& file, const ScanDescription& scan);
 
+/// Whether name `a` comes before `b` as a person sorts them, numbers counted: board2 before
+/// board10.
+bool before_in_order(const std::string& a, const std::string& b);
+
 /// The pictures in a folder, in the order of their names with numbers counted: frame_2 before
 /// frame_10. Throws Error when there is no such folder or no picture in it.
 std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);

@@ -1,5 +1,6 @@
 #include "slipstream/io/scanner_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -118,25 +119,8 @@ cv::Mat mat_of(const Distortion& distortion) {
       .clone();
 }
 
-}  // namespace
-
-Scanner read_scanner(const fs::path& path) {
-  const ScannerFile file(path);
-  const Layout& names = file.layout();
-  Scanner scanner;
-  scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
-                    .distortion = file.distortion(names.camera_distortion),
-                    .size = {file.length(names.camera_width), file.length(names.camera_height)}};
-  scanner.projector = {
-      .intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
-      .distortion = file.distortion(names.projector_distortion),
-      .size = {file.length(names.projector_width), file.length(names.projector_height)}};
-  scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
-  scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
-  return scanner;
-}
-
-void write_scanner(const fs::path& path, const Scanner& scanner) {
+/// The text of a file of that path.
+std::string text_of(const fs::path& path, const Scanner& scanner) {
   const Layout& names = layouts.front();
   const bool xml = lower_case_extension(path) == ".xml";
   cv::FileStorage storage(xml ? ".xml" : ".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
@@ -156,7 +140,63 @@ void write_scanner(const fs::path& path, const Scanner& scanner) {
   storage.write(std::string(names.translation),
                 cv::Mat((cv::Mat_<double>(3, 1) << scanner.translation.x(), scanner.translation.y(),
                          scanner.translation.z())));
-  write_file(path, storage.releaseAndGetString());
+  return storage.releaseAndGetString();
+}
+
+bool names_geometry(std::string_view entry) {
+  return std::any_of(layouts.begin(), layouts.end(), [&](const Layout& layout) {
+    const std::array names{layout.camera_matrix,    layout.camera_distortion,
+                           layout.camera_width,     layout.camera_height,
+                           layout.projector_matrix, layout.projector_distortion,
+                           layout.projector_width,  layout.projector_height,
+                           layout.rotation,         layout.translation};
+    return std::find(names.begin(), names.end(), entry) != names.end();
+  });
+}
+
+/// What a file holds besides geometry; nothing where there is no such file.
+std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
+  std::map<std::string, StoredMatrix> entries;
+  if (!fs::exists(path)) return entries;
+  try {
+    entries = read_opencv_storage(path);
+  } catch (const Error&) {
+    return {};  // something else, which is written over as by write_scanner
+  }
+  std::erase_if(entries, [](const auto& entry) {
+    return names_geometry(entry.first) || entry.second.rows == 0;
+  });
+  return entries;
+}
+
+}  // namespace
+
+Scanner read_scanner(const fs::path& path) {
+  const ScannerFile file(path);
+  const Layout& names = file.layout();
+  Scanner scanner;
+  scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
+                    .distortion = file.distortion(names.camera_distortion),
+                    .size = {file.length(names.camera_width), file.length(names.camera_height)}};
+  scanner.projector = {
+      .intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
+      .distortion = file.distortion(names.projector_distortion),
+      .size = {file.length(names.projector_width), file.length(names.projector_height)}};
+  scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
+  scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
+  return scanner;
+}
+
+void write_scanner(const fs::path& path, const Scanner& scanner) {
+  write_file(path, text_of(path, scanner));
+}
+
+std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& scanner) {
+  const std::map<std::string, StoredMatrix> kept = other_entries(path);
+  write_file(path, with_entries(text_of(path, scanner), kept, path.string()));
+  std::vector<std::string> names;
+  for (const auto& [name, numbers] : kept) names.push_back(name);
+  return names;
 }
 
 }  // namespace slipstream

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "slipstream/geometry/scanner.h"
 
@@ -19,5 +21,10 @@ Scanner read_scanner(const std::filesystem::path& path);
 
 /// Writes slipstream's layout, YAML or (ending .xml) XML.
 void write_scanner(const std::filesystem::path& path, const Scanner& scanner);
+
+/// The same over what may be a scanner file already: its matrices and numbers that say nothing of
+/// the geometry, such as gamma, stay. Returns their names.
+std::vector<std::string> replace_geometry(const std::filesystem::path& path,
+                                          const Scanner& scanner);
 
 }  // namespace slipstream

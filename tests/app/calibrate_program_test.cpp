@@ -1,5 +1,6 @@
 // Drives `slipstream calibrate` and what it needs of `simulate`.
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -74,6 +75,19 @@ TEST_F(CalibrateProgram, GivesAScannerFileAReportAndADocument) {
                            "scatter_camera.png", "scatter_projector.png"}) {
     EXPECT_TRUE(fs::exists(out.path() / "report" / file)) << file;
   }
+}
+
+TEST_F(CalibrateProgram, TakesPosesInOrderAndNoReportForAPose) {
+  const TemporaryFolder folder;
+  const fs::path copy = copy_to(folder);
+  fs::rename(copy / "board01", copy / "board10");
+  fs::create_directory(copy / "a report");
+  std::ofstream(copy / "a report" / "report.md") << "figures";
+  const ProgramRun run = calibrate(copy, folder.path() / "scanner.yaml",
+                                   {"--camera-distortion", "2", "--projector-distortion", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_LT(run.out.find("board04"), run.out.find("board10")) << run.out;
+  EXPECT_EQ(run.out.find("a report"), std::string::npos) << run.out;
 }
 
 TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {

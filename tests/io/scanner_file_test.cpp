@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "slipstream/io/file.h"
+#include "slipstream/io/opencv_storage.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"
@@ -34,6 +35,28 @@ void expect_same(const Scanner& a, const Scanner& b) {
   EXPECT_EQ(a.projector.size, b.projector.size);
   EXPECT_EQ(a.rotation, b.rotation);
   EXPECT_EQ(a.translation, b.translation);
+}
+
+TEST(ScannerFile, KeepsWhatIsNotGeometryWhenItIsReplaced) {
+  const TemporaryFolder folder;
+  for (const char* name : {"scanner.yaml", "scanner.xml"}) {
+    const auto path = folder.path() / name;
+    EXPECT_TRUE(replace_geometry(path, {}).empty());
+    std::map<std::string, StoredMatrix> more = read_opencv_storage(path);
+    more = {
+        {"gamma", {1, 1, {2.25}}}, {"response_light", {1, 2, {0, 1}}}, {"Kc", more.at("rotation")}};
+    const std::vector<std::uint8_t> text = read_file(path);
+    write_file(path, with_entries({text.begin(), text.end()}, more, name));
+    EXPECT_EQ(replace_geometry(path, example()),
+              (std::vector<std::string>{"gamma", "response_light"}));
+    expect_same(read_scanner(path), example());
+    const auto entries = read_opencv_storage(path);
+    EXPECT_EQ(entries.at("gamma").numbers, std::vector{2.25});
+    EXPECT_FALSE(entries.contains("Kc"));
+    write_file(path, std::string("no scanner"));
+    EXPECT_TRUE(replace_geometry(path, example()).empty());
+    expect_same(read_scanner(path), example());
+  }
 }
 
 TEST(ScannerFile, ComesBackAsItWasWritten) {

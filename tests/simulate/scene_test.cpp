@@ -88,6 +88,23 @@ TEST(Scene, ChessboardHasItsSquares) {
   EXPECT_EQ(board({25, 0, 0}), 0.9);
 }
 
+TEST(Textures, SoftEdgesRunThroughWhereTheSharpOnesAre) {
+  Image<std::uint8_t> picture({40, 30}, 0);
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 20; column < 40; ++column) picture(column, row) = 255;
+  }
+  const Texture soft = picture_texture(picture, 0.1, 0.2, 0.8, 0.25);
+  const Texture sharp = picture_texture(picture, 0.1, 0.2, 0.8);
+  EXPECT_EQ(sharp({-0.01, 0, 0}), 0.2);
+  EXPECT_EQ(sharp({0.01, 0, 0}), 0.8);
+  EXPECT_NEAR(soft({0, 0, 0}), 0.5, 1e-6);
+  for (const double x : {0.1, 0.25, 0.4}) {
+    const double normal_distribution = 0.5 * std::erfc(-x / 0.25 / std::sqrt(2));
+    EXPECT_NEAR(soft({x, 0, 0}), 0.2 + 0.6 * normal_distribution, 0.01) << x;
+    EXPECT_NEAR(soft({x, 0, 0}) + soft({-x, 0, 0}), 1, 1e-6) << x;
+  }
+}
+
 TEST(Mesh, RefusesWhatIsNoMesh) {
   EXPECT_THROW(MeshTree(Mesh{}), Error);
   EXPECT_THROW(MeshTree(Mesh{{Vector::Zero()}, {{0, 0, 1}}}), Error);

@@ -7,7 +7,7 @@
 
 namespace slipstream {
 
-/// The middle value; reorders what it is given, which is not empty.
+/// The middle value of a list that is not empty.
 inline double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -21,6 +21,11 @@ constexpr int column_nodes = 4;  // of a block's columns
 constexpr std::array<int, column_nodes> node_columns{1, 5, 10, 14};
 
 using Block = RayBlocks::Block;
+
+constexpr std::size_t index(int i) {
+  return static_cast<std::size_t>(i);
+}
+
 /// Rows: nodes or powers of p, columns: nodes or powers of t.
 using NodeArray = Eigen::Array<double, nodes, 1>;
 using Samples = Eigen::Matrix<double, nodes, column_nodes>;
@@ -82,8 +87,7 @@ struct Fit {
     spectrum = at_p.inverse();
     Eigen::Matrix<double, column_nodes, column_nodes> at_t;
     for (int i = 0; i < column_nodes; ++i) {
-      at_t.row(i) = chebyshev_polynomials<column_nodes>(
-          unit_column(node_columns[static_cast<std::size_t>(i)]));
+      at_t.row(i) = chebyshev_polynomials<column_nodes>(unit_column(node_columns[index(i)]));
     }
     across = at_t.inverse().transpose();
   }
@@ -92,7 +96,7 @@ struct Fit {
 int terms(int power_of_t) {
   constexpr std::array<int, column_nodes> kept{RayBlocks::constants, RayBlocks::slopes,
                                                RayBlocks::bends, 0};
-  return kept[static_cast<std::size_t>(power_of_t)];
+  return kept[index(power_of_t)];
 }
 
 constexpr RayBlocks::Range whole{-1, 1};
@@ -118,7 +122,7 @@ class KnotRow {
     Samples inverse_depth;
     double smallest = INFINITY, largest = -INFINITY;
     for (int i = 0; i < column_nodes; ++i) {
-      const auto at = inverse_depth_at(first_column + node_columns[static_cast<std::size_t>(i)]);
+      const auto at = inverse_depth_at(first_column + node_columns[index(i)]);
       inverse_depth.col(i) = at;
       smallest = std::min(smallest, at.minCoeff());
       largest = std::max(largest, at.maxCoeff());
@@ -173,14 +177,14 @@ class KnotRow {
   bool fill_ray(const Image<float>& E, int first_column, int place, Block& block) const {
     Eigen::Matrix<double, 1, column_nodes> samples;
     for (int i = 0; i < column_nodes; ++i) {
-      samples(i) = E(first_column + node_columns[static_cast<std::size_t>(i)], row_);
+      samples(i) = E(first_column + node_columns[index(i)], row_);
     }
     Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit_.across;
     if (!(std::abs(spectrum(3)) <= ray_tolerance)) return false;
     spectrum(3) = 0;
     const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit_.across_powers;
     for (int m = 0; m < 3; ++m) {
-      block.coefficients[static_cast<std::size_t>(place + m)] = static_cast<float>(monomials(m));
+      block.coefficients[index(place + m)] = static_cast<float>(monomials(m));
     }
     return true;
   }
@@ -212,7 +216,7 @@ bool is_quadratic(const std::array<const Block*, 4>& b, double inverse_depth_tol
   constexpr double share = 0.0642;  // of the third difference, at most
   const auto missed = [&](int first, int last) {
     double sum = 0;
-    for (auto i = static_cast<std::size_t>(first); i < static_cast<std::size_t>(last); ++i) {
+    for (auto i = index(first); i < index(last); ++i) {
       const auto c = [&](std::size_t k) { return double{b[k]->coefficients[i]}; };
       sum += share * std::abs(c(3) - 3 * c(2) + 3 * c(1) - c(0));
     }
@@ -231,13 +235,12 @@ RayBlocks::Row RayBlocks::at(int row) const {
   for (int k = 0; k < 3; ++k) {
     double weight = 1;
     for (int other = 0; other < 3; ++other) {
-      const int place = knot_rows[static_cast<std::size_t>(first + other)];
+      const int place = knot_rows[index(first + other)];
       if (other == k) continue;
-      weight *= static_cast<double>(row - place) /
-                (knot_rows[static_cast<std::size_t>(first + k)] - place);
+      weight *= static_cast<double>(row - place) / (knot_rows[index(first + k)] - place);
     }
-    blocks.knots[static_cast<std::size_t>(k)] = knots.row(first + k);
-    blocks.weights[static_cast<std::size_t>(k)] = static_cast<float>(weight);
+    blocks.knots[index(k)] = knots.row(first + k);
+    blocks.weights[index(k)] = static_cast<float>(weight);
   }
   blocks.described = described.row(first);
   return blocks;
@@ -262,7 +265,7 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
   Image<KnownBlock> known({across, down});
   const Fit fit(geometry.unit_coordinate);
   for_each_row(down, [&](int k) {
-    const KnotRow row(geometry, fit, rays, blocks.knot_rows[static_cast<std::size_t>(k)]);
+    const KnotRow row(geometry, fit, rays, blocks.knot_rows[index(k)]);
     for (int i = 0; i < across; ++i) {
       known(i, k) = row.fill(RayBlocks::first_column(i, size.width), blocks.knots(i, k));
     }

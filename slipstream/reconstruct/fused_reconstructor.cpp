@@ -94,10 +94,11 @@ float* coordinates(FusedScratch::Row& row) {
   return row.coordinate.data() + padding;
 }
 
-/// Where what is written would push out of the cache what is read, and rows are whole vectors.
+/// Where what is written would push out of the cache what is read, and rows start at whole vectors
+/// or at halves of the widest.
 bool written_past_cache(Size size) {
   constexpr int cached_pixels = 2'000'000;
-  return size.width % least_row_width == 0 &&
+  return size.width % (least_row_width / 2) == 0 &&
          std::int64_t{size.width} * size.height > cached_pixels;
 }
 

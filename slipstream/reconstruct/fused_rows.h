@@ -59,7 +59,7 @@ struct SinusoidRow {
   float* mean = nullptr;
   float* modulation = nullptr;    ///< grey levels
   std::int32_t* flags = nullptr;  ///< PixelFlag
-  bool past_cache = false;        ///< `mean` is aligned to whole vectors and written past the cache
+  bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
   bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
                          ///< mean left alone
 };
@@ -142,7 +142,7 @@ struct PointRow {
   float* y = nullptr;
   float* z = nullptr;
   Validity* validity = nullptr;
-  bool past_cache = false;  ///< x, y, z are aligned to whole vectors and written past the cache
+  bool past_cache = false;  ///< x, y, z are aligned to 8 floats and written past the cache
 };
 
 /// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include <hwy/highway.h>
 
@@ -33,10 +34,19 @@ HWY_INLINE void for_each_vector(int width, const Body& body) {
   for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
-/// Past the cache a picture that does not fit in it is not read before it is written.
+/// Past the cache a picture that does not fit in it is not read before it is written. `to` is then
+/// aligned to eight floats.
 HWY_INLINE void store(Floats values, float* to, bool past_cache) {
-  if (past_cache) return hn::Stream(values, FloatTag(), to);
-  hn::StoreU(values, FloatTag(), to);
+  const FloatTag d;
+  if (!past_cache) return hn::StoreU(values, d, to);
+#if HWY_MAX_BYTES == 64
+  if (reinterpret_cast<std::uintptr_t>(to) % 64 != 0) {
+    const hn::Half<FloatTag> half;
+    hn::Stream(hn::LowerHalf(half, values), half, to);
+    return hn::Stream(hn::UpperHalf(half, values), half, to + hn::Lanes(half));
+  }
+#endif
+  hn::Stream(values, d, to);
 }
 
 /// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:

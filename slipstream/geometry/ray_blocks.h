@@ -50,7 +50,7 @@ struct RayBlocks {
   static int first_column(int i, int row_width);
 };
 
-/// To 4e-7 of the field in the coordinate and 1e-7 in E_x, E_y where it is `described`. None for
+/// To 1e-6 of the field in the coordinate and 2.5e-7 in E_x, E_y where it is `described`. None for
 /// pictures less than a block wide or less than five knots high.
 std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
 

@@ -1,9 +1,8 @@
 #include "slipstream/phase/phase_correction.h"
 
 #include <cmath>
-#include <numbers>
-
 #include <limits>
+#include <numbers>
 
 #include <gtest/gtest.h>
 

@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include "slipstream/geometry/chebyshev.h"
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"
 
@@ -37,18 +38,6 @@ Eigen::Matrix<double, 1, count> chebyshev_polynomials(double x) {
   T(0) = 1;
   T(1) = x;
   for (int k = 2; k < count; ++k) T(k) = 2 * x * T(k - 1) - T(k - 2);
-  return T;
-}
-
-/// Row k: the coefficients of T_k.
-template <int count>
-Eigen::Matrix<double, count, count> chebyshev_coefficients() {
-  Eigen::Matrix<double, count, count> T = Eigen::Matrix<double, count, count>::Zero();
-  T(0, 0) = T(1, 1) = 1;
-  for (int k = 2; k < count; ++k) {
-    T.row(k).tail(count - 1) = 2 * T.row(k - 1).head(count - 1);
-    T.row(k) -= T.row(k - 2);
-  }
   return T;
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "slipstream/geometry/chebyshev.h"
 #include "slipstream/geometry/projection.h"
 
 namespace slipstream {
@@ -98,17 +99,6 @@ class ProjectorPlane {
   Eigen::Matrix3d inverse_intrinsic_;
 };
 
-/// Row k: the coefficients of the Chebyshev polynomial T_k.
-Eigen::Matrix<double, nodes, nodes> chebyshev_coefficients() {
-  Eigen::Matrix<double, nodes, nodes> T = Eigen::Matrix<double, nodes, nodes>::Zero();
-  T(0, 0) = T(1, 1) = 1;
-  for (int k = 2; k < nodes; ++k) {
-    T.row(k).tail(nodes - 1) = 2 * T.row(k - 1).head(nodes - 1);
-    T.row(k) -= T.row(k - 2);
-  }
-  return T;
-}
-
 /// From values at the nodes to coefficients of Chebyshev polynomials.
 Eigen::Matrix<double, nodes, nodes> chebyshev_transform() {
   Eigen::Matrix<double, nodes, nodes> transform;
@@ -146,7 +136,7 @@ std::optional<PlanePolynomial> fitted(const Samples& samples, double tolerance) 
       if (i + j > degree) spectrum(i, j) = 0;
     }
   }
-  const auto T = chebyshev_coefficients();
+  const auto T = chebyshev_coefficients<nodes>();
   const Samples monomials = T.transpose() * spectrum * T;
   PlanePolynomial polynomial{std::max(degree, 0), {}};
   for (int i = 0; i <= polynomial.degree; ++i) {
@@ -165,7 +155,7 @@ std::optional<std::array<double, StripeGeometry::edge_terms>> fitted_edge(
   NodeSamples spectrum = chebyshev_transform() * samples;
   if (spectrum.tail<nodes - terms>().lpNorm<1>() > edge_tolerance) return std::nullopt;
   spectrum.tail<nodes - terms>().setZero();
-  const NodeSamples monomials = chebyshev_coefficients().transpose() * spectrum;
+  const NodeSamples monomials = chebyshev_coefficients<nodes>().transpose() * spectrum;
   std::array<double, terms> edge{};
   std::copy_n(monomials.data(), terms, edge.begin());
   return edge;

@@ -75,8 +75,7 @@ Reproduction table_41(std::uint64_t /*seed*/) {
                             rms,
                             table});
   }
-  result.notes.emplace_back(
-      "Improved is the table that slipstream corrects with: all harmonics, no cost in time.");
+  result.notes.emplace_back("Improved is the table that slipstream corrects with: all harmonics.");
   return result;
 }
 

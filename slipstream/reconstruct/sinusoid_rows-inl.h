@@ -170,6 +170,47 @@ class DoubleSums {
   Doubles low_, high_;
 };
 
+/// a + b sqrt(5), of integers below 2^19, to a unit in the last place or two whatever cancels. It
+/// is what the cosines and sines of fifths of a circle leave of the sums of Eqs. (1.5), (1.6).
+HWY_INLINE Floats with_root_of_five(Ints a, Ints b) {
+#if HWY_NATIVE_FMA
+  const FloatTag d;
+  const Floats B = hn::ConvertTo(d, b);
+  // 2.25 and what is missing, in two parts: the first sum is exact, the next two are rounded once.
+  const Floats exact = hn::MulAdd(B, hn::Set(d, 2.25F), hn::ConvertTo(d, a));
+  const Floats most = hn::MulAdd(B, hn::Set(d, -0.01393202227F), exact);
+  return hn::MulAdd(B, hn::Set(d, -2.341203874e-10F), most);
+#else
+  DoubleSums sum;
+  sum.add(a, 1);
+  sum.add(b, 2.23606797749978969);
+  return sum.sum();
+#endif
+}
+
+/// N = 5, in both full phase channels: U is 10 C, and V 5 S / sin(2 pi / 5). Frames n and N - n
+/// have the same cosine and opposite sines.
+struct FifthSums {
+  FrameSums first;
+  Floats U, V;  ///< of the second channel
+};
+
+template <class Pixel>
+HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
+  const auto I = [&](std::size_t n) HWY_ATTR { return load_pixels(frames[n] + i); };
+  const auto twice = [](Ints v) HWY_ATTR { return hn::ShiftLeft<1>(v); };
+  const Ints I0 = I(0), I1 = I(1), I2 = I(2), I3 = I(3), I4 = I(4);
+  const Ints outer = hn::Add(I1, I4), inner = hn::Add(I2, I3), others = hn::Add(outer, inner);
+  const Ints rise = hn::Sub(I1, I4), inner_rise = hn::Sub(I2, I3);
+  const Ints whole = hn::Sub(hn::ShiftLeft<2>(I0), others);
+  const Ints root = hn::Sub(outer, inner);
+  return {{hn::Add(I0, others), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
+           with_root_of_five(whole, root),
+           with_root_of_five(hn::Sub(twice(rise), inner_rise), inner_rise)},
+          with_root_of_five(whole, hn::Neg(root)),
+          with_root_of_five(hn::Neg(hn::Add(rise, twice(inner_rise))), rise)};
+}
+
 template <class Pixel>
 HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const* frames,
                                   std::size_t i) {
@@ -297,25 +338,49 @@ HWY_INLINE void decode_with(const SinusoidStage& stage, const SinusoidLimits& li
   return decode_vectors<false, false>(stage, limits, row, sums);
 }
 
+/// The sums of N frames whose sums are compiled: closed_form_sums, or fifth_sums.
+template <int N, class Pixel>
+class CompiledSums {
+ public:
+  explicit HWY_INLINE CompiledSums(const Pixel* const* frames) {
+    std::copy_n(frames, N, frames_.begin());
+  }
+  HWY_INLINE FrameSums operator()(std::size_t i) const {
+    if constexpr (N == 5) return fifth_sums(frames_.data(), i).first;
+    if constexpr (N != 5) return closed_form_sums<N>(frames_.data(), i);
+  }
+
+ private:
+  std::array<const Pixel*, N> frames_;
+};
+
+/// Of any other N.
+template <class Pixel>
+class GeneralSums {
+ public:
+  HWY_INLINE GeneralSums(const SinusoidStage& stage, const Pixel* const* frames)
+      : stage_(stage), frames_(frames) {}
+  HWY_INLINE FrameSums operator()(std::size_t i) const { return general_sums(stage_, frames_, i); }
+
+ private:
+  const SinusoidStage& stage_;
+  const Pixel* const* frames_;
+};
+
 template <class Pixel>
 HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
                               const Pixel* const* frames, const SinusoidRow& row) {
-  const auto closed_form = [&]<int N>(std::integral_constant<int, N>) HWY_ATTR {
-    std::array<const Pixel*, N> rows;
-    std::copy_n(frames, N, rows.begin());
-    decode_with(stage, limits, row,
-                [rows](std::size_t i) HWY_ATTR { return closed_form_sums<N>(rows.data(), i); });
-  };
   switch (stage.steps) {
     case 3:
-      return closed_form(std::integral_constant<int, 3>());
+      return decode_with(stage, limits, row, CompiledSums<3, Pixel>(frames));
     case 4:
-      return closed_form(std::integral_constant<int, 4>());
+      return decode_with(stage, limits, row, CompiledSums<4, Pixel>(frames));
+    case 5:
+      return decode_with(stage, limits, row, CompiledSums<5, Pixel>(frames));
     case 6:
-      return closed_form(std::integral_constant<int, 6>());
+      return decode_with(stage, limits, row, CompiledSums<6, Pixel>(frames));
     default:
-      return decode_with(stage, limits, row,
-                         [&](std::size_t i) HWY_ATTR { return general_sums(stage, frames, i); });
+      return decode_with(stage, limits, row, GeneralSums<Pixel>(stage, frames));
   }
 }
 

@@ -1,18 +1,17 @@
 #include "slipstream/io/recording.h"
 
-#include <csignal>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
+#include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {
@@ -183,26 +182,6 @@ TEST(Recording, BadHeaderLeavesNoFile) {
   EXPECT_THROW(RecordingWriter(folder.path() / "no" / "frames", {.format = some_format}),
                WorldError);
 }
-
-/// While it lives, files may grow to `bytes`: a disk that is full, without one.
-class SmallDisk {
- public:
-  explicit SmallDisk(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
-    ::getrlimit(RLIMIT_FSIZE, &before_);
-    const rlimit small{bytes, before_.rlim_max};
-    ::setrlimit(RLIMIT_FSIZE, &small);
-  }
-  SmallDisk(const SmallDisk&) = delete;
-  SmallDisk& operator=(const SmallDisk&) = delete;
-  ~SmallDisk() {
-    ::setrlimit(RLIMIT_FSIZE, &before_);
-    std::signal(SIGXFSZ, handler_);
-  }
-
- private:
-  rlimit before_{};
-  void (*handler_)(int);
-};
 
 TEST(Recording, FullDiskEndsItWithTheFrameBefore) {
   const TemporaryFolder folder;

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/camera/aravis_connection.h"
-#include "slipstream/camera/frame_count.h"
+#include "slipstream/capture/frame_count.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream {
@@ -38,12 +38,10 @@ class AravisSource::Camera {
 
   void start() {
     connection_->start();
-    started_ = true;
     begin();
   }
 
   void stop() {
-    started_ = false;
     if (seeking_.valid()) bury(seeking_.get());
     if (connection_) connection_->stop();
   }
@@ -97,7 +95,6 @@ class AravisSource::Camera {
 
   void begin() {
     count_.begin(connection_->first_number());
-    expected_ = count_.start();
     first_frame_ = true;
     last_heard_ = steady_clock::now();
   }
@@ -129,21 +126,16 @@ class AravisSource::Camera {
 
   std::uint64_t count(std::uint64_t number) {
     // Few cameras count on from the frames before the start.
-    constexpr std::uint64_t far = 1000;
-    if (first_frame_ && number > connection_->first_number() + far) count_.begin(number);
-    const std::uint64_t start = count_.start();
-    const std::uint64_t sequence = count_(number);
-    if (first_frame_ || count_.start() != start) expected_ = count_.start();
-    first_frame_ = false;
-    if (sequence >= expected_) {
-      lost_ += sequence - expected_;
-      expected_ = sequence + 1;
+    if (first_frame_ && number > connection_->first_number() + FrameCount::far) {
+      count_.begin(number);
     }
+    first_frame_ = false;
+    const std::uint64_t sequence = count_(number);
+    lost_ = count_.missing();
     return sequence;
   }
 
   void lose() {
-    lost_since_ = steady_clock::now();
     resent_before_ += resent_.exchange(0);
     std::shared_ptr<AravisConnection> lost;
     {
@@ -202,12 +194,9 @@ class AravisSource::Camera {
   const FrameFormat format_;
   std::string state_;
 
-  bool started_ = false;
   FrameCount count_;
   bool first_frame_ = true;
-  std::uint64_t expected_ = 0;
   steady_clock::time_point last_heard_;
-  steady_clock::time_point lost_since_;
   std::future<std::shared_ptr<AravisConnection>> seeking_;
   std::vector<std::future<void>> burials_;
 

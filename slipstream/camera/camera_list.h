@@ -1,19 +1,10 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
-namespace slipstream {
+#include "slipstream/capture/camera_description.h"
 
-/// A camera that was found.
-struct CameraDescription {
-  std::string name;  ///< opens it: AravisSource, or a number for V4l2Source
-  std::string vendor;
-  std::string model;
-  std::string serial;
-  std::string address;   ///< of the network or the bus
-  std::string protocol;  ///< "GigEVision", "USB3Vision"
-};
+namespace slipstream {
 
 /// GenICam cameras that answer, on all networks and USB. Takes about a second.
 std::vector<CameraDescription> list_genicam_cameras();

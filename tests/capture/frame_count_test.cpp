@@ -1,4 +1,4 @@
-#include "slipstream/camera/frame_count.h"
+#include "slipstream/capture/frame_count.h"
 
 #include <gtest/gtest.h>
 
@@ -15,6 +15,7 @@ TEST(FrameCount, GoesOnWhereNumbersOf16BitsBeginAgain) {
     }
     number = number == 65535 ? 1 : number + 1;
   }
+  EXPECT_EQ(count.missing(), 200U);
 }
 
 TEST(FrameCount, LongNumbersDoNotWrap) {

@@ -21,6 +21,7 @@ enum PixelFlag : std::int32_t {
   dark = 1,            ///< a modulation below the threshold
   saturated = 2,       ///< a frame at full scale, where such pixels are dropped
   doubtful_order = 4,  ///< low and high frequency disagree by more than the consensus lets pass
+  dim = 8,             ///< a modulation within the noise: nobody asks such a neighbour
 };
 
 /// How the N frames of one sinusoid become a phase. U = sum u_n I_n and V = sum v_n I_n stand for

@@ -217,26 +217,41 @@ HWY_INLINE Floats corrected_by_table(const SinusoidStage& stage, Floats turn) {
   return hn::Add(turn, hn::MulAdd(part, rise, added));
 }
 
+/// Wrapped phase in turns.
+template <Correction correction>
+HWY_INLINE Floats corrected_turn(const SinusoidStage& stage, const FrameSums& sums) {
+  const Floats V = hn::Mul(hn::Set(FloatTag(), stage.sine_weight), sums.V);
+  const Floats turn = angle_in_turns(V, sums.U);
+  if constexpr (correction == Correction::wave) return corrected_by_wave(stage, turn);
+  if constexpr (correction == Correction::table) return corrected_by_table(stage, turn);
+  return turn;
+}
+
+/// U^2 + sine_square V^2: V^2 of integers is exact, the square of its rounded multiple is not.
+HWY_INLINE Floats modulation_square(const SinusoidStage& stage, const FrameSums& sums) {
+  const Floats weight = hn::Set(FloatTag(), stage.sine_square);
+  return hn::MulAdd(hn::Mul(weight, sums.V), sums.V, hn::Mul(sums.U, sums.U));
+}
+
+/// `dark` and `saturated`.
+HWY_INLINE Ints exposure_flags(const SinusoidLimits& limits, const FrameSums& sums, Floats square) {
+  const FloatTag d;
+  const IntTag di;
+  const auto is_dark = hn::Lt(square, hn::Set(d, limits.least_square));
+  const auto is_saturated = hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1));
+  return hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dark), hn::Set(di, PixelFlag::dark)),
+                hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
+}
+
 /// What one row of a sinusoid is to give: each kind is compiled on its own.
 template <bool another, bool with_modulation, Correction correction>
 HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
-  const Floats V = hn::Mul(hn::Set(d, stage.sine_weight), sums.V);
-  Floats turn = angle_in_turns(V, sums.U);
-  if constexpr (correction == Correction::wave) turn = corrected_by_wave(stage, turn);
-  if constexpr (correction == Correction::table) turn = corrected_by_table(stage, turn);
-  hn::StoreU(turn, d, row.turn + i);
-
-  // V^2 of integers is exact, the square of its rounded multiple is not.
-  const float weight = stage.sine_square;
-  const Floats square =
-      hn::MulAdd(hn::Mul(hn::Set(d, weight), sums.V), sums.V, hn::Mul(sums.U, sums.U));
-  const auto is_dark = hn::Lt(square, hn::Set(d, limits.least_square));
-  const auto is_saturated = hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1));
-  Ints flags = hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dark), hn::Set(di, PixelFlag::dark)),
-                      hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
+  hn::StoreU(corrected_turn<correction>(stage, sums), d, row.turn + i);
+  const Floats square = modulation_square(stage, sums);
+  Ints flags = exposure_flags(limits, sums, square);
   if constexpr (another) flags = hn::Or(flags, hn::LoadU(di, row.flags + i));
   hn::StoreU(flags, di, row.flags + i);
 
@@ -251,6 +266,14 @@ HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits&
   }
 }
 
+/// Calls `decode` compiled for how this stage is corrected.
+template <class Decode>
+HWY_INLINE void with_correction(const SinusoidStage& stage, const Decode& decode) {
+  if (!stage.correction_wave.empty()) return decode.template operator()<Correction::wave>();
+  if (!stage.correction.empty()) return decode.template operator()<Correction::table>();
+  decode.template operator()<Correction::none>();
+}
+
 template <bool another, bool with_modulation, class Sums>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const SinusoidRow& row, const Sums& sums) {
@@ -259,9 +282,7 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
       store_sinusoid<another, with_modulation, correction>(stage, limits, sums(i), row, i);
     });
   };
-  if (!stage.correction_wave.empty()) return decode.template operator()<Correction::wave>();
-  if (!stage.correction.empty()) return decode.template operator()<Correction::table>();
-  decode.template operator()<Correction::none>();
+  with_correction(stage, decode);
 }
 
 template <class Sums>

@@ -52,6 +52,7 @@ int run_program(int argc, char** argv) {
   add_design(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
 #ifdef SLIPSTREAM_VIEW
+  add_project(program, shared, chosen);
   add_view(program, shared, chosen);
 #endif
   add_reproduce(program, shared, chosen);

@@ -27,13 +27,13 @@ struct StageStatistics {
 /// Measured all the time; the counts are from the start.
 struct LiveStatistics {
   struct Frames {
-    std::uint64_t captured = 0;     ///< came whole
+    std::uint64_t captured = 0;     ///< came whole, each counted once
     std::uint64_t lost = 0;         ///< gaps in the sequence and damaged frames
     std::uint64_t overwritten = 0;  ///< came whole, but nobody had time for them
     std::uint64_t repeated = 0;     ///< came again, or too late to be put in order
   } frames;
   std::uint64_t clouds = 0;
-  std::uint64_t windows_lost = 0;        ///< without a cloud, since one of their frames was missing
+  std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or slipped
   std::uint64_t resynchronisations = 0;  ///< pattern indices found slipped, and set right
   double seconds = 0;                    ///< since the start
   double clouds_per_second = 0;          ///< over the whole time

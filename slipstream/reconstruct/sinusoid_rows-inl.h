@@ -34,6 +34,23 @@ HWY_INLINE void for_each_vector(int width, const Body& body) {
   for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
 }
 
+/// Vectors that are worked on together: each operation of one waits for the one before it, and the
+/// others fill the wait.
+#if HWY_MAX_BYTES == 64
+inline constexpr std::size_t at_once = 4;
+#else
+inline constexpr std::size_t at_once = 2;
+#endif
+
+template <std::size_t count>
+using Several = std::array<Floats, count>;
+
+/// One step of the work on each of them, written out so that all stay in registers.
+template <std::size_t count, class Step>
+HWY_INLINE void each(const Step& step) {
+  HWY_UNROLL(16) for (std::size_t k = 0; k < count; ++k) step(k);
+}
+
 /// Past the cache a picture that does not fit in it is not read before it is written. `to` is then
 /// aligned to eight floats.
 HWY_INLINE void store(Floats values, float* to, bool past_cache) {
@@ -58,6 +75,17 @@ HWY_INLINE Floats quotient(Floats a, Floats b) {
   return hn::MulAdd(r, hn::NegMulAdd(b, q, a), q);
 #else
   return hn::Div(a, b);
+#endif
+}
+
+/// 1 / b as `quotient` has it.
+HWY_INLINE Floats reciprocal(Floats b) {
+  const Floats one = hn::Set(FloatTag(), 1.0F);
+#if HWY_ARCH_X86
+  const Floats r = hn::ApproximateReciprocal(b);
+  return hn::MulAdd(r, hn::NegMulAdd(b, r, one), r);
+#else
+  return hn::Div(one, b);
 #endif
 }
 

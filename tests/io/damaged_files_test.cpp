@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
@@ -120,6 +121,14 @@ const std::vector<Format> formats{
                   "end_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
      },
      [](const auto& path) { read_mesh(path); }},
+    {"cloud.ply",
+     [](const auto& path) {
+       write_file(path,
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                  "property float z\nproperty uchar red\nproperty float intensity\nend_header\n"
+                  "0 0 500 3 17\n1 0 501.5 4 18\nnan 1 2 3 4\n");
+     },
+     [](const auto& path) { (void)read_cloud(path); }},
     {"frames.recording",
      [](const auto& path) {
        RecordingWriter writer(

@@ -43,7 +43,7 @@ float brightness(vec3 point) {
   bool on_one_surface = length(across) < largest_step && length(down) < largest_step;
   vec3 normal = cross(across, down);
   float size = length(normal);
-  if (!(on_one_surface && size > 0.0)) return 0.62;
+  if (!(on_one_surface && size > 0.0)) return 0.82;
   return 0.30 + 0.70 * abs(dot(normal, towards_light)) / size;
 }
 
@@ -73,16 +73,6 @@ out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }
 )";
 
-void upload_colours(const opengl::Resource& texture, const ColourMap& map) {
-  glBindTexture(GL_TEXTURE_2D, texture.number());
-  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB8, static_cast<GLsizei>(map.size()), 1, 0, GL_RGB,
-               GL_UNSIGNED_BYTE, map.data());
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-}
-
 std::array<float, 3> as_array(const glm::vec3& vector) {
   return {vector.x, vector.y, vector.z};
 }
@@ -95,10 +85,12 @@ constexpr std::size_t slope_reach = 3;
 
 PointRenderer::PointRenderer()
     : program_({.vertex = vertex_shader, .fragment = fragment_shader}),
-      vertex_array_(opengl::make_vertex_array()),
-      colours_(opengl::make_texture()) {
+      vertex_array_(opengl::make_vertex_array()) {
   for (opengl::Resource& buffer : buffers_) buffer = opengl::make_buffer();
-  upload_colours(colours_, depth_colours());
+  const ColourMap map = depth_colours();
+  Image<Colour> colours({static_cast<int>(map.size()), 1});
+  std::copy(map.begin(), map.end(), colours.begin());
+  colours_.upload(colours);
 }
 
 void PointRenderer::upload(const PointImages& cloud, const Image<float>& value) {

@@ -6,6 +6,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include "slipstream/opengl/picture_texture.h"
 #include "slipstream/opengl/resource.h"
 #include "slipstream/opengl/shader_program.h"
 #include "slipstream/view/cloud_extent.h"
@@ -49,7 +50,7 @@ class PointRenderer {
   opengl::ShaderProgram program_;
   opengl::Resource vertex_array_;
   std::array<opengl::Resource, 4> buffers_;  ///< x, y, z, value
-  opengl::Resource colours_;
+  opengl::PictureTexture colours_;
   std::size_t count_ = 0;
   std::size_t width_ = 0;
   bool organised_ = false;

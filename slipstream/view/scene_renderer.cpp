@@ -35,9 +35,10 @@ void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modu
   values_ = robust_range(value);
 }
 
-void SceneRenderer::draw(const ViewSettings& settings, const SceneLight& light, Size picture,
+void SceneRenderer::draw(const ViewSettings& settings, const SceneLight& light, const Pane& pane,
                          float pixel_ratio) const {
-  glViewport(0, 0, picture.width, picture.height);
+  const Size picture = pane.size;
+  glViewport(pane.left, pane.bottom, picture.width, picture.height);
   glClearColor(background.r, background.g, background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 

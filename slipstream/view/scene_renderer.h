@@ -18,6 +18,13 @@ struct SceneLight {
 /// brightness. Liu 2010, Eq. (3.3): reflectivity 0 has a mean of beta.
 Range grey_range(PointColour colour, const Range& range, const SceneLight& light, float brightness);
 
+/// A part of the framebuffer, in pixels from its lower left corner.
+struct Pane {
+  int left = 0;
+  int bottom = 0;
+  Size size;
+};
+
 /// The cloud with its floor, its reflection in it and the axes.
 class SceneRenderer {
  public:
@@ -28,9 +35,9 @@ class SceneRenderer {
   void set_extent(const CloudExtent& extent) { extent_ = extent; }
   [[nodiscard]] const CloudExtent& extent() const { return extent_; }
 
-  /// Into the bound framebuffer of that size, over all of it. `pixel_ratio`: by how much lines are
+  /// Into a pane of the bound framebuffer, which is cleared. `pixel_ratio`: by how much lines are
   /// wider than a pixel, on a HiDPI screen.
-  void draw(const ViewSettings& settings, const SceneLight& light, Size picture,
+  void draw(const ViewSettings& settings, const SceneLight& light, const Pane& pane,
             float pixel_ratio = 1) const;
 
  private:

@@ -1,5 +1,5 @@
 // What is drawn off-screen, looked at pixel by pixel. Skipped where there is no OpenGL.
-#include "slipstream/view/snapshot.h"
+#include "slipstream/view/scene_renderer.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -27,7 +27,7 @@ ViewSettings bare() {
           .camera = {.target = in_display_frame({0, 0, 600}), .distance = 600}};
 }
 
-class Snapshot : public testing::Test {
+class SceneRendererTest : public testing::Test {
  protected:
   void SetUp() override {
     try {
@@ -44,7 +44,7 @@ class Snapshot : public testing::Test {
     scene.set_cloud(cloud.images(), nullptr, settings.colour);
     const opengl::RenderTarget target(size);
     target.bind();
-    scene.draw(settings, {}, size);
+    scene.draw(settings, {}, {.size = size});
     return opengl::read_pixels(size);
   }
 
@@ -60,7 +60,7 @@ int brightness(const Colour& colour) {
   return colour.red + colour.green + colour.blue;
 }
 
-TEST_F(Snapshot, DrawsAPointAtThePixelWhereItIs) {
+TEST_F(SceneRendererTest, DrawsAPointAtThePixelWhereItIs) {
   MadeUpCloud cloud({2, 2});
   cloud.put(0, 0, 40, -30, 600, 200);
   const ViewSettings settings = bare();
@@ -82,7 +82,7 @@ TEST_F(Snapshot, DrawsAPointAtThePixelWhereItIs) {
   EXPECT_GE(lit, 1);
 }
 
-TEST_F(Snapshot, DrawsNothingForPixelsWithoutAPoint) {
+TEST_F(SceneRendererTest, DrawsNothingForPixelsWithoutAPoint) {
   const ViewSettings settings = bare();
   const Colour nothing = background(settings);
   for (const bool organised : {true, false}) {
@@ -93,7 +93,7 @@ TEST_F(Snapshot, DrawsNothingForPixelsWithoutAPoint) {
   }
 }
 
-TEST_F(Snapshot, ShowsBrightSurfacesBrightAndOnTheirSide) {
+TEST_F(SceneRendererTest, ShowsBrightSurfacesBrightAndOnTheirSide) {
   const MadeUpCloud cloud = wall({160, 120}, 600);
   for (const Size size : {picture, Size{400, 700}, Size{801, 333}}) {
     ViewSettings settings = bare();
@@ -109,7 +109,7 @@ TEST_F(Snapshot, ShowsBrightSurfacesBrightAndOnTheirSide) {
   }
 }
 
-TEST_F(Snapshot, ColoursDepthFromRedToBlue) {
+TEST_F(SceneRendererTest, ColoursDepthFromRedToBlue) {
   MadeUpCloud cloud = wall({160, 120}, 600);
   for (int row = 0; row < 120; ++row) {
     for (int column = 80; column < 160; ++column) cloud.z(column, row) = 700;
@@ -123,7 +123,7 @@ TEST_F(Snapshot, ColoursDepthFromRedToBlue) {
   EXPECT_GT(far_colour.blue, far_colour.red + 50);
 }
 
-TEST_F(Snapshot, ReflectsTheCloudInTheFloorDimmed) {
+TEST_F(SceneRendererTest, ReflectsTheCloudInTheFloorDimmed) {
   // A small bright plate well above the floor.
   MadeUpCloud cloud = wall({60, 60}, 600);
   for (float& x : cloud.x) x *= 0.2F;
@@ -147,7 +147,7 @@ TEST_F(Snapshot, ReflectsTheCloudInTheFloorDimmed) {
   EXPECT_EQ(with(160, 120), without(160, 120));
 }
 
-TEST_F(Snapshot, LightensSlopesTowardsTheLight) {
+TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
   ViewSettings settings = bare();
   settings.shaded = true;
   settings.point_size = 2;
@@ -164,23 +164,9 @@ TEST_F(Snapshot, LightensSlopesTowardsTheLight) {
   EXPECT_GT(brightness_of_slope(-0.4F), brightness_of_slope(0) + 20);
 }
 
-TEST_F(Snapshot, RefusesAPictureThatCannotBe) {
+TEST_F(SceneRendererTest, RefusesAPictureThatCannotBe) {
   EXPECT_THROW(opengl::RenderTarget({0, 100}), Error);
   EXPECT_THROW(opengl::RenderTarget({1 << 20, 10}), Error);
-}
-
-TEST(WholeSnapshot, FitsTheCloudIntoThePicture) {
-  const MadeUpCloud cloud = wall({160, 120}, 600);
-  Image<Colour> image;
-  try {
-    image = render_snapshot(cloud.images(), nullptr, {}, {}, picture);
-  } catch (const WorldError& error) {
-    GTEST_SKIP() << error.what();
-  }
-  const auto bright = std::count_if(image.begin(), image.end(),
-                                    [](Colour colour) { return brightness(colour) > 350; });
-  EXPECT_GT(bright, 320 * 240 / 20);
-  EXPECT_LT(bright, 320 * 240 / 2);
 }
 
 }  // namespace

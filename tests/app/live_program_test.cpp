@@ -154,7 +154,7 @@ TEST(LiveProgram, refuses_what_cannot_be) {
   expect_refused(with(small, {"--indexing", "guess"}), "guess");
   expect_refused(with(small, {"--gamma", "blind"}), "blind");
   expect_refused(with(small, {"-o", "cloud.txt"}), "cloud.txt");
-  expect_refused(with(small, {"--frequency", "5"}), "5");
+  expect_refused(with(small, {"--frequency", "5"}), "frequency");
 }
 
 }  // namespace

@@ -50,16 +50,16 @@ Recorder::~Recorder() {
   }
 }
 
-bool Recorder::record(const Frame& frame) {
+bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
+  Pooled<Frame> kept;
   {
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
+    room_.wait_for(lock, patience, [&] { return ended_ || (kept = pool_.take()); });
     if (ended_) return false;
-  }
-  Pooled<Frame> kept = pool_.take();
-  if (!kept) {
-    const std::lock_guard lock(mutex_);
-    ++counts_.lost;
-    return false;
+    if (!kept) {
+      ++counts_.lost;
+      return false;
+    }
   }
   copy_frame(frame, kept.fill());
   {
@@ -106,6 +106,7 @@ void Recorder::write_all() {
       for (Pooled<Frame>& frame : taken) {
         writer_.append(*frame);
         frame = {};  // its memory is free for the next
+        room_.notify_one();
       }
     }
     writer_.finish();
@@ -117,6 +118,7 @@ void Recorder::write_all() {
     counts_.written = writer_.count();
     ended_ = true;
     waiting_.clear();
+    room_.notify_one();
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -29,9 +30,11 @@ class Recorder {
   Recorder& operator=(const Recorder&) = delete;
   ~Recorder();  ///< finishes; an error is lost then
 
-  /// Copies the frame, which has the header's format, into the queue. One thread calls it. False
-  /// where the frame is not kept: the queue is full, or the recording has ended.
-  bool record(const Frame& frame);
+  /// Copies the frame, which has the header's format, into the queue. One thread calls it. Where
+  /// the queue is full it waits for room, `patience` at most. False where the frame is not kept: no
+  /// room came, or the recording has ended.
+  bool record(const Frame& frame,
+              std::chrono::milliseconds patience = std::chrono::milliseconds(0));
   /// Writes what waits, marks the end and closes the file. Throws WorldError where the recording
   /// has failed, then or before.
   void finish();
@@ -50,7 +53,8 @@ class Recorder {
   RecordingWriter writer_;
   Pool<Frame> pool_;
   mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable changed_;  ///< frames wait, or it has ended
+  std::condition_variable room_;     ///< a frame was written, or it has ended
   std::vector<Pooled<Frame>> waiting_;
   Counts counts_;
   std::string error_;

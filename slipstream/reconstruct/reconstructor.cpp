@@ -20,13 +20,7 @@ Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const Fr
   reconstruct(frames, decoding);
   FusedCloud points;
   reconstruct(frames, points);
-  Cloud cloud;
-  cloud.x = widened(points.x);
-  cloud.y = widened(points.y);
-  cloud.z = widened(points.z);
-  cloud.intensity = std::move(points.intensity);
-  cloud.validity = std::move(points.validity);
-  return {std::move(cloud),
+  return {cloud_of(points),
           {.mean = widened(decoding.mean),
            .modulation = widened(decoding.modulation),
            .wrapped_phase = widened(decoding.wrapped_phase),
@@ -35,6 +29,16 @@ Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const Fr
 }
 
 }  // namespace
+
+Cloud cloud_of(const FusedCloud& points) {
+  Cloud cloud;
+  cloud.x = widened(points.x);
+  cloud.y = widened(points.y);
+  cloud.z = widened(points.z);
+  cloud.intensity = points.intensity;
+  cloud.validity = points.validity;
+  return cloud;
+}
 
 /// The double-precision path, whose tables take long to build: built when it is first wanted.
 class Reconstructor::InDouble {

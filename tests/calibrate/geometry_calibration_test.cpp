@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <ostream>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -14,6 +15,11 @@
 #include "tests/io/expect_error.h"
 
 namespace slipstream {
+
+void PrintTo(const CalibrationBoard& board, std::ostream* out) {
+  *out << name_of(board.kind);
+}
+
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;

@@ -42,6 +42,15 @@ TEST(Recorder, WritesEveryFrameThatItTook) {
   }
 }
 
+TEST(Recorder, LosesNothingOfWhoWaitsForRoom) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder.path() / "frames", {.format = some_format}, 0);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(recorder.record(some_frame(i), 10s));
+  recorder.finish();
+  EXPECT_EQ(recorder.counts().written, 500U);
+  EXPECT_EQ(recorder.counts().lost, 0U);
+}
+
 TEST(Recorder, FinishesWhenItGoes) {
   const TemporaryFolder folder;
   {

@@ -51,6 +51,9 @@ int run_program(int argc, char** argv) {
   add_calibrate(program, shared, chosen);
   add_design(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
+#ifdef SLIPSTREAM_VIEW
+  add_view(program, shared, chosen);
+#endif
   add_reproduce(program, shared, chosen);
   add_bench(program, shared, chosen);
 

@@ -19,6 +19,9 @@ namespace slipstream {
 /// another shape, or not a number.
 Scanner read_scanner(const std::filesystem::path& path);
 
+/// The same of such a file's text; `name` is what a message calls it.
+Scanner scanner_from(const std::string& text, const std::string& name);
+
 /// Writes slipstream's layout, YAML or (ending .xml) XML.
 void write_scanner(const std::filesystem::path& path, const Scanner& scanner);
 

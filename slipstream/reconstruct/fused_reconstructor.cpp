@@ -19,25 +19,27 @@ constexpr std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Before the first and after the last pixel stands NaN, which confirms no neighbour.
-void prepare(FusedScratch::Row& row, int width) {
-  row.coordinate.assign(index(width + 2 * padding), std::numeric_limits<float>::quiet_NaN());
-  row.flags.resize(index(width));
-}
-
-void prepare(FusedScratch& scratch, int width, int frames) {
-  if (scratch.turn.size() != index(width)) {
-    for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
-    scratch.turn.resize(index(width));
-    scratch.low_turn.resize(index(width));
-    scratch.mean.resize(index(width));
-  }
-  std::apply([&](auto&... rows) { (rows.resize(index(frames)), ...); }, scratch.frames);
-}
-
 template <class Pixel>
 void prepare(Image<Pixel>& image, Size size) {
   if (image.size() != size) image = Image<Pixel>(size);
+}
+
+/// Before the first and after the last pixel stands NaN, which confirms no neighbour.
+void prepare(FusedScratch::Row& row, int width) {
+  prepare(row.coordinate, {width + 2 * padding, 1});
+  std::fill(row.coordinate.begin(), row.coordinate.end(), std::numeric_limits<float>::quiet_NaN());
+  prepare(row.flags, {width, 1});
+}
+
+void prepare(FusedScratch& scratch, int width, int frames) {
+  if (scratch.turn.width() != width) {
+    for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
+    for (Image<float>* row : {&scratch.turn, &scratch.low_turn, &scratch.mean}) {
+      prepare(*row, {width, 1});
+    }
+    scratch.unused_flags.resize(index(width));
+  }
+  std::apply([&](auto&... rows) { (rows.resize(index(frames)), ...); }, scratch.frames);
 }
 
 void prepare(FusedCloud& cloud, Size size, bool) {
@@ -52,12 +54,12 @@ void prepare(FusedDepth& depth, Size size, bool) {
   prepare(depth.validity, size);
 }
 
-void prepare(FusedDecoding& decoding, Size size, bool two_frequencies) {
+void prepare(FusedDecoding& decoding, Size size, bool doubtful) {
   for (Image<float>* image :
        {&decoding.mean, &decoding.modulation, &decoding.wrapped_phase, &decoding.coordinate}) {
     prepare(*image, size);
   }
-  prepare(decoding.fringe_order_doubt, two_frequencies ? size : Size{});
+  prepare(decoding.fringe_order_doubt, doubtful ? size : Size{});
 }
 
 /// One scan on its way through the stages.
@@ -65,8 +67,10 @@ template <class Pixel>
 struct Pass {
   const FusedStages& stages;
   const Frames<Pixel>& frames;
+  double full_scale;
   SinusoidLimits limits;
   SinusoidLimits low_limits;
+  CueLimits cue_limits;
 
   [[nodiscard]] int width() const { return frames.front().width(); }
   [[nodiscard]] int height() const { return frames.front().height(); }
@@ -84,14 +88,15 @@ struct Pass {
     decode_row(stages.sinusoid, limits, rows, kept);
     if (!stages.low) return;
     SinusoidRow low = kept;
-    low.turn = scratch.low_turn.data();
+    low.turn = scratch.low_turn.begin();
     low.another = true;
+    low.only_lit = kept.modulation == nullptr;
     decode_row(stages.low->sinusoid, low_limits, rows + stages.sinusoid.steps, low);
   }
 };
 
 float* coordinates(FusedScratch::Row& row) {
-  return row.coordinate.data() + padding;
+  return row.coordinate.begin() + padding;
 }
 
 /// Where what is written would push out of the cache what is read, and rows start at whole vectors
@@ -108,7 +113,7 @@ constexpr bool keeps_intensity = std::is_same_v<Output, FusedCloud>;
 template <class Output>
 float* intensity_row(Output& output, int row, FusedScratch& scratch) {
   if constexpr (keeps_intensity<Output>) return output.intensity.row(row);
-  return scratch.mean.data();
+  return scratch.mean.begin();
 }
 
 template <class Output>
@@ -129,8 +134,8 @@ PointRow point_output(const FusedStages& stages, Output& output, int row) {
 template <class Pixel, class Output>
 void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
                    Output& output) {
-  float* turn = scratch.turn.data();
-  std::int32_t* flags = scratch.rows[0].flags.data();
+  float* turn = scratch.turn.begin();
+  std::int32_t* flags = scratch.rows[0].flags.begin();
   for (int row = first; row < last; ++row) {
     pass.decode(row, scratch,
                 {.width = pass.width(),
@@ -145,37 +150,162 @@ void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
   }
 }
 
-/// The coordinates of each row are kept until those below it are known, for its neighbours confirm
-/// them.
+/// Rows whose neighbours confirm them: the coordinates of each are kept until those below it are
+/// known. `fill(row, kept)` gives a row its coordinates and flags.
+template <class Output, class Fill>
+void confirmed_rows(const FusedStages& stages, const ConsensusStage& consensus, int first, int last,
+                    FusedScratch& scratch, Output& output, const Fill& fill) {
+  const Size size = output.z.size();
+  const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
+  const auto fill_if_there = [&](int row) {
+    if (row < 0 || row >= size.height) return prepare(kept(row), size.width);
+    fill(row, kept(row));
+  };
+  fill_if_there(first - 1);
+  fill_if_there(first);
+  for (int row = first; row < last; ++row) {
+    fill_if_there(row + 1);
+    PointRow points = point_output(stages, output, row);
+    points.flags = kept(row).flags.begin();
+    points.above = coordinates(kept(row - 1));
+    points.coordinate = coordinates(kept(row));
+    points.below = coordinates(kept(row + 1));
+    point_row(stages.point, consensus, points);
+  }
+}
+
 template <class Pixel, class Output>
 void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
                      Output& output) {
-  const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
-  const auto decode = [&](int row) {
-    if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
+  const auto decode = [&](int row, FusedScratch::Row& kept) {
     const bool ours = row >= first && row < last;
-    std::int32_t* flags = kept(row).flags.data();
+    std::int32_t* flags = kept.flags.begin();
     pass.decode(
         row, scratch,
         {.width = pass.width(),
-         .turn = scratch.turn.data(),
-         .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.data(),
+         .turn = scratch.turn.begin(),
+         .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.begin(),
          .flags = flags,
          .past_cache = ours && keeps_intensity<Output> && written_past_cache(output.z.size())});
-    unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.data(), scratch.low_turn.data(),
-               PixelFlag::dark, {.coordinate = coordinates(kept(row)), .flags = flags});
+    unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.begin(),
+               scratch.low_turn.begin(), PixelFlag::dark,
+               {.coordinate = coordinates(kept), .flags = flags});
   };
+  confirmed_rows(pass.stages, pass.stages.low->consensus, first, last, scratch, output, decode);
+}
+
+/// Where the row of a multiplexed scan goes beside the picture.
+template <class Output>
+MultiplexedRow multiplexed_output(Output& output, int row, FusedScratch& scratch) {
+  return {.mean = intensity_row(output, row, scratch),
+          .past_cache = keeps_intensity<Output> && written_past_cache(output.z.size())};
+}
+
+MultiplexedRow multiplexed_output(FusedDecoding& output, int row, FusedScratch& scratch) {
+  return {.mean = output.mean.row(row),
+          .turn = scratch.turn.begin(),
+          .modulation = output.modulation.row(row),
+          .doubt = output.fringe_order_doubt.row(row),
+          .unhidden_coordinate = output.coordinate.row(row)};
+}
+
+/// Frames to coordinates by each pixel alone, and the pixels with whom a neighbour may disagree:
+/// each row is asked when the one below it is known. A row past the band is another's, and decoded
+/// for itself.
+template <class Pixel, class Output>
+void decode_multiplexed_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
+                             Output& output) {
+  const FusedStages::Cue& cue = *pass.stages.cue;
+  const auto is_ours = [&](int row) { return row >= first && row < last; };
+  const auto place = [&](int row) {
+    if (is_ours(row) || row < 0 || row >= pass.height()) return output.between.coordinates(row);
+    return coordinates(scratch.rows[row < first ? 0 : 1]);
+  };
+  const auto decode = [&](int row) {
+    if (row < 0 || row >= pass.height()) return;
+    MultiplexedRow to{.mean = scratch.mean.begin()};
+    if (is_ours(row)) to = multiplexed_output(output, row, scratch);
+    to.width = pass.width();
+    to.coordinate = place(row);
+    to.flags = is_ours(row) ? output.between.flags(row) : scratch.unused_flags.data();
+    decode_row(pass.stages.sinusoid, cue.stage, pass.limits, pass.cue_limits,
+               pass.frame_rows(row, scratch), to);
+    if constexpr (std::is_same_v<Output, FusedDecoding>) {
+      if (is_ours(row)) phase_row(to.width, to.turn, output.wrapped_phase.row(row));
+    }
+  };
+  scratch.disagreeing.clear();
   decode(first - 1);
   decode(first);
   for (int row = first; row < last; ++row) {
     decode(row + 1);
-    PointRow points = point_output(pass.stages, output, row);
-    points.flags = kept(row).flags.data();
-    points.above = coordinates(kept(row - 1));
-    points.coordinate = coordinates(kept(row));
-    points.below = coordinates(kept(row + 1));
-    point_row(pass.stages.point, pass.stages.low->consensus, points);
+    find_disagreeing(cue.stage,
+                     {.width = pass.width(),
+                      .row = row,
+                      .above = place(row - 1),
+                      .here = place(row),
+                      .below = place(row + 1)},
+                     scratch.disagreeing);
   }
+}
+
+/// What a pixel has instead when the vote has moved it by whole periods.
+struct MovedPixel {
+  double coordinate = 0;
+  double doubt = 0;
+  double brighter = 0;  ///< what its mean gains, grey levels of 255
+};
+
+void set(FusedCloud& cloud, PixelPlace at, const MovedPixel& pixel, double) {
+  cloud.intensity(at.column, at.row) += static_cast<float>(pixel.brighter);
+}
+
+void set(FusedDepth&, PixelPlace, const MovedPixel&, double) {}
+
+void set(FusedDecoding& decoding, PixelPlace at, const MovedPixel& pixel, double grey_level) {
+  decoding.coordinate(at.column, at.row) = static_cast<float>(pixel.coordinate);
+  decoding.fringe_order_doubt(at.column, at.row) = static_cast<float>(pixel.doubt);
+  decoding.mean(at.column, at.row) += static_cast<float>(grey_level * pixel.brighter);
+}
+
+/// The neighbourhood's vote, and what follows from it for the pixels that it moves.
+template <class Pixel, class Output>
+void vote(const Pass<Pixel>& pass, int bands, Output& output) {
+  const FusedStages::Cue& cue = *pass.stages.cue;
+  MultiplexedPicture& picture = output.between;
+  picture.lists.open.clear();
+  for (int band = 0; band < bands; ++band) {
+    const auto& found = output.scratch[index(band)].disagreeing;
+    picture.lists.open.insert(picture.lists.open.end(), found.begin(), found.end());
+  }
+  MultiplexedField field(cue, pass.frames, pass.full_scale, picture);
+  NeighbourhoodVote(field, {})(picture.lists);
+  for (const PixelPlace at : picture.lists.ever_moved) {
+    float& coordinate = picture.coordinates(at.row)[at.column];
+    const double before = coordinate, y = before + picture.shift(at) / cue.f_h;
+    const MultiplexedPixel pixel = field.pixel(at.column, at.row);
+    const double doubt = cue.exact.doubt(pixel, y);
+    coordinate = static_cast<float>(y);
+    std::uint8_t& flags = picture.flags(at.row)[at.column];
+    const auto others = static_cast<std::uint8_t>(flags & ~PixelFlag::doubtful_order);
+    const bool doubtful = doubt > cue.stage.largest_doubt;
+    flags = doubtful ? static_cast<std::uint8_t>(others | PixelFlag::doubtful_order) : others;
+    picture.shift(at) = 0;
+    const double brighter = cue.exact.shade(pixel, before) - cue.exact.shade(pixel, y);
+    set(output, at, {.coordinate = y, .doubt = doubt, .brighter = brighter}, pass.full_scale / 255);
+  }
+}
+
+/// Points of a picture whose coordinates are known.
+template <class Output>
+void multiplexed_points(const FusedStages& stages, int first, int last, FusedScratch& scratch,
+                        Output& output) {
+  const MultiplexedPicture& picture = output.between;
+  confirmed_rows(stages, stages.cue->consensus, first, last, scratch, output,
+                 [&](int row, FusedScratch::Row& kept) {
+                   take_row(output.z.width(), picture.coordinates(row), picture.flags(row),
+                            coordinates(kept), kept.flags.begin());
+                 });
 }
 
 template <class Pixel, class Output>
@@ -188,18 +318,18 @@ template <class Pixel>
 void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
               FusedDecoding& output) {
   const int width = pass.width();
-  const float* turn = scratch.turn.data();
-  std::int32_t* flags = scratch.rows[0].flags.data();
+  const float* turn = scratch.turn.begin();
+  std::int32_t* flags = scratch.rows[0].flags.begin();
   for (int row = first; row < last; ++row) {
     pass.decode(row, scratch,
                 {.width = width,
-                 .turn = scratch.turn.data(),
+                 .turn = scratch.turn.begin(),
                  .mean = output.mean.row(row),
                  .modulation = output.modulation.row(row),
                  .flags = flags});
     phase_row(width, turn, output.wrapped_phase.row(row));
     if (pass.stages.low) {
-      unwrap_row(pass.stages.low->unwrap, width, turn, scratch.low_turn.data(), 0,
+      unwrap_row(pass.stages.low->unwrap, width, turn, scratch.low_turn.begin(), 0,
                  {.coordinate = output.coordinate.row(row),
                   .flags = flags,
                   .doubt = output.fringe_order_doubt.row(row)});
@@ -250,33 +380,49 @@ void FusedReconstructor::run(const Frames<Pixel>& frames, double full_scale, Out
   require_frames(frames, stages_.frame_count(), size);
   constexpr bool decoding = std::is_same_v<Output, FusedDecoding>;
   const double mean_of = decoding ? 1 : 255 / full_scale;
-  Pass<Pixel> pass{
-      stages_, frames, sinusoid_limits(stages_.sinusoid, settings_, full_scale, mean_of), {}};
+  Pass<Pixel> pass{.stages = stages_,
+                   .frames = frames,
+                   .full_scale = full_scale,
+                   .limits = sinusoid_limits(stages_.sinusoid, settings_, full_scale, mean_of),
+                   .low_limits = {},
+                   .cue_limits = {}};
   if (stages_.low) {
     pass.low_limits = sinusoid_limits(stages_.low->sinusoid, settings_, full_scale, mean_of);
   }
-  prepare(output, size, stages_.low.has_value());
+  if (stages_.cue) pass.cue_limits = cue_limits(stages_, full_scale);
+  prepare(output, size, stages_.low || stages_.cue);
   const int bands = band_count(size.height);
   if (output.scratch.size() < index(bands)) output.scratch.resize(index(bands));
-
-  // One captured reference: std::function then allocates nothing.
-  struct Work {
-    const Pass<Pixel>& pass;
-    Output& output;
-    int bands;
-    void operator()(int band) const {
+  const auto in_bands = [&](const auto& work) {
+    const auto on_band = [&](int band) {
       FusedScratch& scratch = output.scratch[index(band)];
-      prepare(scratch, pass.width(), static_cast<int>(pass.frames.size()));
+      prepare(scratch, size.width, stages_.frame_count());
       const auto border = [&](int i) {
-        return static_cast<int>(std::int64_t{pass.height()} * i / bands);
+        return static_cast<int>(std::int64_t{size.height} * i / bands);
       };
-      run_band(pass, border(band), border(band + 1), scratch, output);
+      work(border(band), border(band + 1), scratch);
       flush_past_cache();
-    }
+    };
+    if (bands == 1) return on_band(0);
+    // One captured reference: std::function then allocates nothing.
+    for_each_row(bands, [&on_band](int band) { on_band(band); });
   };
-  const Work work{pass, output, bands};
-  if (bands == 1) return work(0);
-  for_each_row(bands, [&work](int band) { work(band); });
+
+  if (!stages_.cue) {
+    return in_bands([&](int first, int last, FusedScratch& scratch) {
+      run_band(pass, first, last, scratch, output);
+    });
+  }
+  output.between.prepare(size);
+  in_bands([&](int first, int last, FusedScratch& scratch) {
+    decode_multiplexed_band(pass, first, last, scratch, output);
+  });
+  vote(pass, bands, output);
+  if constexpr (!decoding) {
+    in_bands([&](int first, int last, FusedScratch& scratch) {
+      multiplexed_points(stages_, first, last, scratch, output);
+    });
+  }
 }
 
 void FusedReconstructor::operator()(const Frames<std::uint8_t>& frames, FusedCloud& cloud) const {

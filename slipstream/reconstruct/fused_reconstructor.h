@@ -8,18 +8,21 @@
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/reconstruct/fused_stages.h"
+#include "slipstream/reconstruct/multiplexed_picture.h"
 
 namespace slipstream {
 
 /// What the fused pass keeps of a few rows between its stages, for each band of rows.
 struct FusedScratch {
   struct Row {
-    std::vector<float> coordinate;  ///< padded on both sides
-    std::vector<std::int32_t> flags;
+    Image<float> coordinate;  ///< padded on both sides
+    Image<std::int32_t> flags;
   };
-  std::array<Row, 3> rows;  ///< a row and its neighbours, in turns
-  std::vector<float> turn, low_turn, mean;
+  std::array<Row, 3> rows;            ///< a row and its neighbours, in turns
+  Image<float> turn, low_turn, mean;  ///< images for their alignment
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
+  std::vector<std::uint8_t> unused_flags;
+  std::vector<PixelPlace> disagreeing;
 };
 
 /// An organised cloud in single precision, as the fused pass writes it. Made once and handed in for
@@ -29,6 +32,7 @@ struct FusedCloud {
   Image<float> intensity;  ///< the mean A^c, grey levels of an 8-bit camera
   Image<Validity> validity;
   std::vector<FusedScratch> scratch;  ///< nothing to read in it
+  MultiplexedPicture between;         ///< nor in it
 };
 
 /// Depth alone: less is computed and written.
@@ -36,6 +40,7 @@ struct FusedDepth {
   Image<float> z;  ///< mm; NaN where not valid
   Image<Validity> validity;
   std::vector<FusedScratch> scratch;
+  MultiplexedPicture between;
 };
 
 /// Before geometry: as DecodedScan, in single precision. Coordinates are not confirmed by their
@@ -43,9 +48,11 @@ struct FusedDepth {
 struct FusedDecoding {
   Image<float> mean, modulation, wrapped_phase, fringe_order_doubt, coordinate;
   std::vector<FusedScratch> scratch;
+  MultiplexedPicture between;
 };
 
-/// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, rows
+/// Frames to cloud in one pass over the pixels, two where the neighbourhood has a vote on the
+/// fringe orders (PCMP): no intermediate image, vectors of floats, rows
 /// shared among threads in bands, no allocation once the output has been used. Thread-safe with an
 /// output for each thread.
 ///

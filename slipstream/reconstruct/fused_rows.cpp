@@ -8,6 +8,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "slipstream/reconstruct/multiplexed_rows-inl.h"
 #include "slipstream/reconstruct/point_rows-inl.h"
 #include "slipstream/reconstruct/sinusoid_rows-inl.h"
 
@@ -16,6 +17,10 @@ namespace slipstream {
 
 HWY_EXPORT(DecodeRow8);
 HWY_EXPORT(DecodeRow16);
+HWY_EXPORT(DecodeMultiplexedRow8);
+HWY_EXPORT(DecodeMultiplexedRow16);
+HWY_EXPORT(FindDisagreeing);
+HWY_EXPORT(TakeRow);
 HWY_EXPORT(PlaceRow);
 HWY_EXPORT(UnwrapRow);
 HWY_EXPORT(PhaseRow);
@@ -30,6 +35,28 @@ void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
 void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
                 const std::uint16_t* const* frames, const SinusoidRow& row) {
   HWY_DYNAMIC_DISPATCH(DecodeRow16)(stage, limits, frames, row);
+}
+
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint8_t* const* frames,
+                const MultiplexedRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeMultiplexedRow8)(stage, cue, limits, cue_limits, frames, row);
+}
+
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint16_t* const* frames,
+                const MultiplexedRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeMultiplexedRow16)(stage, cue, limits, cue_limits, frames, row);
+}
+
+void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
+                      std::vector<PixelPlace>& found) {
+  HWY_DYNAMIC_DISPATCH(FindDisagreeing)(cue, rows, found);
+}
+
+void take_row(int width, const float* coordinates, const std::uint8_t* flags, float* taken,
+              std::int32_t* taken_flags) {
+  HWY_DYNAMIC_DISPATCH(TakeRow)(width, coordinates, flags, taken, taken_flags);
 }
 
 void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {

@@ -22,6 +22,7 @@ enum PixelFlag : std::int32_t {
   dark = 1,            ///< a modulation below the threshold
   saturated = 2,       ///< a frame at full scale, where such pixels are dropped
   doubtful_order = 4,  ///< low and high frequency disagree by more than the consensus lets pass
+  dim = 8,             ///< a modulation within the noise: nobody asks such a neighbour
 };
 
 /// How the N frames of one sinusoid become a phase. U = sum u_n I_n and V = sum v_n I_n stand for
@@ -64,6 +65,8 @@ struct SinusoidRow {
   bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
   bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
                          ///< mean left alone
+  bool only_lit =
+      false;  ///< where it is `another`, turns of pixels that are dark already may be left
 };
 
 void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,

@@ -10,6 +10,7 @@
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/pattern/sinusoid.h"
 #include "slipstream/phase/closed_form.h"
+#include "slipstream/phase/phase_channel.h"
 
 namespace slipstream {
 namespace {
@@ -18,19 +19,32 @@ namespace {
 struct Sinusoids {
   Sinusoid first;
   std::optional<Sinusoid> low;
+  const PhaseChannelMultiplexing* multiplexed = nullptr;
 };
 
-std::optional<Sinusoids> sinusoids_of(const PhaseMeasuring& pmp) {
-  return Sinusoids{{pmp.steps, pmp.frequency}, std::nullopt};
+std::optional<Sinusoids> sinusoids_of(const PhaseMeasuring& pmp, const ReconstructSettings&) {
+  return Sinusoids{.first = {pmp.steps, pmp.frequency}, .low = {}};
 }
 
-std::optional<Sinusoids> sinusoids_of(const DualFrequency& dual) {
-  return Sinusoids{{dual.steps, dual.high}, Sinusoid{dual.low_step_count(), dual.low}};
+std::optional<Sinusoids> sinusoids_of(const DualFrequency& dual, const ReconstructSettings&) {
+  return Sinusoids{.first = {dual.steps, dual.high},
+                   .low = Sinusoid{dual.low_step_count(), dual.low}};
+}
+
+std::optional<Sinusoids> sinusoids_of(const PhaseChannelMultiplexing& pcmp,
+                                      const ReconstructSettings& settings) {
+  constexpr double most_periods = 16384;  // shifts of whole periods are kept in 16 bits
+  const bool own_reference = pcmp.steps >= 5 || !pcmp.reference;
+  if (!own_reference || settings.cue.unwrapping != Unwrapping::consensus ||
+      pcmp.f_h() > most_periods) {
+    return std::nullopt;
+  }
+  return Sinusoids{.first = {pcmp.steps, pcmp.f_h()}, .low = {}, .multiplexed = &pcmp};
 }
 
 /// Any other strategy.
 template <class Other>
-std::optional<Sinusoids> sinusoids_of(const Other&) {
+std::optional<Sinusoids> sinusoids_of(const Other&, const ReconstructSettings&) {
   return std::nullopt;
 }
 
@@ -98,20 +112,24 @@ void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
   }
 }
 
-SinusoidStage sinusoid_stage(int steps, const PhaseCorrections& corrections) {
-  SinusoidStage stage{.steps = steps};
+/// By sums in double.
+SinusoidStage general_stage(int steps, const PhaseCorrections& corrections) {
+  SinusoidStage stage{
+      .steps = steps, .cosines = channel_cosines(steps, 1), .sines = channel_sines(steps, 1)};
   const auto correction = corrections.find(steps);
   if (correction != corrections.end()) add_correction(stage, correction->second);
+  return stage;
+}
+
+/// By the closed form where there is one.
+SinusoidStage sinusoid_stage(int steps, const PhaseCorrections& corrections) {
+  SinusoidStage stage = general_stage(steps, corrections);
   if (const ClosedForm* form = closed_form(steps)) {
     stage.sine_weight = static_cast<float>(std::sqrt(form->sine_square));
     stage.sine_square = static_cast<float>(form->sine_square);
     stage.modulation_scale = static_cast<float>(1 / form->divisor);
-    return stage;
-  }
-  for (int n = 0; n < steps; ++n) {
-    const double angle = 2 * std::numbers::pi * n / steps;
-    stage.cosines.push_back(2.0 / steps * std::cos(angle));
-    stage.sines.push_back(2.0 / steps * std::sin(angle));
+    stage.cosines.clear();
+    stage.sines.clear();
   }
   return stage;
 }
@@ -124,6 +142,12 @@ CoordinateStage coordinate_stage(double frequency, double widest, int length) {
           .cut = static_cast<float>(-0.5 / length - (period - 1) / 2)};
 }
 
+ConsensusStage consensus_stage(double frequency, const FringeOrderConsensus& settings) {
+  return {.half_fringe = static_cast<float>(0.5 / frequency),
+          .fewest_neighbours = settings.fewest_neighbours,
+          .fewest_if_doubtful = settings.fewest_if_doubtful};
+}
+
 FusedStages::LowFrequency low_frequency(const Sinusoid& low, const Sinusoid& high, int length,
                                         const ReconstructSettings& settings) {
   const FringeOrderConsensus& consensus = settings.fringe_order;
@@ -131,9 +155,48 @@ FusedStages::LowFrequency low_frequency(const Sinusoid& low, const Sinusoid& hig
           .unwrap = {.ratio = static_cast<float>(high.frequency / low.frequency),
                      .largest_doubt = static_cast<float>(consensus.largest_doubt),
                      .coordinate = coordinate_stage(high.frequency, low.frequency, length)},
-          .consensus = {.half_fringe = static_cast<float>(0.5 / high.frequency),
-                        .fewest_neighbours = consensus.fewest_neighbours,
-                        .fewest_if_doubtful = consensus.fewest_if_doubtful}};
+          .consensus = consensus_stage(high.frequency, consensus)};
+}
+
+CueStage cue_stage(const PhaseChannelMultiplexing& pcmp, int length,
+                   const ReconstructSettings& settings) {
+  const auto& [light, ambient, noise_variance, unwrapping] = settings.cue;
+  const double dc = pcmp.steps == 3 ? 1 + 2 * (light.beta_p + ambient) / light.alpha_p : 0;
+  using Channel = CueStage::Channel;
+  CueStage stage{.channel = pcmp.steps == 3   ? Channel::mean
+                            : pcmp.steps == 4 ? Channel::half_phase
+                                              : Channel::second,
+                 .gain = static_cast<float>(pcmp.c1() / pcmp.c2()),
+                 .offset = static_cast<float>(dc / pcmp.c2()),
+                 .shade = static_cast<float>(pcmp.c2() / pcmp.c1()),
+                 .periods = static_cast<float>(pcmp.f_h()),
+                 .largest_doubt = static_cast<float>(settings.fringe_order.largest_doubt),
+                 .coordinate = coordinate_stage(pcmp.f_h(), 1, length)};
+  if (pcmp.steps >= 5) {
+    stage.cosines = channel_cosines(pcmp.steps, 2);
+    stage.sines = channel_sines(pcmp.steps, 2);
+  }
+  return stage;
+}
+
+FusedStages::Cue multiplexed(const PhaseChannelMultiplexing& pcmp, int length,
+                             const ReconstructSettings& settings) {
+  const int N = pcmp.steps;
+  const bool circle = N >= 5;
+  return {
+      .stage = cue_stage(pcmp, length, settings),
+      .consensus = consensus_stage(pcmp.f_h(), settings.fringe_order),
+      .exact = MultiplexedCue(pcmp, settings.cue),
+      .f_h = pcmp.f_h(),
+      .length = length,
+      .dimmest_lit = 4 * std::sqrt(2 * settings.cue.noise_variance / N),
+      .ambient = N == 3 ? settings.cue.ambient : 0,
+      .cosines = channel_cosines(N, 1),
+      .sines = channel_sines(N, 1),
+      .cue = N == 3   ? mean_weights(N)
+             : N == 4 ? half_phase_weights()
+                      : channel_cosines(N, 2),
+      .cue_sine = circle ? channel_sines(N, 2) : std::vector<double>(static_cast<std::size_t>(N))};
 }
 
 /// A degree that the kernel is compiled for, that one or the next above.
@@ -197,7 +260,7 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
                                         const ReconstructSettings& settings) {
   constexpr double widest_margin = 0.25;
   const auto sinusoids =
-      std::visit([](const auto& chosen) { return sinusoids_of(chosen); }, strategy);
+      std::visit([&](const auto& chosen) { return sinusoids_of(chosen, settings); }, strategy);
   if (!sinusoids || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;
@@ -208,17 +271,22 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
   if (!rays) return std::nullopt;
   std::optional<RayBlocks> blocks = ray_blocks(*geometry, *rays);
 
-  const auto& [first, low] = *sinusoids;
+  const auto& [first, low, pcmp] = *sinusoids;
   const int length = length_along(axis, scanner.projector.size);
-  const double widest = low ? low->frequency : first.frequency;
-  FusedStages stages{.sinusoid = sinusoid_stage(first.steps, settings.phase_corrections),
+  const double widest = low ? low->frequency : pcmp != nullptr ? 1 : first.frequency;
+  // Two channels share what sums in double cost.
+  const bool by_sums = pcmp != nullptr && pcmp->steps >= 5;
+  FusedStages stages{.sinusoid = by_sums ? general_stage(first.steps, settings.phase_corrections)
+                                         : sinusoid_stage(first.steps, settings.phase_corrections),
                      .low = {},
+                     .cue = {},
                      .coordinate = coordinate_stage(first.frequency, widest, length),
                      .point = point_stage(*geometry, settings),
                      .rays = std::move(*rays),
                      .blocks = std::move(blocks)};
   stages.point.may_leave_field = widest < 1;
   if (low) stages.low = low_frequency(*low, first, length, settings);
+  if (pcmp != nullptr) stages.cue = multiplexed(*pcmp, length, settings);
   return stages;
 }
 
@@ -226,7 +294,8 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
                                double full_scale, double mean_of) {
   const double least = least_modulation(settings, full_scale);
   SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
-  if (const ClosedForm* form = closed_form(stage.steps)) {
+  const ClosedForm* form = stage.cosines.empty() ? closed_form(stage.steps) : nullptr;
+  if (form != nullptr) {
     // The least integer whose root passes in double, so that the same pixels do.
     double square = std::max(std::floor(least * form->divisor * least * form->divisor) - 2, 0.0);
     while (std::sqrt(square) / form->divisor < least) ++square;
@@ -236,6 +305,13 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
   }
   if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(full_scale);
   return limits;
+}
+
+CueLimits cue_limits(const FusedStages& stages, double full_scale) {
+  const double grey_level = full_scale / 255;
+  const double dimmest = stages.cue->dimmest_lit * grey_level / stages.sinusoid.modulation_scale;
+  return {.ambient = static_cast<float>(stages.cue->ambient * grey_level),
+          .lit_square = static_cast<float>(dimmest * dimmest)};
 }
 
 }  // namespace slipstream

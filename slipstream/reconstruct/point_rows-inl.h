@@ -21,8 +21,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-using FloatMask = hn::Mask<FloatTag>;
-
 HWY_INLINE Floats linear(const PointStage::Linear& c, Floats E_x, Floats E_y) {
   const FloatTag d;
   return hn::MulAdd(hn::Set(d, c[0]), E_x, hn::MulAdd(hn::Set(d, c[1]), E_y, hn::Set(d, c[2])));
@@ -222,12 +220,6 @@ HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags
   return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
 }
 
-HWY_INLINE FloatMask is_dark(Ints flags) {
-  const IntTag di;
-  return hn::RebindMask(FloatTag(),
-                        hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
-}
-
 /// A vector of pixels that are all dark.
 HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
@@ -338,6 +330,8 @@ struct BlockParts {
   std::array<BlockPart, count> part;
   Several<count> t;
 
+  HWY_INLINE BlockParts() {}
+
   [[nodiscard]] HWY_INLINE Floats coefficient(std::size_t k, std::size_t i) const {
     return hn::Set(FloatTag(), part[k].coefficients[i]);
   }
@@ -397,7 +391,7 @@ HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts
 template <std::size_t count>
 HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
                                      const Several<count>& z,
-                                     const std::array<Ints, count>& flags) {
+                                     const Several<count, Ints>& flags) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
   static_assert(static_cast<int>(Validity::valid) == 0 &&
                 static_cast<int>(Validity::too_dark) == PixelFlag::dark);
@@ -416,7 +410,7 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
                               const BlockParts<count>& parts) {
   const FloatTag d;
   const IntTag di;
-  std::array<Ints, count> flags;
+  Several<count, Ints> flags;
   Ints common = hn::Set(di, PixelFlag::dark);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     flags[k] = hn::LoadU(di, row.flags + parts.part[k].pixel);
@@ -427,7 +421,7 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
                            SLIPSTREAM_STEP { store_dark(row, parts.part[k].pixel); });
   }
   Several<count> p, z;
-  std::array<FloatMask, count> described, confirmed, in_range, good;
+  Several<count, FloatMask> described, confirmed, in_range, good;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const BlockPart& part = parts.part[k];
     p[k] = source.unit_coordinate(part.pixel);

@@ -29,6 +29,7 @@ using FloatTag = hn::ScalableTag<float>;
 using IntTag = hn::RebindToSigned<FloatTag>;
 using Floats = hn::Vec<FloatTag>;
 using Ints = hn::Vec<IntTag>;
+using FloatMask = hn::Mask<FloatTag>;
 
 /// Calls `body(i)` for the vectors of a row; the last overlaps the one before it where the width is
 /// no multiple.
@@ -48,8 +49,17 @@ inline constexpr std::size_t at_once = 4;
 inline constexpr std::size_t at_once = 2;
 #endif
 
-template <std::size_t count>
-using Several = std::array<Floats, count>;
+/// An array of them; that of the standard library is not compiled for each target.
+template <std::size_t count, class Vector = Floats>
+class Several {
+ public:
+  HWY_INLINE Several() {}
+  HWY_INLINE Vector& operator[](std::size_t k) { return vectors_[k]; }
+  HWY_INLINE const Vector& operator[](std::size_t k) const { return vectors_[k]; }
+
+ private:
+  Vector vectors_[count];  // NOLINT(modernize-avoid-c-arrays)
+};
 
 /// One step of the work on each of them, written out so that all stay in registers.
 template <std::size_t count, class Step>
@@ -162,7 +172,10 @@ HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several
 }
 
 HWY_INLINE Floats angle_in_turns(Floats S, Floats C) {
-  return angles_in_turns<1>({S}, {C})[0];
+  Several<1> sine, cosine;
+  sine[0] = S;
+  cosine[0] = C;
+  return angles_in_turns<1>(sine, cosine)[0];
 }
 
 /// How N = 4 folds the circle to FoldedPhase's part of it: over the axes and their bisectors.
@@ -350,10 +363,39 @@ HWY_INLINE Floats corrected_by_table(const SinusoidStage& stage, Floats turn) {
 /// corrected_phase, where it is not folded: a wave costs a few multiplications; looking two entries
 /// up for each lane costs as much as all else that is done to a row of frames.
 HWY_INLINE Floats corrected_after(const SinusoidStage& stage, Floats turn) {
+  if (stage.correction_wave.empty() && stage.correction.empty()) return turn;
   if (!stage.correction_wave.empty()) turn = corrected_by_wave(stage, turn);
   if (!stage.correction.empty()) turn = corrected_by_table(stage, turn);
   // It may have led past either end.
   return hn::Sub(turn, hn::Floor(turn));
+}
+
+/// Wrapped phase in turns, of a single vector.
+HWY_INLINE Floats corrected_turn(const SinusoidStage& stage, const FrameSums& sums) {
+  const Floats V = hn::Mul(hn::Set(FloatTag(), stage.sine_weight), sums.V);
+  return corrected_after(stage, angle_in_turns(V, sums.U));
+}
+
+/// U^2 + sine_square V^2: V^2 of integers is exact, the square of its rounded multiple is not.
+HWY_INLINE Floats modulation_square(const SinusoidStage& stage, const FrameSums& sums) {
+  const Floats weight = hn::Set(FloatTag(), stage.sine_square);
+  return hn::MulAdd(hn::Mul(weight, sums.V), sums.V, hn::Mul(sums.U, sums.U));
+}
+
+HWY_INLINE FloatMask is_dark(Ints flags) {
+  const IntTag di;
+  return hn::RebindMask(FloatTag(),
+                        hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
+}
+
+/// `dark` and `saturated`.
+HWY_INLINE Ints exposure_flags(const SinusoidLimits& limits, const FrameSums& sums, Floats square) {
+  const FloatTag d;
+  const IntTag di;
+  const auto is_dark = hn::Lt(square, hn::Set(d, limits.least_square));
+  const auto is_saturated = hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1));
+  return hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dark), hn::Set(di, PixelFlag::dark)),
+                hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
 }
 
 /// What the row keeps of a vector besides its turns.
@@ -361,13 +403,8 @@ HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& l
                              const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
-  // V^2 of integers is exact, the square of its rounded multiple is not.
-  const Floats square =
-      hn::MulAdd(hn::Mul(hn::Set(d, stage.sine_square), sums.V), sums.V, hn::Mul(sums.U, sums.U));
-  const auto is_dark = hn::Lt(square, hn::Set(d, limits.least_square));
-  const auto is_saturated = hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1));
-  Ints flags = hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dark), hn::Set(di, PixelFlag::dark)),
-                      hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
+  const Floats square = modulation_square(stage, sums);
+  Ints flags = exposure_flags(limits, sums, square);
   if (row.another) flags = hn::Or(flags, hn::LoadU(di, row.flags + i));
   hn::StoreU(flags, di, row.flags + i);
 
@@ -387,6 +424,14 @@ template <int N, std::size_t count, class Sums>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const Sums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
+  if (row.only_lit) {
+    const IntTag di;
+    Ints common = hn::Set(di, PixelFlag::dark);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      common = hn::And(common, hn::LoadU(di, row.flags + i + k * hn::Lanes(d)));
+    });
+    if (hn::AllTrue(d, is_dark(common))) return;
+  }
   Several<count> U, V, turn;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const FrameSums sum = sums(i + k * hn::Lanes(d));
@@ -401,10 +446,7 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
     each<count>([&](std::size_t k)
                     SLIPSTREAM_STEP { V[k] = hn::Mul(hn::Set(d, stage.sine_weight), V[k]); });
     turn = angles_in_turns<count>(V, U);
-    if (!stage.correction_wave.empty() || !stage.correction.empty()) {
-      each<count>([&](std::size_t k)
-                      SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
-    }
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
   }
   each<count>([&](std::size_t k)
                   SLIPSTREAM_STEP { hn::StoreU(turn[k], d, row.turn + i + k * hn::Lanes(d)); });

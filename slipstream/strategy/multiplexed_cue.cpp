@@ -69,6 +69,10 @@ double MultiplexedCue::cost(const MultiplexedPixel& pixel, double y) const {
   return difference * difference / (settings_.noise_variance / N * spread) + std::log(spread);
 }
 
+double MultiplexedCue::shade(const MultiplexedPixel& pixel, double y) const {
+  return strategy_.steps == 3 ? pixel.modulation * c2_ / c1_ * strategy_.R(y) : 0;
+}
+
 int MultiplexedCue::published_order(const MultiplexedPixel& pixel) const {
   const int k = fringe_order(pixel.wrapped_phase, f_h_, coordinate(pixel));
   return strategy_.steps >= 5 ? k : std::clamp(k, 0, static_cast<int>(f_h_) - 1);

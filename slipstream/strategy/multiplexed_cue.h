@@ -31,6 +31,9 @@ class MultiplexedCue {
   /// of the pixel. Every channel counts by its noise, (3.14) and (3.27).
   [[nodiscard]] double cost(const MultiplexedPixel& pixel, double y) const;
 
+  /// What the cue of 3 steps adds to the mean at y, grey levels; 0 for other steps.
+  [[nodiscard]] double shade(const MultiplexedPixel& pixel, double y) const;
+
   /// Fringe order by the published rule: for N = 3 and 4 held to [0, f_h - 1].
   [[nodiscard]] int published_order(const MultiplexedPixel& pixel) const;
 

@@ -160,9 +160,7 @@ DecodedScan PhaseChannelMultiplexing::decode(const FrameSet& frames, const Phase
       coordinate(column, row) = y;
       doubt(column, row) = cue.doubt(pixel, y);
       // In the DC channel the cue would show as a shade across the texture.
-      if (steps == 3 && !published) {
-        maps.mean(column, row) -= maps.modulation(column, row) * c2() / c1() * R(y);
-      }
+      if (!published) maps.mean(column, row) -= grey_level * cue.shade(pixel, y);
     }
   });
   return {.mean = std::move(maps.mean),

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "slipstream/phase/neighbourhood_vote.h"
+#include "slipstream/reconstruct/fused_rows.h"
+
+// The stages of the fused pass for a cue in the frames of the sinusoid itself: as those of
+// fused_rows.h.
+namespace slipstream {
+
+/// Where the cue of PCMP is, and how it becomes a coordinate: Liu 2010, Section 3.2.
+struct CueStage {
+  enum class Channel {
+    mean,        ///< N = 3: R = 2 y - 1, (3.53)
+    half_phase,  ///< N = 4: R = cos(pi y), (3.68)
+    second,      ///< N >= 5: one period, (3.83)
+  };
+  Channel channel = Channel::second;
+  std::vector<double> cosines{};  ///< of the second channel, (3.86), (3.85); else empty
+  std::vector<double> sines{};
+  /// R = gain (channel - ambient) / B_1 - offset, (3.58), (3.74).
+  float gain = 1;
+  float offset = 0;
+  float shade = 0;     ///< c_2 / c_1: what R adds to the mean, over B_1
+  float periods = 12;  ///< f_h
+  float largest_doubt = 0.25F;
+  CoordinateStage coordinate;  ///< of f_h, known within one field
+};
+
+/// What else depends on the camera's bits.
+struct CueLimits {
+  float ambient = 0;     ///< beta, grey levels of the frames
+  float lit_square = 0;  ///< of U^2 + sine_square V^2: below it a pixel is `dim`
+};
+
+/// Where a row of such frames goes. The last four are null where only points are wanted.
+struct MultiplexedRow {
+  int width = 0;
+  /// By each pixel alone; NaN where it is both dark and dim.
+  float* coordinate = nullptr;
+  float* mean = nullptr;
+  std::uint8_t* flags = nullptr;  ///< PixelFlag
+  bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
+  float* turn = nullptr;
+  float* modulation = nullptr;
+  float* doubt = nullptr;
+  float* unhidden_coordinate = nullptr;
+};
+
+/// Frames of a row to coordinates, by the high frequency and its cue at once.
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint8_t* const* frames,
+                const MultiplexedRow& row);
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint16_t* const* frames,
+                const MultiplexedRow& row);
+
+/// A row of coordinates and its neighbours; all three have a NaN before and after.
+struct CoordinateRows {
+  int width = 0;
+  int row = 0;
+  const float* above = nullptr;
+  const float* here = nullptr;
+  const float* below = nullptr;
+};
+
+/// Appends, from left to right, the pixels of a row that may disagree with one of the four beside
+/// them: see NeighbourhoodVote::disagrees, of which no pixel is left out.
+void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
+                      std::vector<PixelPlace>& found);
+
+/// Coordinates and flags of a whole picture to those that PointRow takes: a dark pixel's coordinate
+/// is NaN, so that it confirms no neighbour.
+void take_row(int width, const float* coordinates, const std::uint8_t* flags, float* taken,
+              std::int32_t* taken_flags);
+
+}  // namespace slipstream

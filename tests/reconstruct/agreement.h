@@ -1,0 +1,80 @@
+// How far the fused pass and the double-precision path agree on a scan.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/geometry/projection.h"
+#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+
+inline constexpr double depth_bound = 1e-5;  // of the depth
+inline constexpr double gap =
+    0.1;  // of the field, between a stripe and its ray's coordinate at infinity
+
+inline double coordinate_at_infinity(const Scanner& scanner, Axis axis, int column, int row) {
+  const ProjectionMatrices matrices = projection_matrices(scanner, axis);
+  const Eigen::Vector3d ray = ray_through(scanner.camera, {column, row});
+  return matrices.projector_coordinate.head<3>().dot(ray) /
+         matrices.projector_depth.head<3>().dot(ray);
+}
+
+struct Agreement {
+  std::size_t points = 0;
+  std::size_t other_validity = 0;
+  double worst = 0;  ///< relative error of depth where the gap is kept
+};
+
+inline Agreement compare(const Scanner& scanner, Axis axis, const FusedCloud& cloud,
+                         const Reconstruction& exact) {
+  Agreement agreement;
+  for (int row = 0; row < cloud.z.height(); ++row) {
+    for (int column = 0; column < cloud.z.width(); ++column) {
+      const Validity validity = exact.cloud.validity(column, row);
+      const float z = cloud.z(column, row);
+      EXPECT_EQ(std::isfinite(z), cloud.validity(column, row) == Validity::valid);
+      if (cloud.validity(column, row) != validity) {
+        ++agreement.other_validity;
+        continue;
+      }
+      if (validity != Validity::valid) continue;
+      ++agreement.points;
+      const double y = exact.decoded.coordinate(column, row);
+      if (std::abs(coordinate_at_infinity(scanner, axis, column, row) - y) < gap) continue;
+      const double depth = exact.cloud.z(column, row);
+      agreement.worst =
+          std::max({agreement.worst, std::abs(z / depth - 1),
+                    std::abs(cloud.x(column, row) - exact.cloud.x(column, row)) / depth,
+                    std::abs(cloud.y(column, row) - exact.cloud.y(column, row)) / depth});
+    }
+  }
+  return agreement;
+}
+
+inline Agreement agreement_on(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                              const FrameSet& frames, const ReconstructSettings& settings = {}) {
+  const auto fused = FusedReconstructor::make(scanner, strategy, axis, settings);
+  if (!fused) {
+    ADD_FAILURE() << "no fused pass";
+    return {};
+  }
+  FusedCloud cloud;
+  (*fused)(frames, cloud);
+  ReconstructSettings exactly = settings;
+  exactly.backend = Backend::equation;
+  return compare(scanner, axis, cloud, Reconstructor(scanner, strategy, axis, exactly)(frames));
+}
+
+inline FrameSet statue_frames(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                              Photometry photometry = {.ambient = 5, .noise_variance = 1.55}) {
+  return take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, axis), photometry)
+      .frames;
+}
+
+}  // namespace slipstream

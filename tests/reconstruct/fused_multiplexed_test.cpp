@@ -1,0 +1,207 @@
+// PCMP through the fused pass: the points, reasons and images of the double-precision path.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "slipstream/reconstruct/vector_target.h"
+#include "slipstream/strategy/decoder.h"
+#include "tests/reconstruct/agreement.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double ambient = 5;
+
+PhaseChannelMultiplexing pcmp(int steps) {
+  return {.steps = steps, .high = {}, .share = {}, .reference = {}};
+}
+
+ReconstructSettings settings() {
+  return {.cue = {.light = {}, .ambient = ambient}};
+}
+
+/// Photometry at which many pixels are of a wrong order before the neighbours are asked.
+constexpr Photometry noisy{.ambient = ambient, .noise_variance = 6};
+
+class FusedMultiplexedOn : public testing::TestWithParam<std::string> {};
+
+TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquations) {
+  const OnlyVectorTarget only(GetParam());
+  for (const int width : {160, 171}) {
+    const Scanner scanner = example_scanner({width, 90});
+    for (const int steps : {3, 4, 5, 8}) {
+      for (const Photometry& photometry : {Photometry{.ambient = ambient}, noisy}) {
+        SCOPED_TRACE(testing::Message() << steps << " steps, width " << width << ", noise "
+                                        << photometry.noise_variance);
+        const Agreement agreement = agreement_on(
+            scanner, pcmp(steps), width == 160 ? Axis::x : Axis::y,
+            statue_frames(scanner, pcmp(steps), width == 160 ? Axis::x : Axis::y, photometry),
+            settings());
+        EXPECT_GT(agreement.points, 2000U);
+        EXPECT_LE(agreement.other_validity, 1U);
+        EXPECT_LE(agreement.worst, depth_bound);
+      }
+    }
+  }
+}
+
+/// Three rows each of random pixels, black, white, one frame full, and one frame constant.
+std::vector<Image<std::uint16_t>> hard_frames(int count, Size size, int full, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> levels(0, full);
+  std::vector<Image<std::uint16_t>> frames(static_cast<std::size_t>(count),
+                                           Image<std::uint16_t>(size));
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      const std::size_t one = static_cast<std::size_t>(column) % frames.size();
+      for (std::size_t n = 0; n < frames.size(); ++n) {
+        const int level = levels(random);
+        const int kinds[] = {level, 0, full, n == one ? full : level / 2,
+                             n == 1 ? full / 3 : level};
+        frames[n](column, row) = static_cast<std::uint16_t>(kinds[row / 3 % 5]);
+      }
+    }
+  }
+  return frames;
+}
+
+TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquationsForEveryInput) {
+  const OnlyVectorTarget only(GetParam());
+  const Scanner scanner = example_scanner({67, 60});
+  for (const int steps : {3, 4, 5, 6}) {
+    for (const int bits : {8, 12, 16}) {
+      const int full = (1 << bits) - 1;
+      const FrameSet frames(
+          hard_frames(steps, scanner.camera.size, full, static_cast<unsigned>(7 * bits)), bits);
+      for (const double least : {15.0, 1.0}) {
+        SCOPED_TRACE(testing::Message() << steps << " steps, " << bits << " bits, least " << least);
+        ReconstructSettings all = settings();
+        all.minimum_modulation = least * full / 255;
+        all.drop_saturated = least > 1;
+        const Agreement agreement = agreement_on(scanner, pcmp(steps), Axis::x, frames, all);
+        EXPECT_GT(agreement.points, 100U);
+        // Phases of few grey levels are fractions that lie half a period apart to the last bit.
+        EXPECT_LE(agreement.other_validity, bits == 8 ? 12U : 2U);
+        EXPECT_LE(agreement.worst, depth_bound);
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(VectorTarget, FusedMultiplexedOn, testing::ValuesIn(vector_targets()),
+                         [](const auto& info) { return info.param; });
+
+/// 640x480 at the noise of the benchmark: pixels valid in the one and not in the other are at most
+/// 1 in 10000, and no point of either is of a wrong order.
+TEST(FusedMultiplexed, HasThePointsOfTheEquationsAndTheTruthInLargePictures) {
+  const Scanner scanner = example_scanner({640, 480});
+  for (const int steps : {3, 4, 5}) {
+    SCOPED_TRACE(testing::Message() << steps << " steps");
+    const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner),
+                                       pattern_set(Strategy(pcmp(steps)), Axis::x),
+                                       {.ambient = ambient, .noise_variance = 1.55});
+    ReconstructSettings fused = settings();
+    fused.backend = Backend::fused;
+    const Reconstructor reconstruct(scanner, pcmp(steps), Axis::x, fused);
+    EXPECT_EQ(reconstruct.backend_for(scan.frames), "fused");
+    const Reconstruction made = reconstruct(scan.frames);
+    fused.backend = Backend::equation;
+    const Reconstruction exact = Reconstructor(scanner, pcmp(steps), Axis::x, fused)(scan.frames);
+    std::size_t points = 0, other = 0, wrong = 0;
+    for (std::size_t i = 0; i < made.cloud.z.pixel_count(); ++i) {
+      const bool valid = made.cloud.validity.begin()[i] == Validity::valid;
+      other += made.cloud.validity.begin()[i] != exact.cloud.validity.begin()[i] ? 1 : 0;
+      if (!valid) continue;
+      ++points;
+      const double error = made.decoded.coordinate.begin()[i] - scan.coordinate.begin()[i];
+      wrong += std::abs(error) < 0.5 / pcmp(steps).f_h() ? 0 : 1;
+      ASSERT_NEAR(made.decoded.coordinate.begin()[i], exact.decoded.coordinate.begin()[i], 2e-7);
+    }
+    EXPECT_GT(points, 240000U);
+    EXPECT_LE(10000 * other, points);
+    EXPECT_EQ(wrong, 0U);
+  }
+}
+
+TEST(FusedMultiplexed, DecodesToTheImagesOfTheEquations) {
+  const Scanner scanner = example_scanner({203, 120});
+  for (const int steps : {3, 4, 5, 6}) {
+    SCOPED_TRACE(testing::Message() << steps << " steps");
+    const FrameSet frames =
+        statue_frames(scanner, pcmp(steps), Axis::x,
+                      {.ambient = ambient, .noise_variance = noisy.noise_variance, .bits = 12});
+    const auto fused = FusedReconstructor::make(scanner, pcmp(steps), Axis::x, settings());
+    ASSERT_TRUE(fused);
+    FusedDecoding made;
+    (*fused)(frames, made);
+    const Decoder decode(pcmp(steps), scanner.projector.size.width, Backend::equation, {},
+                         settings().cue);
+    const DecodedScan exact = decode(frames);
+    std::size_t other_order = 0;
+    for (std::size_t i = 0; i < exact.coordinate.pixel_count(); ++i) {
+      if (exact.modulation.begin()[i] < 16) continue;  // of 4095
+      if (std::abs(made.coordinate.begin()[i] - exact.coordinate.begin()[i]) > 1e-3) {
+        ++other_order;
+        continue;
+      }
+      ASSERT_NEAR(made.coordinate.begin()[i], exact.coordinate.begin()[i], 4e-7);
+      ASSERT_NEAR(made.modulation.begin()[i], exact.modulation.begin()[i], 1e-3);
+      ASSERT_NEAR(made.mean.begin()[i], exact.mean.begin()[i], 1e-2);
+      ASSERT_NEAR(made.fringe_order_doubt.begin()[i], exact.fringe_order_doubt.begin()[i], 1e-3);
+    }
+    EXPECT_LE(other_order, 2U);
+  }
+}
+
+TEST(FusedMultiplexed, IsCorrectedAndIsTheSameOnAnyNumberOfThreads) {
+  const Scanner scanner = example_scanner({320, 240});
+  ReconstructSettings corrected = settings();
+  PhaseCorrection correction{5, {}};
+  for (int i = 0; i < 256; ++i) correction.added.push_back(0.05 * std::sin(0.0245436926 * i));
+  corrected.phase_corrections[5] = correction;
+  const FrameSet frames = statue_frames(scanner, pcmp(5), Axis::x, noisy);
+  const Agreement agreement = agreement_on(scanner, pcmp(5), Axis::x, frames, corrected);
+  EXPECT_GT(agreement.points, 20000U);
+  EXPECT_LE(agreement.other_validity, 3U);
+  EXPECT_LE(agreement.worst, depth_bound);
+
+  const auto reconstruct = FusedReconstructor::make(scanner, pcmp(5), Axis::x, corrected);
+  std::vector<FusedCloud> clouds(2);
+  for (const std::size_t threads : {1U, 4U}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    (*reconstruct)(frames, clouds[threads == 1 ? 0 : 1]);
+  }
+  FusedDepth depth;
+  (*reconstruct)(frames, depth);
+  for (std::size_t i = 0; i < depth.z.pixel_count(); ++i) {
+    ASSERT_EQ(clouds[0].validity.begin()[i], clouds[1].validity.begin()[i]);
+    ASSERT_EQ(clouds[0].validity.begin()[i], depth.validity.begin()[i]);
+    ASSERT_EQ(clouds[0].intensity.begin()[i], clouds[1].intensity.begin()[i]);
+    if (depth.validity.begin()[i] != Validity::valid) continue;
+    ASSERT_EQ(clouds[0].z.begin()[i], clouds[1].z.begin()[i]);
+    ASSERT_EQ(clouds[0].z.begin()[i], depth.z.begin()[i]);
+  }
+}
+
+TEST(FusedMultiplexed, LeavesOtherRulesAndReferencesToTheEquations) {
+  const Scanner scanner = example_scanner({64, 48});
+  const auto fused = [&](const PhaseChannelMultiplexing& strategy, Unwrapping unwrapping) {
+    ReconstructSettings asked = settings();
+    asked.cue.unwrapping = unwrapping;
+    return FusedReconstructor::make(scanner, strategy, Axis::x, asked).has_value();
+  };
+  EXPECT_TRUE(fused(pcmp(3), Unwrapping::consensus));
+  EXPECT_FALSE(fused(pcmp(3), Unwrapping::published));
+  EXPECT_FALSE(fused(pcmp(5), Unwrapping::likelihood));
+  PhaseChannelMultiplexing own = pcmp(4);
+  own.reference = [](double y) { return 1 - 2 * y; };
+  EXPECT_FALSE(fused(own, Unwrapping::consensus));
+}
+
+}  // namespace
+}  // namespace slipstream

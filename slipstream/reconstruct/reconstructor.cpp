@@ -15,9 +15,7 @@ Image<double> widened(const Image<float>& image) {
   return wide;
 }
 
-Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const FrameSet& frames) {
-  FusedDecoding decoding;
-  reconstruct(frames, decoding);
+Cloud fused_cloud(const FusedReconstructor& reconstruct, const FrameSet& frames) {
   FusedCloud points;
   reconstruct(frames, points);
   Cloud cloud;
@@ -26,7 +24,13 @@ Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const Fr
   cloud.z = widened(points.z);
   cloud.intensity = std::move(points.intensity);
   cloud.validity = std::move(points.validity);
-  return {std::move(cloud),
+  return cloud;
+}
+
+Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const FrameSet& frames) {
+  FusedDecoding decoding;
+  reconstruct(frames, decoding);
+  return {fused_cloud(reconstruct, frames),
           {.mean = widened(decoding.mean),
            .modulation = widened(decoding.modulation),
            .wrapped_phase = widened(decoding.wrapped_phase),
@@ -73,6 +77,10 @@ bool Reconstructor::is_fused(const FrameSet& frames) const {
 
 Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
   return is_fused(frames) ? reconstruct_fused(*fused_, frames) : (*in_double_)()(frames);
+}
+
+Cloud Reconstructor::cloud(const FrameSet& frames) const {
+  return is_fused(frames) ? fused_cloud(*fused_, frames) : (*in_double_)()(frames).cloud;
 }
 
 Uncertainty Reconstructor::uncertainty(const Reconstruction& scan, const FrameSet& frames) const {

@@ -34,6 +34,7 @@ struct LiveFlags {
   ReconstructSettings settings;
   std::string output;
   std::string record;
+  ViewFlags view;
 };
 
 /// The scanner, its sizes completed by what else is known.
@@ -145,7 +146,9 @@ void require_good(const LiveFlags& flags) {
   }
   if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
   if (!flags.output.empty()) require_cloud_ending(flags.output);
-#ifndef SLIPSTREAM_VIEW
+#ifdef SLIPSTREAM_VIEW
+  require_good(flags.view);
+#else
   if (!flags.headless) throw Error("this build has no viewer; add --headless");
 #endif
 }
@@ -159,6 +162,23 @@ void run_session(LiveSession& session, [[maybe_unused]] bool headless, Output& o
   }
 #endif
   wait_until_over(session, output);
+}
+
+/// What the session measured, and what is to be kept of its last cloud.
+void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
+  const LiveStatistics statistics = session.pipeline.statistics();
+  tell(statistics, output);
+  output.document.update(json_of(statistics));
+  output.document["source"] = flags.source.source;
+  if (!flags.output.empty()) {
+    const Pooled<LiveCloud> last = session.pipeline.newest();
+    if (!last) throw Error(fmt::format("{}: no cloud to be written; none came", flags.output));
+    write_cloud(flags.output, cloud_of(last->cloud));
+    output.document["files"]["cloud"] = flags.output;
+  }
+#ifdef SLIPSTREAM_VIEW
+  draw_newest(session, flags.headless, output);
+#endif
 }
 
 void live(LiveFlags flags, Output& output) {
@@ -184,22 +204,19 @@ void live(LiveFlags flags, Output& output) {
                                             std::chrono::duration<double>(*flags.duration))
                        : Clock::time_point::max();
   pipeline.start();
-  LiveSession session{pipeline, recorder, scan,
-                      [&] { return !pipeline.running() || stop.raised() || Clock::now() >= end; }};
+  const std::string scheme = flags.source.source.substr(0, flags.source.source.find(':'));
+  LiveSession session{pipeline,
+                      recorder,
+                      scan,
+                      [&] { return !pipeline.running() || stop.raised() || Clock::now() >= end; },
+                      flags.source.source,
+                      scheme != "virtual" && scheme != "replay",
+                      flags.view};
+  output.document["files"] = nlohmann::json::object();
   run_session(session, flags.headless, output);
   pipeline.stop();
 
-  const LiveStatistics statistics = pipeline.statistics();
-  tell(statistics, output);
-  output.document = json_of(statistics);
-  output.document["source"] = flags.source.source;
-  output.document["files"] = nlohmann::json::object();
-  if (!flags.output.empty()) {
-    const Pooled<LiveCloud> last = pipeline.newest();
-    if (!last) throw Error(fmt::format("{}: no cloud to be written; none came", flags.output));
-    write_cloud(flags.output, cloud_of(last->cloud));
-    output.document["files"]["cloud"] = flags.output;
-  }
+  write_results(session, flags, output);
   if (const auto failure = pipeline.failure()) std::rethrow_exception(failure);
   if (!flags.record.empty()) {
     recorder.finish_recording();
@@ -246,6 +263,9 @@ void add_live(CLI::App& program, SharedFlags& shared, Command& chosen) {
       ->capture_default_str()
       ->group(points);
   command->add_option("--farthest", flags->settings.farthest, "largest depth, mm")->group(points);
+#ifdef SLIPSTREAM_VIEW
+  add_view_flags(*command, flags->view);
+#endif
   add_scan_flags(*command, flags->source.scan);
   add_virtual_flags(*command, flags->source.virtual_scanner, "--virtual-gamma");
   add_shared_flags(*command, shared);

@@ -57,6 +57,17 @@ TEST_F(ViewProgram, DrawsScansAndCloudsWithoutAWindow) {
   EXPECT_GT(bright_pixels(path("c.png")), 2000);
 }
 
+TEST_F(ViewProgram, DrawsTheLastCloudOfALiveScan) {
+  const ProgramRun live = run_program(
+      {"live", "--source", "virtual", "--camera", "96x72", "--frames", "40", "--headless", "--json",
+       "--snapshot", path("a.png"), "--screenshot", path("b.png"), "--size", "640x400"});
+  if (live.exit_code == 1) GTEST_SKIP() << live.err;
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  EXPECT_NE(live.out.find(path("b.png")), std::string::npos) << live.out;
+  EXPECT_GT(bright_pixels(path("a.png")), 10000);
+  EXPECT_EQ(read_grey_image(path("b.png")).size(), (Size{640, 400}));
+}
+
 TEST_F(ViewProgram, RefusesBadInputInOneLine) {
   simulate();
   write_file(path("text.ply"), "no cloud");

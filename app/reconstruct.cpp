@@ -12,17 +12,13 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "app/gamma_choice.h"
 #include "app/progress.h"
-#include "app/scan_flags.h"
+#include "app/scan_input.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/preview.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 #include "slipstream/reconstruct/reconstructor.h"
 
@@ -44,23 +40,23 @@ struct OutputFiles {
              {"mean", mean},
              {"preview", preview}}};
   }
+  /// What the cloud does not hold.
+  [[nodiscard]] bool any_map() const {
+    return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty());
+  }
 };
 
 struct ReconstructFlags {
   std::vector<std::string> folders;
-  ScanFlags scan;
-  std::optional<std::string> scanner;
-  std::optional<int> bits;
+  ScanInputFlags input;
   std::string backend = "fused";
   std::string unwrapping = "consensus";
-  std::string gamma = "scanner";
   bool one_camera = false;
   PhaseMatchSettings match;
   ReconstructSettings settings;
   bool keep_saturated = false;
   bool normals = false;
   bool uncertainty = false;
-  PhotometricCalibration photometry;  ///< as far as flags say it
   OutputFiles files;
 };
 
@@ -76,87 +72,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-/// scan.yaml where there is one, else the folder's pictures; flags go before both.
-ScanDescription describe(const fs::path& folder, const ReconstructFlags& flags) {
-  if (!fs::is_directory(folder)) {
-    throw Error(fmt::format("{}: no such folder; a folder of frames is wanted", folder.string()));
-  }
-  ScanDescription scan;
-  if (fs::exists(folder / "scan.yaml")) {
-    scan = read_scan_description(folder / "scan.yaml");
-  } else if (!flags.scan.strategy) {
-    throw Error(fmt::format("{}: no scan.yaml in it; say what the pictures are with --strategy",
-                            folder.string()));
-  } else {
-    scan.frames = images_in_folder(folder);
-  }
-  scan.strategy = strategy_from(flags.scan, scan.strategy);
-  scan.axis = axis_from(flags.scan, scan.axis);
-  scan.light = light_from(flags.scan, scan.light);
-  scan.projector = projector_from(flags.scan, scan.projector);
-  scan.bits = flags.bits.value_or(scan.bits);
-  if (scan.bits != 0 && (scan.bits < 8 || scan.bits > 16)) {
-    throw Error(fmt::format("--bits {} is out of range; 8 to 16", scan.bits));
-  }
-  if (flags.scanner) scan.scanner = *flags.scanner;
-  if (!scan.scanner) {
-    throw Error(fmt::format("{}: no scanner; name its file with --scanner or in scan.yaml",
-                            folder.string()));
-  }
-  const int wanted = frame_count(scan.strategy);
-  if (static_cast<int>(scan.frames.size()) != wanted) {
-    throw Error(fmt::format("{}: {} frames, but {} with these steps takes {}", folder.string(),
-                            scan.frames.size(), name_of(scan.strategy), wanted));
-  }
-  return scan;
-}
-
-/// The scanner of the scan, its sizes completed by what the scan says and checked against it.
-Scanner scanner_for(const ScanDescription& scan, Size camera) {
-  Scanner scanner = read_scanner(*scan.scanner);
-  const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
-    if (known.width == 0 || known.height == 0) known = said;
-    if (said != Size{} && known != said) {
-      throw Error(fmt::format("{}: its {} has {}, but {} {}; both must agree",
-                              scan.scanner->string(), device, text_of(known), by, text_of(said)));
-    }
-  };
-  complete(scanner.camera.size, camera, "camera", "the frames are");
-  complete(scanner.projector.size, scan.projector, "projector", "the patterns are for");
-  if (scanner.projector.size == Size{}) {
-    throw Error(fmt::format("{}: says no projector size; give it with --projector",
-                            scan.scanner->string()));
-  }
-  try {
-    require_valid(scanner);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", scan.scanner->string(), error.what()));
-  }
-  return scanner;
-}
-
-/// What the flags say of light and sensor, else the scanner's file. Throws Error where neither says
-/// what is needed.
-PhotometricCalibration photometry_for(const ScanDescription& scan, const ReconstructFlags& flags) {
-  PhotometricCalibration known = read_photometric_calibration(*scan.scanner);
-  if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
-  if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
-  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&scan.strategy);
-  if (pcmp != nullptr && pcmp->steps == 3 && !known.ambient) {
-    throw Error(
-        fmt::format("{}: no ambient light in it, which pcmp of 3 frames needs; measure it "
-                    "with slipstream calibrate ambient, or give --ambient",
-                    scan.scanner->string()));
-  }
-  if (flags.uncertainty && !known.noise_variance) {
-    throw Error(
-        fmt::format("{}: no noise variance in it, which --uncertainty needs; measure it "
-                    "with slipstream calibrate noise, or give --noise-variance",
-                    scan.scanner->string()));
-  }
-  return known;
-}
-
 /// Median of the standard deviations of depth, mm.
 double median_depth_sigma(const Uncertainty& uncertainty) {
   std::vector<float> sigma;
@@ -171,8 +86,8 @@ double median_depth_sigma(const Uncertainty& uncertainty) {
 /// The cloud of a scan with two cameras, by matching their phases.
 Reconstruction match_cameras(const ScanDescription& scan, const FrameSet& frames,
                              ReconstructFlags flags, Output& output) {
-  flags.scanner.reset();
-  const ScanDescription second = describe(*scan.second_camera, flags);
+  flags.input.scanner.reset();
+  const ScanDescription second = describe(*scan.second_camera, flags.input);
   if (name_of(second.strategy) != name_of(scan.strategy) ||
       settings_of(second.strategy) != settings_of(scan.strategy) || second.axis != scan.axis) {
     throw Error(fmt::format("{}: another strategy than the first camera's; both see one projector",
@@ -285,12 +200,8 @@ class ReconstructorOfScans {
         name_of(scan.axis), text_of(camera), json_of(gamma).dump(), scan.light.alpha_p,
         scan.light.beta_p, photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
     if (wanted != made_for_) {
-      settings_.phase_corrections = gamma.corrections;
-      settings_.cue.light = scan.light;
-      settings_.cue.ambient = photometry.ambient.value_or(settings_.cue.ambient);
-      settings_.cue.noise_variance =
-          photometry.noise_variance.value_or(settings_.cue.noise_variance);
-      reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis, settings_);
+      reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis,
+                             settings_for(settings_, scan, gamma, photometry));
       made_for_ = wanted;
     }
     return *reconstructor_;
@@ -328,23 +239,34 @@ void tell(const nlohmann::json& scan, Output& output) {
 nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
                                 ReconstructorOfScans& reconstructors, Output& output) {
   Stopwatch watch;
-  const ScanDescription scan = describe(folder, flags);
+  const ScanDescription scan = describe(folder, flags.input);
   const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
   for (const std::string& warning : loaded.warnings) output.warn(warning);
   const double read = watch.lap();
   const bool two_cameras = scan.second_camera && !flags.one_camera;
   const GammaChoice gamma =
       two_cameras ? GammaChoice{.source = "two cameras", .sentence = "two cameras, free of gamma"}
-                  : choose_gamma(flags.gamma, scan, loaded.frames);
+                  : choose_gamma(flags.input.gamma, scan, loaded.frames);
   if (two_cameras && flags.uncertainty) {
     throw Error("--uncertainty is of one camera and the projector; add --one-camera");
   }
+  const PhotometricCalibration photometry = photometry_for(scan, flags.input);
+  if (flags.uncertainty && !photometry.noise_variance) {
+    throw Error(
+        fmt::format("{}: no noise variance in it, which --uncertainty needs; measure it "
+                    "with slipstream calibrate noise, or give --noise-variance",
+                    scan.scanner->string()));
+  }
   const Reconstructor& reconstruct =
-      reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry_for(scan, flags));
+      reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry);
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
-  const Reconstruction result =
-      two_cameras ? match_cameras(scan, loaded.frames, flags, output) : reconstruct(loaded.frames);
+  const auto reconstructed = [&]() -> Reconstruction {
+    if (two_cameras) return match_cameras(scan, loaded.frames, flags, output);
+    if (flags.files.any_map() || flags.uncertainty) return reconstruct(loaded.frames);
+    return {reconstruct.cloud(loaded.frames), {}};
+  };
+  const Reconstruction result = reconstructed();
   const double computed = watch.lap();
   const std::optional<Uncertainty> uncertainty =
       flags.uncertainty ? std::optional(reconstruct.uncertainty(result, loaded.frames))
@@ -432,22 +354,11 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
   const auto flags = std::make_shared<ReconstructFlags>();
   command->add_option("folders", flags->folders, "scan folders: pictures, and scan.yaml or flags")
       ->required();
-  command->add_option("--scanner", flags->scanner, "scanner file; where not that of scan.yaml");
   command->add_option("--backend", flags->backend, "fused, lut, closed-form or equation")
       ->capture_default_str();
   command
       ->add_option("--unwrapping", flags->unwrapping,
                    "fringe order from a cue in the same frames: consensus, likelihood or published")
-      ->capture_default_str();
-  command->add_option("--ambient", flags->photometry.ambient,
-                      "ambient light, grey levels of 255, where not that of the scanner file");
-  command->add_option("--noise-variance", flags->photometry.noise_variance,
-                      "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
-  command
-      ->add_option(
-          "--gamma", flags->gamma,
-          "the response the phase is corrected for: scanner (as its file says, if it does), "
-          "blind (from the frames), none, or a number")
       ->capture_default_str();
   command->add_flag("--one-camera", flags->one_camera,
                     "use the first camera alone where the scan has two");
@@ -455,10 +366,9 @@ void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen) {
       ->add_option("--match-window", flags->match.window,
                    "two cameras: half the width of the window whose plane gives the depth, pixels")
       ->capture_default_str();
-  command->add_option("--bits", flags->bits, "of the camera, where 16-bit files hold fewer");
   add_output_flags(*command, *flags);
   add_point_flags(*command, *flags);
-  add_scan_flags(*command, flags->scan);
+  add_scan_input_flags(*command, flags->input);
   add_shared_flags(*command, shared);
   command->footer(
       "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "

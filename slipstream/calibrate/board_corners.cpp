@@ -54,6 +54,9 @@ cv::Mat stretched(const cv::Mat& picture) {
   return grey;
 }
 
+/// How far about a chessboard's corner only its four squares are seen, in distances to the next.
+constexpr double half_square = 0.5;
+
 /// Least distance in the picture from a corner to another.
 double least_distance(const Corners& corners) {
   double least = 1e9;
@@ -64,7 +67,7 @@ double least_distance(const Corners& corners) {
 }
 
 /// Moves chessboard corners to where all gradients about them point, at a fraction of a pixel, in a
-/// window that goes to `reach` distances from corner to corner.
+/// window that goes to `reach` of the least distance between them.
 void refine(const cv::Mat& mean, Corners& corners, double reach) {
   constexpr double smoothing = 1;  // pixels; 0.7 to 1.4 give the same residuals on real boards
   cv::Mat smooth;
@@ -235,19 +238,55 @@ void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) 
   }
 }
 
+/// Paints markers over as bright as the squares that they are in, to the middle of the margin about
+/// them, so that a plain chessboard is left.
+cv::Mat without_markers(const cv::Mat& mean, const std::vector<Corners>& markers,
+                        double marker_side) {
+  const auto growth = static_cast<float>((1 + 1 / marker_side) / 2);
+  constexpr int samples = 20;  // along each side
+  cv::Mat plain = mean.clone();
+  for (const Corners& marker : markers) {
+    const cv::Point2f middle = (marker[0] + marker[1] + marker[2] + marker[3]) / 4;
+    std::vector<cv::Point> outline;
+    std::vector<double> margin;
+    for (std::size_t side = 0; side < 4; ++side) {
+      const cv::Point2f from = middle + growth * (marker[side] - middle);
+      const cv::Point2f to = middle + growth * (marker[(side + 1) % 4] - middle);
+      outline.emplace_back(from);
+      for (int i = 0; i < samples; ++i) {
+        const cv::Point pixel(from + static_cast<float>(i) / samples * (to - from));
+        if (cv::Rect({}, mean.size()).contains(pixel)) margin.push_back(mean.at<float>(pixel));
+      }
+    }
+    if (!margin.empty()) cv::fillConvexPoly(plain, outline, median(margin));
+  }
+  return plain;
+}
+
 std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv::Mat& mean) {
   constexpr std::size_t fewest_corners = 6;
   const cv::Ptr<cv::aruco::CharucoBoard> charuco = charuco_of(board);
   const cv::Mat picture = stretched(mean);
-  std::vector<std::vector<cv::Point2f>> markers;
+  std::vector<Corners> markers;
   std::vector<int> marker_ids, places;
   cv::aruco::detectMarkers(picture, charuco->dictionary, markers, marker_ids);
   if (marker_ids.empty()) return std::nullopt;
   Corners corners;
   cv::aruco::interpolateCornersCharuco(markers, marker_ids, picture, charuco, corners, places);
   if (corners.size() < fewest_corners) return std::nullopt;
-  const double to_marker = (1 - board.marker_side) / 2;  // whose edges would draw the corner away
+  // Near a marker that was not found, and so not painted over, its edges would draw the corner.
+  const double to_marker = (1 - board.marker_side) / 2;
   refine(mean, corners, to_marker);
+  Corners by_squares = corners;
+  refine(without_markers(mean, markers, board.marker_side), by_squares, half_square);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const auto& about = charuco->nearestMarkerIdx[static_cast<std::size_t>(places[i])];
+    const bool plain = std::all_of(about.begin(), about.end(), [&](int marker) {
+      return std::count(marker_ids.begin(), marker_ids.end(),
+                        charuco->ids[static_cast<std::size_t>(marker)]) > 0;
+    });
+    if (plain) corners[i] = by_squares[i];
+  }
   return board_corners(std::move(places), corners, "ChArUco, mean");
 }
 
@@ -295,7 +334,6 @@ std::optional<BoardCorners> find_board(const CalibrationBoard& board,
   }
   std::optional<Detection> found = find_chessboard(size, mean, brightest);
   if (!found) return std::nullopt;
-  constexpr double half_square = 0.5;
   refine(mean, found->corners, half_square);
   order_as_seen(board, found->corners);
   require_whole(board, mean, found->corners);

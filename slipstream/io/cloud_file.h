@@ -28,4 +28,11 @@ void require_cloud_ending(const std::filesystem::path& path);
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
                  const CloudExtras& extras = {});
 
+/// The points of a PLY file (ASCII, binary of either byte order), as one row: x y z of its
+/// vertices, and their intensity, which is that of the colours where it has red green blue, and 0
+/// where it has neither; other elements and properties are passed over, and points that are not
+/// finite are left out. Throws Error, naming the file, for what is no PLY file, ends too soon, or
+/// holds no point.
+Cloud read_cloud(const std::filesystem::path& path);
+
 }  // namespace slipstream

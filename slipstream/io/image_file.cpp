@@ -166,6 +166,15 @@ void write_image(const fs::path& path, const Image<std::uint16_t>& image) {
   write_mat(path, mat_of(image));
 }
 
+void write_image(const fs::path& path, const Image<Colour>& image) {
+  static_assert(sizeof(Colour) == 3);
+  // cv::Mat has no const form.
+  const cv::Mat colours(image.height(), image.width(), CV_8UC3, const_cast<Colour*>(image.row(0)));
+  cv::Mat turned;
+  cv::cvtColor(colours, turned, cv::COLOR_RGB2BGR);
+  write_mat(path, turned);
+}
+
 void write_map(const fs::path& path, const Image<double>& map) {
   require_map_ending(path);
   cv::Mat single;

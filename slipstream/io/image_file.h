@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slipstream/capture/frame_set.h"
+#include "slipstream/image/colour.h"
 #include "slipstream/image/image.h"
 
 namespace slipstream {
@@ -32,6 +33,8 @@ Image<std::uint16_t> read_grey_image(const std::filesystem::path& path);
 /// ending, WorldError when it cannot be written; never leaves half a file.
 void write_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
 void write_image(const std::filesystem::path& path, const Image<std::uint16_t>& image);
+/// The same for colours; PGM has none.
+void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 
 /// Writes a map (depth, phase, coordinate, modulation) as TIFF of 32-bit float, NaN kept.
 void write_map(const std::filesystem::path& path, const Image<double>& map);

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 namespace slipstream {
 
@@ -13,6 +14,10 @@ struct PhotometricCalibration {
 
 /// Throws Error, naming file and entry, for one that is not a number or out of range.
 PhotometricCalibration read_photometric_calibration(const std::filesystem::path& scanner_file);
+
+/// The same of such a file's text; `name` is what a message calls it.
+PhotometricCalibration photometric_calibration_from(const std::string& text,
+                                                    const std::string& name);
 
 /// Writes the scanner file `from` to `to` (which may be the same) with what the calibration has in
 /// place of what the file says, and all else as it was. `from` may be missing: the new file then

@@ -182,9 +182,10 @@ void write_plot(const fs::path& path, const Plot& plot) {
     save(path, drawn(*lines));
   } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {
     save(path, drawn(*bars));
+  } else if (const auto* heat = std::get_if<HeatPlot>(&plot)) {
+    write_map_preview(path, heat->values, heat->unit);
   } else {
-    const auto& heat = std::get<HeatPlot>(plot);
-    write_map_preview(path, heat.values, heat.unit);
+    write_depth_preview(path, std::get<ReliefPlot>(plot).surface);
   }
 }
 

@@ -22,10 +22,8 @@ StoredMatrix row_of(std::vector<double> numbers) {
   return {1, static_cast<int>(numbers.size()), std::move(numbers)};
 }
 
-}  // namespace
-
-std::optional<Response> read_response(const fs::path& scanner_file) {
-  const std::map<std::string, StoredMatrix> entries = read_opencv_storage(scanner_file);
+std::optional<Response> response_of(const std::map<std::string, StoredMatrix>& entries,
+                                    const std::string& name) {
   try {
     if (entries.contains(values_entry) || entries.contains(light_entry)) {
       if (!entries.contains(values_entry) || !entries.contains(light_entry)) {
@@ -39,8 +37,18 @@ std::optional<Response> read_response(const fs::path& scanner_file) {
     require_gamma(numbers[0], gamma_entry);
     return PowerLaw{numbers[0]};
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", scanner_file.string(), error.what()));
+    throw Error(fmt::format("{}: {}", name, error.what()));
   }
+}
+
+}  // namespace
+
+std::optional<Response> read_response(const fs::path& scanner_file) {
+  return response_of(read_opencv_storage(scanner_file), scanner_file.string());
+}
+
+std::optional<Response> response_from(const std::string& text, const std::string& name) {
+  return response_of(opencv_entries(text, name), name);
 }
 
 void write_response(const std::optional<fs::path>& from, const fs::path& to,

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "slipstream/gamma/response.h"
 
@@ -11,6 +12,9 @@ namespace slipstream {
 /// rows of numbers (a measured curve), or `gamma`. Throws Error, naming file and entry, for one
 /// that is not of its form or out of range.
 std::optional<Response> read_response(const std::filesystem::path& scanner_file);
+
+/// The same of such a file's text; `name` is what a message calls it.
+std::optional<Response> response_from(const std::string& text, const std::string& name);
 
 /// Writes the scanner file `from` to `to` (which may be the same) with this response in place of
 /// the one in it; every other entry stays, those that slipstream does not know too. `gamma`: the

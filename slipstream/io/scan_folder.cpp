@@ -105,13 +105,12 @@ class YamlMap {
   std::string where_;
 };
 
-YamlMap parse(const fs::path& file) {
-  const std::vector<std::uint8_t> bytes = read_file(file);
+YamlMap parse(const std::string& text, const std::string& name) {
   try {
-    return {YAML::Load(std::string(bytes.begin(), bytes.end())), file.string()};
+    return {YAML::Load(text), name};
   } catch (const YAML::Exception& exception) {
-    throw Error(fmt::format("{}: line {}: not YAML: {}", file.string(), exception.mark.line + 1,
-                            exception.msg));
+    throw Error(
+        fmt::format("{}: line {}: not YAML: {}", name, exception.mark.line + 1, exception.msg));
   }
 }
 
@@ -151,7 +150,9 @@ ScanDescription interpret(const YamlMap& map, const fs::path& folder) {
                       projector.whole_number("height", 1, largest_picture)};
   }
   if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
-  for (const std::string& name : map.names("frames")) scan.frames.push_back(folder / name);
+  if (map.has("frames")) {
+    for (const std::string& name : map.names("frames")) scan.frames.push_back(folder / name);
+  }
   if (map.has("scanner")) scan.scanner = folder / map.value<std::string>("scanner", "a file");
   if (map.has("second_camera")) {
     scan.second_camera = folder / map.value<std::string>("second_camera", "a folder");
@@ -187,20 +188,32 @@ bool before_in_order(const std::string& a, const std::string& b) {
 }
 
 ScanDescription read_scan_description(const fs::path& file) {
-  const YamlMap map = parse(file);
+  const std::vector<std::uint8_t> bytes = read_file(file);
+  ScanDescription scan =
+      scan_description_from({bytes.begin(), bytes.end()}, file.string(), file.parent_path());
+  if (scan.frames.empty()) throw Error(fmt::format("{}: key 'frames' is missing", file.string()));
+  return scan;
+}
+
+ScanDescription scan_description_from(const std::string& text, const std::string& name,
+                                      const fs::path& folder) {
+  const YamlMap map = parse(text, name);
   try {
-    return interpret(map, file.parent_path());
+    return interpret(map, folder);
   } catch (const YAML::Exception& exception) {
-    throw Error(fmt::format("{}: {}", file.string(), exception.msg));
+    throw Error(fmt::format("{}: {}", name, exception.msg));
   } catch (const Error& error) {
     const std::string_view message = error.what();
-    if (message.starts_with(file.string())) throw;
-    throw Error(fmt::format("{}: {}", file.string(), message));
+    if (message.starts_with(name)) throw;
+    throw Error(fmt::format("{}: {}", name, message));
   }
 }
 
 void write_scan_description(const fs::path& file, const ScanDescription& scan) {
-  const fs::path folder = file.parent_path();
+  write_file(file, scan_description_text(scan, file.parent_path()));
+}
+
+std::string scan_description_text(const ScanDescription& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
@@ -217,9 +230,11 @@ void write_scan_description(const fs::path& file, const ScanDescription& scan) {
     yaml << YAML::Key << "height" << YAML::Value << scan.projector.height << YAML::EndMap;
   }
   if (scan.bits != 0) yaml << YAML::Key << "bits" << YAML::Value << scan.bits;
-  yaml << YAML::Key << "frames" << YAML::Value << YAML::BeginSeq;
-  for (const fs::path& frame : scan.frames) yaml << frame.lexically_proximate(folder).string();
-  yaml << YAML::EndSeq;
+  if (!scan.frames.empty()) {
+    yaml << YAML::Key << "frames" << YAML::Value << YAML::BeginSeq;
+    for (const fs::path& frame : scan.frames) yaml << frame.lexically_proximate(folder).string();
+    yaml << YAML::EndSeq;
+  }
   if (scan.scanner) {
     yaml << YAML::Key << "scanner" << YAML::Value
          << scan.scanner->lexically_proximate(folder).string();
@@ -229,7 +244,7 @@ void write_scan_description(const fs::path& file, const ScanDescription& scan) {
          << scan.second_camera->lexically_proximate(folder).string();
   }
   yaml << YAML::EndMap;
-  write_file(file, std::string(yaml.c_str()) + "\n");
+  return std::string(yaml.c_str()) + "\n";
 }
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {

@@ -29,6 +29,14 @@ struct ScanDescription {
 /// key, for an unknown key, a missing one or a value out of range.
 ScanDescription read_scan_description(const std::filesystem::path& file);
 
+/// What the text of a scan.yaml says, as read_scan_description; `name` is what messages call it.
+/// `frames` may be missing in it.
+ScanDescription scan_description_from(const std::string& text, const std::string& name,
+                                      const std::filesystem::path& folder);
+
+/// The text of the scan.yaml in that folder. `frames` is missing where there are none.
+std::string scan_description_text(const ScanDescription& scan, const std::filesystem::path& folder);
+
 /// Writes scan.yaml; frames and scanner are named relative to its folder.
 void write_scan_description(const std::filesystem::path& file, const ScanDescription& scan);
 

@@ -36,24 +36,24 @@ constexpr std::array<Layout, 3> layouts{{
 /// The named entries of one scanner file, with errors that name file and entry.
 class ScannerFile {
  public:
-  explicit ScannerFile(const fs::path& path)
-      : path_(path.string()), entries_(read_opencv_storage(path)) {}
+  ScannerFile(std::string name, std::map<std::string, StoredMatrix> entries)
+      : name_(std::move(name)), entries_(std::move(entries)) {}
 
   [[nodiscard]] const Layout& layout() const {
     for (const Layout& layout : layouts) {
       if (has(layout.camera_matrix) || has(layout.projector_matrix)) return layout;
     }
     throw Error(fmt::format(
-        "{}: no camera matrix; it is named camera_matrix, Kc or cam_K in a scanner file", path_));
+        "{}: no camera matrix; it is named camera_matrix, Kc or cam_K in a scanner file", name_));
   }
 
   /// rows x columns numbers, row by row.
   [[nodiscard]] std::vector<double> matrix(std::string_view name, std::size_t rows,
                                            std::size_t columns) const {
-    if (!has(name)) throw Error(fmt::format("{}: {} is missing", path_, name));
+    if (!has(name)) throw Error(fmt::format("{}: {} is missing", name_, name));
     std::vector<double> values = numbers(name);
     if (values.size() != rows * columns) {
-      throw Error(fmt::format("{}: {} has {} numbers; it is {}x{}", path_, name, values.size(),
+      throw Error(fmt::format("{}: {} has {} numbers; it is {}x{}", name_, name, values.size(),
                               rows, columns));
     }
     return values;
@@ -65,8 +65,8 @@ class ScannerFile {
       return make_distortion(numbers(name));
     } catch (const Error& error) {
       const std::string_view message = error.what();
-      if (message.starts_with(path_)) throw;
-      throw Error(fmt::format("{}: {}: {}", path_, name, message));
+      if (message.starts_with(name_)) throw;
+      throw Error(fmt::format("{}: {}: {}", name_, name, message));
     }
   }
 
@@ -76,7 +76,7 @@ class ScannerFile {
     const std::vector<double> value = numbers(name);
     if (value.size() != 1 ||
         !(value[0] >= 1 && value[0] <= 65536 && value[0] == std::floor(value[0]))) {
-      throw Error(fmt::format("{}: {} is not a number of pixels", path_, name));
+      throw Error(fmt::format("{}: {} is not a number of pixels", name_, name));
     }
     return static_cast<int>(value[0]);
   }
@@ -89,18 +89,18 @@ class ScannerFile {
   [[nodiscard]] std::vector<double> numbers(std::string_view name) const {
     const StoredMatrix& matrix = entries_.at(std::string(name));
     if (matrix.rows == 0) {
-      throw Error(fmt::format("{}: {} is not a matrix of numbers", path_, name));
+      throw Error(fmt::format("{}: {} is not a matrix of numbers", name_, name));
     }
     for (const double value : matrix.numbers) {
       if (!std::isfinite(value)) {
         throw Error(
-            fmt::format("{}: {} holds {}; every number must be finite", path_, name, value));
+            fmt::format("{}: {} holds {}; every number must be finite", name_, name, value));
       }
     }
     return matrix.numbers;
   }
 
-  std::string path_;
+  std::string name_;
   std::map<std::string, StoredMatrix> entries_;
 };
 
@@ -169,10 +169,7 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
   return entries;
 }
 
-}  // namespace
-
-Scanner read_scanner(const fs::path& path) {
-  const ScannerFile file(path);
+Scanner scanner_of(const ScannerFile& file) {
   const Layout& names = file.layout();
   Scanner scanner;
   scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
@@ -185,6 +182,20 @@ Scanner read_scanner(const fs::path& path) {
   scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
   scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
   return scanner;
+}
+
+}  // namespace
+
+Scanner read_scanner(const fs::path& path) {
+  return scanner_of({path.string(), read_opencv_storage(path)});
+}
+
+Scanner scanner_from(const std::string& text, const std::string& name) {
+  return scanner_of({name, opencv_entries(text, name)});
+}
+
+std::string text_of(const Scanner& scanner) {
+  return text_of(".yaml", scanner);
 }
 
 void write_scanner(const fs::path& path, const Scanner& scanner) {

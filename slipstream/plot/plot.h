@@ -4,6 +4,7 @@
 #include <variant>
 #include <vector>
 
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/image/image.h"
 
 namespace slipstream {
@@ -42,8 +43,13 @@ struct HeatPlot {
   Image<double> values;
 };
 
+/// A surface seen from the camera: depth in colours, shaded by its slope.
+struct ReliefPlot {
+  Cloud surface;
+};
+
 /// What a plot shows, before it is drawn: see io/plot_file.h.
-using Plot = std::variant<LinePlot, BarPlot, HeatPlot>;
+using Plot = std::variant<LinePlot, BarPlot, HeatPlot, ReliefPlot>;
 
 /// A range that an axis spans, with round numbers for its marks.
 struct PlotAxis {

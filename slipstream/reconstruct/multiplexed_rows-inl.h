@@ -37,7 +37,7 @@ struct MultiplexedSums {
 template <class Pixel>
 HWY_INLINE MultiplexedSums sixth_sums(const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
-  const auto I = [&](std::size_t n) HWY_ATTR { return load_pixels(frames[n] + i); };
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
   const Ints rising = hn::Add(I(1), I(4)), falling = hn::Add(I(2), I(5));
   const Ints U = hn::Sub(hn::ShiftLeft<1>(hn::Add(I(0), I(3))), hn::Add(rising, falling));
   return {closed_form_sums<6>(frames, i), hn::ConvertTo(d, U),
@@ -84,7 +84,7 @@ HWY_INLINE MultiplexedSums multiplexed_sums(const SinusoidStage& stage, const Cu
     const FrameSums sums = closed_form_sums<3>(frames, i);
     return {sums, hn::ConvertTo(d, sums.sum), hn::Zero(d)};
   } else if constexpr (steps == 4) {
-    const auto I = [&](std::size_t n) HWY_ATTR { return load_pixels(frames[n] + i); };
+    const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
     const Ints half_phase = hn::Sub(hn::Add(I(0), I(2)), hn::Add(I(1), I(3)));  // (3.70)
     return {closed_form_sums<4>(frames, i), hn::ConvertTo(d, half_phase), hn::Zero(d)};
   } else if constexpr (steps == 5) {
@@ -150,7 +150,7 @@ HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
 }
 
 /// One row, vector by vector. Members are copies, which no store can change.
-template <int steps, Correction correction, class Pixel>
+template <int steps, class Pixel>
 class MultiplexedVectors {
  public:
   HWY_INLINE MultiplexedVectors(const MultiplexedWork& work, const Pixel* const* frames)
@@ -170,7 +170,7 @@ class MultiplexedVectors {
     const MultiplexedSums sums =
         multiplexed_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
     // On the circle a whole turn more or less leads to the same place.
-    Floats turn = corrected_turn<correction>(stage_, sums.high);
+    Floats turn = corrected_turn(stage_, sums.high);
     if constexpr (!is_circle<steps>) turn = within_a_turn(turn);
     const Floats square = modulation_square(stage_, sums.high);
     const bool decoding = row_.turn != nullptr;
@@ -234,11 +234,8 @@ class MultiplexedVectors {
 
 template <int steps, class Pixel>
 HWY_INLINE void decode_steps(const MultiplexedWork& work, const Pixel* const* frames) {
-  const auto decode = [&]<Correction correction>() HWY_ATTR {
-    const MultiplexedVectors<steps, correction, Pixel> vectors(work, frames);
-    for_each_vector(work.row.width, vectors);
-  };
-  with_correction(work.stage, decode);
+  const MultiplexedVectors<steps, Pixel> vectors(work, frames);
+  for_each_vector(work.row.width, vectors);
 }
 
 template <class Pixel>
@@ -280,14 +277,14 @@ void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
   for (int next = 0; next < rows.width; next += lanes) {
     const int i = std::min(next, rows.width - lanes);
     const Floats y = hn::LoadU(d, rows.here + i);
-    const auto far = [&](const float* other) HWY_ATTR {
+    const auto far = [&](const float* other) SLIPSTREAM_STEP {
       return hn::Gt(hn::Abs(hn::Sub(hn::LoadU(d, other + i), y)), half_period);
     };
     const auto any = hn::Or(hn::Or(far(rows.here - 1), far(rows.here + 1)),
                             hn::Or(far(rows.above), far(rows.below)));
     if (HWY_LIKELY(hn::AllFalse(d, any))) continue;
     // A step of whole periods, but for one that may be the surface's own.
-    const auto disagrees = [&](const float* other) HWY_ATTR {
+    const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
       const Floats periods = hn::Mul(hn::Sub(hn::LoadU(d, other + i), y), f_h);
       const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
       return hn::And(far(other), hn::Le(part, steepest));

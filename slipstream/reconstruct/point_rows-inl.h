@@ -7,9 +7,11 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <tuple>
 
 #include <hwy/highway.h>
 
@@ -18,8 +20,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
-
-using FloatMask = hn::Mask<FloatTag>;
 
 HWY_INLINE Floats linear(const PointStage::Linear& c, Floats E_x, Floats E_y) {
   const FloatTag d;
@@ -97,99 +97,39 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row
           hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)))};
 }
 
-template <std::size_t terms>
-HWY_INLINE Floats polynomial(const float* coefficients, Floats x) {
-  const FloatTag d;
-  Floats sum = hn::Set(d, coefficients[terms - 1]);
-  for (std::size_t k = terms - 1; k > 0; --k) {
-    sum = hn::MulAdd(sum, x, hn::Set(d, coefficients[k - 1]));
-  }
-  return sum;
-}
-
-/// The coefficients of a row's block, quadratic between the knots.
-HWY_INLINE void mix(const RayBlocks::Row& blocks, std::size_t block, RayBlocks::Block& mixed) {
-  const FloatTag d;
-  const auto knot = [&](std::size_t k)
-                        HWY_ATTR { return blocks.knots[k][block].coefficients.data(); };
-  const auto weight = [&](std::size_t k) HWY_ATTR { return hn::Set(d, blocks.weights[k]); };
-  for (std::size_t i = 0; i < mixed.coefficients.size(); i += hn::Lanes(d)) {
-    Floats sum = hn::Mul(weight(0), hn::Load(d, knot(0) + i));
-    sum = hn::MulAdd(weight(1), hn::Load(d, knot(1) + i), sum);
-    sum = hn::MulAdd(weight(2), hn::Load(d, knot(2) + i), sum);
-    hn::Store(sum, d, mixed.coefficients.data() + i);
-  }
-}
-
-/// Of a block that is described at p; `t` as in RayBlocks.
-HWY_INLINE RayPoints points_of_block(const PointStage& stage, const RayBlocks::Block& block,
-                                     Floats t, Floats p, FloatMask described) {
-  using Block = RayBlocks::Block;
-  constexpr int first_slope = RayBlocks::constants;
-  constexpr int first_bend = first_slope + RayBlocks::slopes;
-  const FloatTag d;
-  const float* c = block.coefficients.data();
-  const Floats bend = polynomial<RayBlocks::bends>(c + first_bend, p);
-  const Floats slope = hn::MulAdd(bend, t, polynomial<RayBlocks::slopes>(c + first_slope, p));
-  const Floats inverse = hn::MulAdd(slope, t, polynomial<RayBlocks::constants>(c, p));
-  const Floats z = quotient(hn::Set(d, 1.0F), inverse);
-  return {polynomial<3>(c + Block::E_x, t),
-          polynomial<3>(c + Block::E_y, t),
-          z,
-          hn::Gt(inverse, hn::Zero(d)),
-          described,
-          hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)))};
-}
-
-/// A block's coefficients in one row, and where they hold.
-struct MixedBlock {
-  RayBlocks::Block block;
-  RayBlocks::Range described;
-};
-
-/// By the block where it describes all pixels that are not dark, else one by one.
-template <int lens_degree>
-HWY_INLINE RayPoints points_of(const PointStage& stage, const PointRow& row, std::size_t i,
-                               const MixedBlock& mixed, Floats t, Floats y, FloatMask dark) {
-  const FloatTag d;
-  if (HWY_LIKELY(mixed.described.least < mixed.described.largest)) {
-    const Floats p = hn::MulAdd(y, hn::Set(d, stage.unit_scale), hn::Set(d, stage.unit_offset));
-    const FloatMask described = hn::And(hn::Ge(p, hn::Set(d, mixed.described.least)),
-                                        hn::Le(p, hn::Set(d, mixed.described.largest)));
-    if (HWY_LIKELY(hn::AllTrue(d, hn::Or(described, dark)))) {
-      return points_of_block(stage, mixed.block, t, p, described);
-    }
-  }
-  return points_on_rays<lens_degree>(stage, row, i, y);
-}
-
 /// Lanes that have at least as many agreeing neighbours as they need, see FringeOrderConsensus.
 class Neighbourhood {
  public:
-  HWY_INLINE Neighbourhood(const ConsensusStage& stage, const PointRow& row)
-      : half_fringe_(stage.half_fringe),
+  HWY_INLINE Neighbourhood(const PointStage& point, const ConsensusStage& stage,
+                           const PointRow& row)
+      : unit_scale_(hn::Set(FloatTag(), point.unit_scale)),
+        unit_offset_(hn::Set(FloatTag(), point.unit_offset)),
+        half_fringe_(stage.half_fringe),
         needed_(stage.fewest_neighbours),
         needed_if_doubtful_(stage.fewest_if_doubtful),
-        row_(row) {}
+        above_(row.above),
+        here_(row.coordinate),
+        below_(row.below) {}
 
-  HWY_INLINE Floats coordinate(std::size_t i) const {
-    return hn::LoadU(FloatTag(), row_.coordinate + i);
+  HWY_INLINE Floats coordinate(std::size_t i) const { return hn::LoadU(FloatTag(), here_ + i); }
+  HWY_INLINE Floats unit_coordinate(std::size_t i) const {
+    return hn::MulAdd(coordinate(i), unit_scale_, unit_offset_);
   }
 
-  HWY_INLINE FloatMask confirms(std::size_t i, Floats y, Ints flags) const {
+  HWY_INLINE FloatMask confirms(std::size_t i, Ints flags) const {
     const FloatTag d;
     const IntTag di;
+    const Floats y = coordinate(i);
     const auto doubtful =
         hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::doubtful_order)), hn::Zero(di));
     const Ints needed =
         hn::IfThenElse(doubtful, hn::Set(di, needed_if_doubtful_), hn::Set(di, needed_));
     // In a surface the row's own neighbours suffice; masks are -1 as integers.
-    Ints missing = hn::Add(
-        needed, hn::Add(agreeing(row_.coordinate, i - 1, y), agreeing(row_.coordinate, i + 1, y)));
+    Ints missing = hn::Add(needed, hn::Add(agreeing(here_, i - 1, y), agreeing(here_, i + 1, y)));
     const auto dark = hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di));
     const auto settled = hn::Or(dark, hn::Lt(missing, hn::Set(di, 1)));
     if (HWY_UNLIKELY(!hn::AllTrue(di, settled))) {
-      for (const float* other : {row_.above, row_.below}) {
+      for (const float* other : {above_, below_}) {
         for (std::size_t j = i - 1; j != i + 2; ++j) {
           missing = hn::Add(missing, agreeing(other, j, y));
         }
@@ -206,27 +146,41 @@ class Neighbourhood {
                                                                      hn::Set(d, half_fringe_))));
   }
 
+  Floats unit_scale_, unit_offset_;
   float half_fringe_;
   int needed_, needed_if_doubtful_;
-  const PointRow& row_;
+  const float* above_;
+  const float* here_;
+  const float* below_;
 };
 
 /// One frequency leaves nothing to confirm; its coordinate is made of the turn here.
 class Alone {
  public:
-  HWY_INLINE Alone(const CoordinateStage& stage, const PointRow& row)
-      : in_field_(stage), row_(row) {}
+  HWY_INLINE Alone(const PointStage& point, const CoordinateStage& stage, const PointRow& row)
+      : in_field_(stage),
+        cut_(hn::Set(FloatTag(), 1 + stage.cut / stage.period)),
+        scale_(hn::Set(FloatTag(), stage.scale * point.unit_scale)),
+        offset_(hn::Set(FloatTag(), point.unit_offset)),
+        offset_past_cut_(hn::Set(FloatTag(), point.unit_offset - stage.period * point.unit_scale)),
+        turn_(row.coordinate) {}
 
   HWY_INLINE Floats coordinate(std::size_t i) const {
-    return in_field_(hn::LoadU(FloatTag(), row_.coordinate + i));
+    return in_field_(hn::LoadU(FloatTag(), turn_ + i));
   }
-  HWY_INLINE FloatMask confirms(std::size_t, Floats, Ints) const {
+  /// The same, mapped to [-1, 1]: a turn past the cut counts as one less.
+  HWY_INLINE Floats unit_coordinate(std::size_t i) const {
+    const Floats turn = hn::LoadU(FloatTag(), turn_ + i);
+    return hn::MulAdd(turn, scale_, hn::IfThenElse(hn::Ge(turn, cut_), offset_past_cut_, offset_));
+  }
+  HWY_INLINE FloatMask confirms(std::size_t, Ints) const {
     return hn::FirstN(FloatTag(), hn::Lanes(FloatTag()));
   }
 
  private:
   FieldPlacer in_field_;
-  const PointRow& row_;
+  Floats cut_, scale_, offset_, offset_past_cut_;
+  const float* turn_;
 };
 
 HWY_INLINE Ints reason_unless(FloatMask good, Ints otherwise, Validity reason) {
@@ -240,12 +194,13 @@ HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
   hn::StoreU(hn::DemoteTo(bytes, reasons), bytes, reinterpret_cast<std::uint8_t*>(validity));
 }
 
-template <bool only_depth>
-HWY_INLINE void store_points(const PointRow& row, std::size_t i, Floats E_x, Floats E_y, Floats z) {
-  store(z, row.z + i, row.past_cache);
-  if constexpr (!only_depth) {
-    store(hn::Mul(E_x, z), row.x + i, row.past_cache);
-    store(hn::Mul(E_y, z), row.y + i, row.past_cache);
+/// With `past_cache` in place of that of the row, so that it need not be asked for each vector.
+HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i, Floats E_x,
+                             Floats E_y, Floats z) {
+  store(z, row.z + i, past_cache);
+  if (row.x != nullptr) {
+    store(hn::Mul(E_x, z), row.x + i, past_cache);
+    store(hn::Mul(E_y, z), row.y + i, past_cache);
   }
 }
 
@@ -253,7 +208,7 @@ HWY_INLINE void store_points(const PointRow& row, std::size_t i, Floats E_x, Flo
 HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags) {
   const FloatTag d;
   const IntTag di;
-  const auto without = [&](PixelFlag flag) HWY_ATTR {
+  const auto without = [&](PixelFlag flag) SLIPSTREAM_STEP {
     return hn::RebindMask(d, hn::Eq(hn::And(flags, hn::Set(di, flag)), hn::Zero(di)));
   };
   Ints reason = hn::Zero(di);
@@ -265,89 +220,323 @@ HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags
   return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
 }
 
-/// The vector of pixels from `i` on.
-template <int lens_degree, bool only_depth, class Source>
-HWY_INLINE void point_vector(const PointStage& stage, const Source& source, const PointRow& row,
-                             std::size_t i, const MixedBlock& mixed, Floats t) {
+/// A vector of pixels that are all dark.
+HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
+  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+  store_points(row, row.past_cache, i, nan, nan, nan);
+  store_validity(hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark)),
+                 row.validity + i);
+}
+
+/// The points of a vector of pixels, some of which may have none.
+HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints& points,
+                             FloatMask good, FloatMask confirmed, Ints flags) {
   const FloatTag d;
-  const IntTag di;
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  const Ints flags = hn::LoadU(di, row.flags + i);
-  const auto dark = hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di));
-  if (hn::AllTrue(di, dark)) {
-    store_points<only_depth>(row, i, nan, nan, nan);
-    return store_validity(hn::Set(di, static_cast<std::int32_t>(Validity::too_dark)),
-                          row.validity + i);
-  }
-  const Floats y = source.coordinate(i);
-  const FloatMask confirmed = source.confirms(i, y, flags);
-  const RayPoints points =
-      points_of<lens_degree>(stage, row, i, mixed, t, y, hn::RebindMask(d, dark));
-  const FloatMask unflagged = hn::RebindMask(
-      d, hn::Eq(hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated)), hn::Zero(di)));
-  const FloatMask good = hn::And(hn::And(unflagged, confirmed),
-                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
-  if (HWY_LIKELY(hn::AllTrue(d, good))) {
-    store_points<only_depth>(row, i, points.E_x, points.E_y, points.z);
-    return store_validity(hn::Zero(di), row.validity + i);
-  }
-  store_points<only_depth>(row, i, points.E_x, points.E_y, hn::IfThenElse(good, points.z, nan));
+  const Floats z = hn::IfThenElse(good, points.z, nan);
+  store_points(row, row.past_cache, i, points.E_x, points.E_y, z);
+  if (hn::AllTrue(d, good)) return store_validity(hn::Zero(IntTag()), row.validity + i);
   store_validity(reasons(points, confirmed, flags), row.validity + i);
 }
 
-template <int lens_degree, bool only_depth, class Source>
-HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row) {
-  const FloatTag d;
-  const auto width = static_cast<std::size_t>(row.width);
-  constexpr std::size_t block_width = RayBlocks::width;
-  constexpr float half = 0.5F * block_width;
-  const Floats first_t =
-      hn::Mul(hn::Add(hn::Iota(d, 0), hn::Set(d, 0.5F - half)), hn::Set(d, 1 / half));
-  MixedBlock mixed;
-  for (std::size_t b = 0; b * block_width < width; ++b) {
-    const std::size_t first = std::min(b * block_width, width - block_width);
-    if (row.blocks.described != nullptr) {
-      mixed.described = row.blocks.described[b];
-      mix(row.blocks, b, mixed.block);
-    }
-    for (std::size_t j = 0; j < block_width; j += hn::Lanes(d)) {
-      const Floats t = hn::Add(first_t, hn::Set(d, static_cast<float>(j) / half));
-      point_vector<lens_degree, only_depth>(stage, source, row, first + j, mixed, t);
-    }
+HWY_INLINE FloatMask is_unflagged(Ints flags) {
+  const IntTag di;
+  const Ints flagged = hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated));
+  return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
+}
+
+/// One vector without its block.
+template <int lens_degree>
+HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
+                                 Floats y, FloatMask confirmed, Ints flags) {
+  const RayPoints points = points_on_rays<lens_degree>(stage, row, i, y);
+  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
+                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
+  store_vector(row, i, points, good, confirmed, flags);
+}
+
+using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
+                              Ints);
+
+/// For the degree of PointStage::lens.
+HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
+  switch (lens_degree) {
+    case 0:
+      return vector_on_rays<0>;
+    case 3:
+      return vector_on_rays<3>;
+    case 5:
+      return vector_on_rays<5>;
+    case 7:
+      return vector_on_rays<7>;
+    default:
+      return vector_on_rays<9>;
   }
 }
 
-template <int lens_degree, class Source>
-HWY_INLINE void point_row_of_degree(const PointStage& stage, const Source& source,
-                                    const PointRow& row) {
-  if (row.x == nullptr) return point_vectors<lens_degree, true>(stage, source, row);
-  return point_vectors<lens_degree, false>(stage, source, row);
+template <class Source>
+HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const PointRow& row) {
+  const VectorOnRays vector = vector_on_rays_for(stage.lens_degree);
+  for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Ints flags = hn::LoadU(IntTag(), row.flags + i);
+    if (hn::AllTrue(FloatTag(), is_dark(flags))) return store_dark(row, i);
+    vector(stage, row, i, source.coordinate(i), source.confirms(i, flags), flags);
+  });
+}
+
+/// The coefficients of some neighbouring blocks in one row. They stand ready before any is used:
+/// to read single numbers out of a vector just written takes long.
+class MixedBlocks {
+ public:
+  static constexpr std::size_t most = 32;
+
+  /// Quadratic between the knots.
+  HWY_INLINE void mix(const RayBlocks::Row& blocks, std::size_t first, std::size_t count) {
+    const FloatTag d;
+    const Floats w0 = hn::Set(d, blocks.weights[0]), w1 = hn::Set(d, blocks.weights[1]),
+                 w2 = hn::Set(d, blocks.weights[2]);
+    for (std::size_t b = 0; b < count; ++b) {
+      const auto knot = [&](std::size_t k) SLIPSTREAM_STEP {
+        return blocks.knots[k][first + b].coefficients.data();
+      };
+      for (std::size_t i = 0; i < terms; i += hn::Lanes(d)) {
+        Floats sum = hn::Mul(w0, hn::Load(d, knot(0) + i));
+        sum = hn::MulAdd(w1, hn::Load(d, knot(1) + i), sum);
+        sum = hn::MulAdd(w2, hn::Load(d, knot(2) + i), sum);
+        hn::Store(sum, d, coefficients_.data() + b * terms + i);
+      }
+    }
+  }
+
+  [[nodiscard]] HWY_INLINE const float* operator[](std::size_t block) const {
+    return coefficients_.data() + block * terms;
+  }
+
+ private:
+  static constexpr std::size_t terms = std::tuple_size_v<decltype(RayBlocks::Block::coefficients)>;
+  alignas(64) std::array<float, most * terms> coefficients_;
+};
+
+/// A vector of pixels of a block.
+struct BlockPart {
+  std::size_t pixel;
+  const float* coefficients;
+  RayBlocks::Range described;
+};
+
+/// Some vectors of a row; `t` as in RayBlocks.
+template <std::size_t count>
+struct BlockParts {
+  std::array<BlockPart, count> part;
+  Several<count> t;
+
+  HWY_INLINE BlockParts() {}
+
+  [[nodiscard]] HWY_INLINE Floats coefficient(std::size_t k, std::size_t i) const {
+    return hn::Set(FloatTag(), part[k].coefficients[i]);
+  }
+};
+
+/// A polynomial in p of each vector, one step at a time: its coefficients are those from `first`
+/// on.
+template <std::size_t first, std::size_t terms, std::size_t count>
+HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Several<count>& p) {
+  Several<count> sum;
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { sum[k] = parts.coefficient(k, first + terms - 1); });
+  each<terms - 1>([&](std::size_t i) SLIPSTREAM_STEP {
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      sum[k] = hn::MulAdd(sum[k], p[k], parts.coefficient(k, first + terms - 2 - i));
+    });
+  });
+  return sum;
+}
+
+/// 1/Z of the pixels at p.
+template <std::size_t count>
+HWY_INLINE Several<count> inverse_depths(const BlockParts<count>& parts, const Several<count>& p) {
+  using Blocks = RayBlocks;
+  constexpr std::size_t slopes = Blocks::constants, bends = slopes + Blocks::slopes;
+  const Several<count> bend = polynomials<bends, Blocks::bends>(parts, p);
+  Several<count> slope = polynomials<slopes, Blocks::slopes>(parts, p);
+  Several<count> inverse = polynomials<0, Blocks::constants>(parts, p);
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { slope[k] = hn::MulAdd(bend[k], parts.t[k], slope[k]); });
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
+  return inverse;
+}
+
+/// E_x or E_y, whose coefficients begin at `first`.
+template <std::size_t count>
+HWY_INLINE Floats ray_direction(const BlockParts<count>& parts, std::size_t k, std::size_t first) {
+  const Floats slope =
+      hn::MulAdd(parts.coefficient(k, first + 2), parts.t[k], parts.coefficient(k, first + 1));
+  return hn::MulAdd(slope, parts.t[k], parts.coefficient(k, first));
+}
+
+/// Vectors of which every pixel has its point.
+template <std::size_t count>
+HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts<count>& parts,
+                          const Several<count>& z) {
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const std::size_t i = parts.part[k].pixel;
+    store_points(row, past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
+                 ray_direction(parts, k, RayBlocks::Block::E_y), z[k]);
+    store_validity(hn::Zero(IntTag()), row.validity + i);
+  });
+}
+
+/// Vectors of which every pixel that is not dark has its point, as at the edges of shadows.
+template <std::size_t count>
+HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
+                                     const Several<count>& z, const Several<count, Ints>& flags) {
+  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+  static_assert(static_cast<int>(Validity::valid) == 0 &&
+                static_cast<int>(Validity::too_dark) == PixelFlag::dark);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const std::size_t i = parts.part[k].pixel;
+    store_points(row, row.past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
+                 ray_direction(parts, k, RayBlocks::Block::E_y),
+                 hn::IfThenElse(is_dark(flags[k]), nan, z[k]));
+    store_validity(hn::And(flags[k], hn::Set(IntTag(), PixelFlag::dark)), row.validity + i);
+  });
+}
+
+/// Some vectors together: those without a fault by their blocks, the others one by one.
+template <std::size_t count, class Source>
+HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row,
+                              const BlockParts<count>& parts) {
+  const FloatTag d;
+  const IntTag di;
+  Several<count, Ints> flags;
+  Ints common = hn::Set(di, PixelFlag::dark);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    flags[k] = hn::LoadU(di, row.flags + parts.part[k].pixel);
+    common = hn::And(common, flags[k]);
+  });
+  if (hn::AllTrue(d, is_dark(common))) {
+    return each<count>([&](std::size_t k)
+                           SLIPSTREAM_STEP { store_dark(row, parts.part[k].pixel); });
+  }
+  Several<count> p, z;
+  Several<count, FloatMask> described, confirmed, in_range, good;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const BlockPart& part = parts.part[k];
+    p[k] = source.unit_coordinate(part.pixel);
+    confirmed[k] = source.confirms(part.pixel, flags[k]);
+    described[k] = hn::And(hn::Ge(p[k], hn::Set(d, part.described.least)),
+                           hn::Le(p[k], hn::Set(d, part.described.largest)));
+  });
+  const Several<count> inverse = inverse_depths<count>(parts, p);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = reciprocal(inverse[k]); });
+
+  FloatMask all = hn::FirstN(d, hn::Lanes(d)), all_good_or_dark = all;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    in_range[k] =
+        hn::And(hn::Ge(z[k], hn::Set(d, stage.nearest)), hn::Le(z[k], hn::Set(d, stage.farthest)));
+    good[k] =
+        hn::And(hn::And(is_unflagged(flags[k]), confirmed[k]), hn::And(described[k], in_range[k]));
+    all = hn::And(all, good[k]);
+    all_good_or_dark = hn::And(all_good_or_dark, hn::Or(good[k], is_dark(flags[k])));
+  });
+  if (HWY_LIKELY(hn::AllTrue(d, all))) {
+    if (row.past_cache) return store_all(row, true, parts, z);
+    return store_all(row, false, parts, z);
+  }
+  if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark))) {
+    return store_where_not_dark(row, parts, z, flags);
+  }
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const std::size_t i = parts.part[k].pixel;
+    if (!hn::AllTrue(d, hn::Or(described[k], is_dark(flags[k])))) {
+      const PointRow seen = row;  // the original stays in registers if nobody else sees it
+      return vector_on_rays_for(stage.lens_degree)(stage, seen, i, source.coordinate(i),
+                                                   confirmed[k], flags[k]);
+    }
+    const FloatMask exists = hn::Gt(inverse[k], hn::Zero(d));
+    store_vector(
+        row, i,
+        {ray_direction(parts, k, RayBlocks::Block::E_x),
+         ray_direction(parts, k, RayBlocks::Block::E_y), z[k], exists, described[k], in_range[k]},
+        good[k], confirmed[k], flags[k]);
+  });
+}
+
+/// Where the blocks of a part of a row stand, whose coefficients are mixed.
+class RowPart {
+ public:
+  HWY_INLINE RowPart(const PointRow& row, const MixedBlocks& mixed, int first, std::size_t blocks)
+      : row_(row), mixed_(mixed), first_(first), blocks_(blocks) {
+    const FloatTag d;
+    first_t_ = hn::Mul(hn::Add(hn::Iota(d, 0), hn::Set(d, 0.5F - half)), hn::Set(d, 1 / half));
+  }
+
+  [[nodiscard]] HWY_INLINE std::size_t vectors() const { return blocks_ * vectors_of_block; }
+
+  /// From vector `next` on.
+  template <std::size_t count>
+  [[nodiscard]] HWY_INLINE BlockParts<count> at(std::size_t next) const {
+    const FloatTag d;
+    BlockParts<count> parts;
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const std::size_t block = (next + k) / vectors_of_block;
+      const std::size_t start = (next + k) % vectors_of_block * hn::Lanes(d);
+      const int b = first_ + static_cast<int>(block);
+      parts.part[k] = {static_cast<std::size_t>(RayBlocks::first_column(b, row_.width)) + start,
+                       mixed_[block], row_.blocks.described[b]};
+      parts.t[k] = hn::Add(first_t_, hn::Set(d, static_cast<float>(start) / half));
+    });
+    return parts;
+  }
+
+ private:
+  static constexpr float half = 0.5F * RayBlocks::width;
+  static constexpr std::size_t vectors_of_block = RayBlocks::width / hn::MaxLanes(FloatTag());
+
+  const PointRow& row_;
+  const MixedBlocks& mixed_;
+  int first_;
+  std::size_t blocks_;
+  Floats first_t_;
+};
+
+template <class Source>
+HWY_INLINE void point_part(const PointStage& stage, const Source& source, const PointRow& row,
+                           const RowPart& part) {
+  std::size_t next = 0;
+  for (; next + at_once <= part.vectors(); next += at_once) {
+    point_vectors(stage, source, row, part.template at<at_once>(next));
+  }
+  for (; next < part.vectors(); ++next) {
+    point_vectors(stage, source, row, part.template at<1>(next));
+  }
 }
 
 template <class Source>
-HWY_INLINE void point_row_with(const PointStage& stage, const Source& source, const PointRow& row) {
-  switch (stage.lens_degree) {
-    case 0:
-      return point_row_of_degree<0>(stage, source, row);
-    case 3:
-      return point_row_of_degree<3>(stage, source, row);
-    case 5:
-      return point_row_of_degree<5>(stage, source, row);
-    case 7:
-      return point_row_of_degree<7>(stage, source, row);
-    default:
-      return point_row_of_degree<9>(stage, source, row);
+HWY_INLINE void point_row(const PointStage& stage, const Source& source, const PointRow& row) {
+  if (row.blocks.described == nullptr) {
+    return row_on_rays(stage, source, row);
+  }
+  const int blocks = (row.width + RayBlocks::width - 1) / RayBlocks::width;
+  MixedBlocks mixed;
+  for (int first = 0; first < blocks; first += static_cast<int>(MixedBlocks::most)) {
+    const std::size_t count = std::min(MixedBlocks::most, static_cast<std::size_t>(blocks - first));
+    mixed.mix(row.blocks, static_cast<std::size_t>(first), count);
+    point_part(stage, source, row, RowPart(row, mixed, first, count));
   }
 }
 
 void PointRowAlone(const PointStage& stage, const CoordinateStage& coordinate,
                    const PointRow& row) {
-  point_row_with(stage, Alone(coordinate, row), row);
+  const PointRow local = row;
+  point_row(stage, Alone(stage, coordinate, row), local);
 }
 
 void PointRowConfirmed(const PointStage& stage, const ConsensusStage& consensus,
                        const PointRow& row) {
-  point_row_with(stage, Neighbourhood(consensus, row), row);
+  const PointRow local = row;
+  point_row(stage, Neighbourhood(stage, consensus, row), local);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

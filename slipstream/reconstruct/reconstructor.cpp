@@ -15,18 +15,16 @@ Image<double> widened(const Image<float>& image) {
   return wide;
 }
 
+Cloud fused_cloud(const FusedReconstructor& reconstruct, const FrameSet& frames) {
+  FusedCloud points;
+  reconstruct(frames, points);
+  return cloud_of(points);
+}
+
 Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const FrameSet& frames) {
   FusedDecoding decoding;
   reconstruct(frames, decoding);
-  FusedCloud points;
-  reconstruct(frames, points);
-  Cloud cloud;
-  cloud.x = widened(points.x);
-  cloud.y = widened(points.y);
-  cloud.z = widened(points.z);
-  cloud.intensity = std::move(points.intensity);
-  cloud.validity = std::move(points.validity);
-  return {std::move(cloud),
+  return {fused_cloud(reconstruct, frames),
           {.mean = widened(decoding.mean),
            .modulation = widened(decoding.modulation),
            .wrapped_phase = widened(decoding.wrapped_phase),
@@ -35,6 +33,16 @@ Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const Fr
 }
 
 }  // namespace
+
+Cloud cloud_of(const FusedCloud& points) {
+  Cloud cloud;
+  cloud.x = widened(points.x);
+  cloud.y = widened(points.y);
+  cloud.z = widened(points.z);
+  cloud.intensity = points.intensity;
+  cloud.validity = points.validity;
+  return cloud;
+}
 
 /// The double-precision path, whose tables take long to build: built when it is first wanted.
 class Reconstructor::InDouble {
@@ -73,6 +81,10 @@ bool Reconstructor::is_fused(const FrameSet& frames) const {
 
 Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
   return is_fused(frames) ? reconstruct_fused(*fused_, frames) : (*in_double_)()(frames);
+}
+
+Cloud Reconstructor::cloud(const FrameSet& frames) const {
+  return is_fused(frames) ? fused_cloud(*fused_, frames) : (*in_double_)()(frames).cloud;
 }
 
 Uncertainty Reconstructor::uncertainty(const Reconstruction& scan, const FrameSet& frames) const {

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "slipstream/gamma/precompensation.h"
+#include "slipstream/geometry/triangulator.h"
 #include "slipstream/phase/phase_decoder.h"
 #include "slipstream/simulate/averaged_scan.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -18,8 +19,7 @@ PatternSet patterns(int steps) {
   return pattern_set(PhaseMeasuring{steps, BoardExperiment::frequency}, Axis::x);
 }
 
-VirtualScan scan_of(Size camera, BoardExperiment::Surface surface) {
-  const Scanner scanner = example_scanner(camera);
+VirtualScan scan_of(const Scanner& scanner, BoardExperiment::Surface surface) {
   Scene board = scene_named("board", scanner);
   if (surface == BoardExperiment::Surface::textured) {
     board.front().texture = veined_texture(0.35, 0.85, 40);
@@ -30,7 +30,7 @@ VirtualScan scan_of(Size camera, BoardExperiment::Surface surface) {
 }  // namespace
 
 BoardExperiment::BoardExperiment(Size camera, Surface surface, std::uint64_t seed)
-    : seed_(seed), scan_(scan_of(camera, surface)) {}
+    : seed_(seed), scanner_(example_scanner(camera)), scan_(scan_of(scanner_, surface)) {}
 
 Photometry BoardExperiment::photometry(double gamma, double ambient) const {
   return {.ambient = ambient, .gamma = gamma, .noise_variance = 1.55, .bits = 8, .seed = seed_};
@@ -65,6 +65,24 @@ Image<double> BoardExperiment::error(const Image<double>& phase) const {
     error.begin()[i] = std::remainder(phase.begin()[i] - truth, two_pi) / frequency;
   }
   return error;
+}
+
+Cloud BoardExperiment::surface(const Image<double>& phase) const {
+  const Triangulator triangulate(scanner_, Axis::x, PointMethod::form3);
+  const Image<double> errors = error(phase);
+  Cloud cloud(phase.size());
+  for (int row = 0; row < phase.height(); ++row) {
+    for (int column = 0; column < phase.width(); ++column) {
+      const double y = scan_.coordinate(column, row) + errors(column, row) / two_pi;
+      const Eigen::Vector3d point = triangulate(column, row, y);
+      const bool valid = point.allFinite();
+      cloud.x(column, row) = point.x();
+      cloud.y(column, row) = point.y();
+      cloud.z(column, row) = point.z();
+      cloud.validity(column, row) = valid ? Validity::valid : Validity::too_dark;
+    }
+  }
+  return cloud;
 }
 
 double BoardExperiment::rms_error(const Image<double>& phase,

@@ -3,8 +3,10 @@
 #include <cstdint>
 
 #include "slipstream/capture/frame_set.h"
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/gamma/pixel_harmonics.h"
 #include "slipstream/gamma/response.h"
+#include "slipstream/geometry/scanner.h"
 #include "slipstream/image/image.h"
 #include "slipstream/phase/phase_correction.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -39,6 +41,8 @@ class BoardExperiment {
   /// Error of the unwrapped phase divided by f, rad, of every pixel; NaN where the board is not
   /// lit.
   [[nodiscard]] Image<double> error(const Image<double>& phase) const;
+  /// The board as that wrapped phase shows it, mm; fringe orders are the true ones. No intensity.
+  [[nodiscard]] Cloud surface(const Image<double>& phase) const;
   /// Wrapped phase, rad.
   [[nodiscard]] static Image<double> phase(const FrameSet& frames,
                                            const PhaseCorrections& corrections);
@@ -47,6 +51,7 @@ class BoardExperiment {
   [[nodiscard]] Photometry photometry(double gamma, double ambient) const;
 
   std::uint64_t seed_;
+  Scanner scanner_;
   VirtualScan scan_;
 };
 

@@ -56,6 +56,30 @@ PlotLine middle_row(std::string label, const Image<double>& errors) {
   return line;
 }
 
+/// The middle row of a surface seen from above.
+PlotLine middle_row_from_above(std::string label, const Cloud& surface) {
+  const double* x = surface.x.row(surface.size().height / 2);
+  const double* z = surface.z.row(surface.size().height / 2);
+  const int width = surface.size().width;
+  return {std::move(label), {x, x + width}, {z, z + width}};
+}
+
+/// The surface from the front, before and after correction, and from above.
+void add_surface_plots(const BoardExperiment& board, const Image<double>& measured,
+                       const Image<double>& calibrated, const std::string& figure,
+                       Reproduction& result) {
+  Cloud before = board.surface(measured), after = board.surface(calibrated);
+  result.plots.push_back(
+      {figure + "-above", LinePlot{"Middle row of the surface from above",
+                                   "X, mm",
+                                   "Z, mm",
+                                   PlotScale::linear,
+                                   {middle_row_from_above("measured", before),
+                                    middle_row_from_above("gamma known", after)}}});
+  result.plots.push_back({figure + "-uncorrected", ReliefPlot{std::move(before)}});
+  result.plots.push_back({figure + "-corrected", ReliefPlot{std::move(after)}});
+}
+
 /// Before, with the true gamma, and without calibration.
 void add_correction_cells(const BoardExperiment& board, const Published& paper, bool textured,
                           Reproduction& result) {
@@ -94,6 +118,10 @@ void add_correction_cells(const BoardExperiment& board, const Published& paper, 
   if (!found.accepted()) {
     result.notes.push_back(
         fmt::format("N = {}: blind correction refused: {}", steps, reason_of(found.refusal)));
+  }
+  if (steps == 3) {
+    add_surface_plots(board, measured, calibrated, textured ? "figure-4.17" : "figure-4.16",
+                      result);
   }
   if (textured) return;
   result.plots.push_back(

@@ -56,6 +56,45 @@ TEST(CloudFile, PlyHasTheValidPoints) {
                                         502.5F, 20}));
 }
 
+TEST(CloudFile, ReadsWhatItWrote) {
+  const TemporaryFolder folder;
+  const Cloud written = small_cloud();
+  const Normals normals = surface_normals(written);
+  write_cloud(folder.path() / "cloud.ply", written, {.normals = &normals});
+  const Cloud read = read_cloud(folder.path() / "cloud.ply");
+  ASSERT_EQ(read.size(), (Size{3, 1}));
+  EXPECT_EQ(point_count(read), 3U);
+  EXPECT_EQ(read.x(1, 0), 1.25);
+  EXPECT_EQ(read.y(2, 0), -2);
+  EXPECT_EQ(read.z(2, 0), 502.5);
+  EXPECT_EQ(read.intensity(2, 0), 20);
+}
+
+TEST(CloudFile, ReadsCloudsOfOthers) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "cloud.ply";
+  write_file(path,
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty uchar red\nproperty uchar green\n"
+             "property uchar blue\nproperty double z\nproperty double y\nproperty double x\n"
+             "end_header\n200 200 200 3 2 1\n0 0 0 nan 2 1\n0 100 0 6 5 4\n");
+  const Cloud cloud = read_cloud(path);
+  ASSERT_EQ(cloud.size(), (Size{2, 1}));
+  EXPECT_EQ(cloud.x(1, 0), 4);
+  EXPECT_EQ(cloud.z(1, 0), 6);
+  EXPECT_NEAR(cloud.intensity(0, 0), 200, 1e-4);
+  EXPECT_NEAR(cloud.intensity(1, 0), 58.7, 1e-4);
+}
+
+TEST(CloudFile, RefusesWhatIsNoCloud) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "cloud.ply";
+  write_file(path, "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n");
+  expect_error([&] { read_cloud(path); }, {path.string(), "no point"});
+  write_file(path, "solid\n");
+  expect_error([&] { read_cloud(path); }, {path.string(), "'ply'"});
+  expect_error([&] { read_cloud(folder.path() / "missing.ply"); }, {"missing.ply"});
+}
+
 TEST(CloudFile, PlyTakesNormals) {
   const TemporaryFolder folder;
   const Cloud cloud = small_cloud();

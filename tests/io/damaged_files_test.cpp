@@ -9,14 +9,17 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/png_check.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {
@@ -118,6 +121,26 @@ const std::vector<Format> formats{
                   "end_header\n0 0 0\n1 0 0\n1 1 0\n3 0 1 2\n");
      },
      [](const auto& path) { read_mesh(path); }},
+    {"cloud.ply",
+     [](const auto& path) {
+       write_file(path,
+                  "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                  "property float z\nproperty uchar red\nproperty float intensity\nend_header\n"
+                  "0 0 500 3 17\n1 0 501.5 4 18\nnan 1 2 3 4\n");
+     },
+     [](const auto& path) { (void)read_cloud(path); }},
+    {"frames.recording",
+     [](const auto& path) {
+       RecordingWriter writer(
+           path, {.format = some_format, .scan = ScanDescription{.strategy = DualFrequency{}}});
+       for (int i = 0; i < 3; ++i) writer.append(some_frame(i));
+       writer.finish();
+     },
+     [](const auto& path) {
+       const RecordingReader reader(path);
+       Frame frame;
+       for (std::uint64_t i = 0; i < reader.count(); ++i) (void)reader.read(i, frame);
+     }},
     {"mesh.obj", [](const auto& path) { write_file(path, "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n"); },
      [](const auto& path) { read_mesh(path); }},
 };

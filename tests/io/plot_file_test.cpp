@@ -41,6 +41,14 @@ TEST(PlotFile, ShowsLinesBarsAndMaps) {
   EXPECT_GT(drawn(LinePlot{"flat", "x", "y", PlotScale::linear, {{"", {0, 1}, {0, 0}}}}), 300);
   EXPECT_GT(drawn(BarPlot{"a", "x", "y", 0, 1, {1, 4, nan, 2}}), 1000);
   EXPECT_GT(drawn(HeatPlot{"mm", Image<double>({30, 20}, 4)}), 100);
+  Cloud ramp({30, 20});
+  for (int i = 0; i < 600; ++i) {
+    ramp.x.begin()[i] = i % 30;
+    ramp.y.begin()[i] = i / 30;
+    ramp.z.begin()[i] = 500 + i % 30;
+    ramp.validity.begin()[i] = Validity::valid;
+  }
+  EXPECT_GT(drawn(ReliefPlot{ramp}), 100);
 }
 
 TEST(PlotFile, RefusesWhatCannotBeShown) {

@@ -1,0 +1,245 @@
+#include "slipstream/camera/aravis_source.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <future>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/camera/aravis_connection.h"
+#include "slipstream/capture/frame_count.h"
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+class AravisSource::Camera {
+ public:
+  Camera(std::string name, CameraSettings settings)
+      : name_(std::move(name)),
+        settings_(std::move(settings)),
+        connection_(std::make_shared<AravisConnection>(name_, settings_)),
+        address_(connection_->address()),
+        format_{connection_->size(), bits_of(settings_.pixel_format)},
+        count_(settings_.cycle) {
+    if (settings_.cycle < 1) {
+      throw Error(fmt::format("{} patterns in a scan; at least 1", settings_.cycle));
+    }
+  }
+
+  void start() {
+    connection_->start();
+    begin();
+  }
+
+  void stop() {
+    if (seeking_.valid()) bury(seeking_.get());
+    if (connection_) connection_->stop();
+  }
+
+  void trigger() {
+    const std::shared_ptr<AravisConnection> connection = shared_connection();
+    if (connection) connection->trigger();
+  }
+
+  Arrival next(Frame& frame, milliseconds timeout) {
+    if (!connection_) return seek(timeout);
+    const steady_clock::time_point end = steady_clock::now() + timeout;
+    // A lost camera is noticed within a short wait, however long the caller's.
+    do {
+      const auto left = std::chrono::ceil<milliseconds>(end - steady_clock::now());
+      GObjectPointer<ArvBuffer> buffer =
+          connection_->pop(std::clamp<milliseconds>(left, 0ms, 50ms));
+      if (buffer) {
+        last_heard_ = steady_clock::now();
+        const Arrival arrival = take(*buffer, frame);
+        connection_->push(std::move(buffer));
+        return arrival;
+      }
+      if (connection_->is_lost() || steady_clock::now() - last_heard_ > longest_silence()) {
+        lose();
+        return Arrival::nothing;
+      }
+    } while (steady_clock::now() < end);
+    return Arrival::nothing;
+  }
+
+  [[nodiscard]] FrameFormat format() const { return format_; }
+
+  [[nodiscard]] SourceCounters counters() const {
+    return {.delivered = delivered_,
+            .lost = lost_,
+            .resent = resent_before_ + resent_,
+            .reconnects = reconnects_};
+  }
+
+  [[nodiscard]] std::string state() const {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+ private:
+  [[nodiscard]] std::shared_ptr<AravisConnection> shared_connection() const {
+    const std::lock_guard lock(mutex_);
+    return connection_;
+  }
+
+  void begin() {
+    count_.begin(connection_->first_number());
+    first_frame_ = true;
+    last_heard_ = steady_clock::now();
+  }
+
+  /// A camera that runs freely and has not been heard of for so long is gone, before its protocol
+  /// notices that. One that is triggered may be silent for ever.
+  [[nodiscard]] steady_clock::duration longest_silence() const {
+    if (!settings_.trigger.empty()) return std::chrono::hours(24 * 365);
+    return std::max<steady_clock::duration>(
+        500ms, std::chrono::duration_cast<steady_clock::duration>(5 * connection_->period()));
+  }
+
+  Arrival take(ArvBuffer& buffer, Frame& frame) {
+    resent_ = connection_->resent_packets();
+    if (arv_buffer_get_status(&buffer) != ARV_BUFFER_STATUS_SUCCESS) return Arrival::damaged;
+    const Size size{arv_buffer_get_image_width(&buffer), arv_buffer_get_image_height(&buffer)};
+    std::size_t bytes = 0;
+    const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(&buffer, &bytes));
+    if (size != format_.size || data == nullptr) return Arrival::damaged;
+    if (frame.format() != format_) frame = Frame(format_);
+    if (!unpack(settings_.pixel_format, {data, bytes}, frame)) return Arrival::damaged;
+    frame.stamp = {.sequence = count(arv_buffer_get_frame_id(&buffer)),
+                   .pattern_index = std::nullopt,
+                   .device_time = std::chrono::nanoseconds(arv_buffer_get_timestamp(&buffer)),
+                   .host_time = steady_clock::now()};
+    ++delivered_;
+    return Arrival::frame;
+  }
+
+  std::uint64_t count(std::uint64_t number) {
+    // Few cameras count on from the frames before the start.
+    if (first_frame_ && number > connection_->first_number() + FrameCount::far) {
+      count_.begin(number);
+    }
+    first_frame_ = false;
+    const std::uint64_t sequence = count_(number);
+    lost_ = count_.missing();
+    return sequence;
+  }
+
+  void lose() {
+    resent_before_ += resent_.exchange(0);
+    std::shared_ptr<AravisConnection> lost;
+    {
+      const std::lock_guard lock(mutex_);
+      lost.swap(connection_);
+      state_ = fmt::format("camera {} is gone; looking for it",
+                           name_.empty() ? "(the first found)" : name_);
+    }
+    bury(std::move(lost));
+  }
+
+  /// Lets go of a camera elsewhere: saying goodbye to one that is gone takes seconds.
+  void bury(std::shared_ptr<AravisConnection> connection) {
+    std::erase_if(burials_,
+                  [](const auto& done) { return done.wait_for(0s) == std::future_status::ready; });
+    burials_.push_back(
+        std::async(std::launch::async, [gone = std::move(connection)]() mutable { gone.reset(); }));
+  }
+
+  /// Looks for the camera on another thread, which may wait for answers longer than the caller.
+  Arrival seek(milliseconds timeout) {
+    if (!seeking_.valid()) {
+      seeking_ = std::async(std::launch::async, [this] { return connect_again(); });
+    }
+    if (seeking_.wait_for(timeout) != std::future_status::ready) return Arrival::nothing;
+    std::shared_ptr<AravisConnection> found = seeking_.get();
+    if (!found) return Arrival::nothing;
+    {
+      const std::lock_guard lock(mutex_);
+      connection_ = std::move(found);
+      state_.clear();
+    }
+    ++reconnects_;
+    begin();
+    return Arrival::nothing;
+  }
+
+  std::shared_ptr<AravisConnection> connect_again() const {
+    try {
+      auto connection = address_ ? std::make_shared<AravisConnection>(address_, name_, settings_)
+                                 : std::make_shared<AravisConnection>(name_, settings_);
+      if (connection->size() != format_.size) return nullptr;
+      connection->start();
+      return connection;
+    } catch (const std::exception&) {
+      std::this_thread::sleep_for(100ms);
+      return nullptr;
+    }
+  }
+
+  const std::string name_;
+  const CameraSettings settings_;
+  mutable std::mutex mutex_;  ///< of connection_ against other threads, and of state_
+  std::shared_ptr<AravisConnection> connection_;
+  const CameraAddress address_;
+  const FrameFormat format_;
+  std::string state_;
+
+  FrameCount count_;
+  bool first_frame_ = true;
+  steady_clock::time_point last_heard_;
+  std::future<std::shared_ptr<AravisConnection>> seeking_;
+  std::vector<std::future<void>> burials_;
+
+  std::atomic<std::uint64_t> delivered_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;
+  std::atomic<std::uint64_t> resent_before_ = 0;
+  std::atomic<std::uint64_t> resent_ = 0;
+  std::atomic<std::uint64_t> reconnects_ = 0;
+};
+
+AravisSource::AravisSource(std::string name, CameraSettings settings)
+    : camera_(std::make_unique<Camera>(std::move(name), std::move(settings))) {}
+
+AravisSource::~AravisSource() {
+  stop();
+}
+
+void AravisSource::trigger() {
+  camera_->trigger();
+}
+
+FrameFormat AravisSource::format() const {
+  return camera_->format();
+}
+
+void AravisSource::start() {
+  camera_->start();
+}
+
+Arrival AravisSource::next(Frame& frame, milliseconds timeout) {
+  return camera_->next(frame, timeout);
+}
+
+void AravisSource::stop() {
+  camera_->stop();
+}
+
+SourceCounters AravisSource::counters() const {
+  return camera_->counters();
+}
+
+std::string AravisSource::state() const {
+  return camera_->state();
+}
+
+}  // namespace slipstream

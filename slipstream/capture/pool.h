@@ -1,0 +1,82 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace slipstream {
+
+/// A share in a value of a Pool; the value returns to the pool with the last share. Shares may be
+/// copied and dropped in any thread, and keep the pool's memory alive.
+template <class Value>
+class Pooled {
+ public:
+  Pooled() = default;
+  Pooled(const Pooled& other) : slots_(other.slots_), slot_(other.slot_) {
+    if (slot_) slot_->shares.fetch_add(1, std::memory_order_relaxed);
+  }
+  Pooled(Pooled&& other) noexcept
+      : slots_(std::move(other.slots_)), slot_(std::exchange(other.slot_, nullptr)) {}
+  Pooled& operator=(Pooled other) noexcept {
+    std::swap(slots_, other.slots_);
+    std::swap(slot_, other.slot_);
+    return *this;
+  }
+  ~Pooled() {
+    if (slot_) slot_->shares.fetch_sub(1, std::memory_order_release);
+  }
+
+  explicit operator bool() const { return slot_ != nullptr; }
+  const Value& operator*() const { return slot_->value; }
+  const Value* operator->() const { return &slot_->value; }
+  /// To be written only by the taker, before the first copy of the share.
+  [[nodiscard]] Value& fill() { return slot_->value; }
+
+ private:
+  template <class>
+  friend class Pool;
+  struct Slot {
+    std::atomic<int> shares = 0;
+    Value value;
+  };
+  using Slots = std::vector<Slot>;
+
+  Pooled(std::shared_ptr<Slots> slots, Slot& slot) : slots_(std::move(slots)), slot_(&slot) {}
+
+  std::shared_ptr<Slots> slots_;
+  Slot* slot_ = nullptr;
+};
+
+/// Values that are allocated once and used again and again.
+template <class Value>
+class Pool {
+ public:
+  /// `count` values, each made by `make()`.
+  template <class Make>
+  Pool(std::size_t count, Make make)
+      : slots_(std::make_shared<typename Pooled<Value>::Slots>(count)) {
+    for (auto& slot : *slots_) slot.value = make();
+  }
+
+  /// A value in which nobody has a share, as its last holder left it; empty where there is none.
+  /// One thread takes.
+  [[nodiscard]] Pooled<Value> take() {
+    for (std::size_t tried = 0; tried < slots_->size(); ++tried) {
+      next_ = (next_ + 1) % slots_->size();
+      auto& slot = (*slots_)[next_];
+      int nobody = 0;
+      if (slot.shares.compare_exchange_strong(nobody, 1, std::memory_order_acquire)) {
+        return {slots_, slot};
+      }
+    }
+    return {};
+  }
+
+ private:
+  std::shared_ptr<typename Pooled<Value>::Slots> slots_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace slipstream

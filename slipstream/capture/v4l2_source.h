@@ -1,0 +1,74 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/capture/camera_description.h"
+#include "slipstream/capture/frame_count.h"
+#include "slipstream/capture/frame_source.h"
+#include "slipstream/capture/video_device.h"
+
+namespace slipstream {
+
+/// What a UVC camera is set to; what is not given stays as the camera has it.
+struct V4l2Settings {
+  /// Size and 8, 10 or 12 bits: of the driver's GREY or the luma of its YUYV, Y10, Y12.
+  FrameFormat format{{640, 480}, 8};
+  std::optional<double> frame_rate;  ///< Hz; the camera takes the nearest that it has
+  std::optional<double> exposure;    ///< s; turns automatic exposure off
+  std::optional<int> gain;           ///< in the camera's unit; turns automatic gain off
+  int cycle = 1;                     ///< patterns in a scan, as of FrameCount
+};
+
+/// UVC and other cameras of Linux, through V4L2. Sequence and device time are the driver's, so that
+/// frames which it dropped are seen. A camera that was unplugged is sought until it is back.
+class V4l2Source : public FrameSource {
+ public:
+  using Open = std::function<std::unique_ptr<VideoDevice>()>;
+
+  /// Opens the camera; `name` is what messages call it. Throws Error where it does not take a
+  /// setting, WorldError where it does not answer.
+  V4l2Source(std::string name, Open open, const V4l2Settings& settings);
+  /// The camera /dev/video<number>.
+  V4l2Source(int number, const V4l2Settings& settings);
+  ~V4l2Source() override;
+  V4l2Source(const V4l2Source&) = delete;
+  V4l2Source& operator=(const V4l2Source&) = delete;
+
+  [[nodiscard]] FrameFormat format() const override { return settings_.format; }
+  [[nodiscard]] bool has_own_pace() const override { return true; }
+  void start() override;
+  Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
+  void stop() override;
+  [[nodiscard]] SourceCounters counters() const override;
+  [[nodiscard]] std::string state() const override;
+
+ private:
+  class Stream;
+
+  Arrival seek(std::chrono::milliseconds timeout);
+  void lose();
+
+  std::string name_;
+  Open open_;
+  V4l2Settings settings_;
+  std::unique_ptr<Stream> stream_;
+  FrameCount count_;
+  mutable std::mutex mutex_;
+  std::string state_;
+  std::atomic<std::uint64_t> delivered_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;
+  std::atomic<std::uint64_t> reconnects_ = 0;
+};
+
+/// Cameras of this machine; their names are numbers.
+std::vector<CameraDescription> list_v4l2_cameras();
+
+}  // namespace slipstream

@@ -1,0 +1,56 @@
+#include "slipstream/io/recorded_source.h"
+
+#include <utility>
+
+namespace slipstream {
+
+RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header)
+    : source_(std::move(source)), header_(std::move(header)) {
+  header_.format = source_->format();
+}
+
+void RecordedSource::record_to(const std::filesystem::path& path) {
+  finish_recording();
+  auto recorder = std::make_shared<Recorder>(path, header_);
+  const std::lock_guard lock(mutex_);
+  path_ = path;
+  recorder_ = std::move(recorder);
+}
+
+void RecordedSource::finish_recording() {
+  std::shared_ptr<Recorder> ended;
+  {
+    const std::lock_guard lock(mutex_);
+    ended.swap(recorder_);
+  }
+  if (ended) ended->finish();
+}
+
+std::optional<RecordedSource::Recording> RecordedSource::recording() const {
+  const std::lock_guard lock(mutex_);
+  if (!recorder_) return std::nullopt;
+  return Recording{path_, recorder_->counts(), recorder_->error()};
+}
+
+Arrival RecordedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
+  const Arrival arrival = source_->next(frame, timeout);
+  if (arrival == Arrival::frame) {
+    if (const std::shared_ptr<Recorder> current = recorder()) current->record(frame);
+  }
+  return arrival;
+}
+
+std::string RecordedSource::state() const {
+  std::string state = source_->state();
+  if (state.empty()) {
+    if (const std::shared_ptr<Recorder> current = recorder()) state = current->error();
+  }
+  return state;
+}
+
+std::shared_ptr<Recorder> RecordedSource::recorder() const {
+  const std::lock_guard lock(mutex_);
+  return recorder_;
+}
+
+}  // namespace slipstream

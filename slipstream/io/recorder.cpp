@@ -1,0 +1,125 @@
+#include "slipstream/io/recorder.h"
+
+#include <algorithm>
+#include <exception>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+/// Into the memory that `to` has already.
+void copy_frame(const Frame& from, Frame& to) {
+  if (from.format() != to.format()) {
+    to = from;
+    return;
+  }
+  std::visit(
+      [&](const auto& image) {
+        auto& copy = std::get<std::remove_cvref_t<decltype(image)>>(to.pixels);
+        std::copy(image.begin(), image.end(), copy.begin());
+      },
+      from.pixels);
+  to.stamp = from.stamp;
+}
+
+std::size_t capacity_of(std::size_t memory, const FrameFormat& format) {
+  const std::size_t frame_bytes = static_cast<std::size_t>(format.size.width) *
+                                  static_cast<std::size_t>(format.size.height) *
+                                  (format.bits > 8 ? 2 : 1);
+  return std::clamp<std::size_t>(memory / frame_bytes, 8, 1024);
+}
+
+}  // namespace
+
+Recorder::Recorder(const std::filesystem::path& path, const RecordingHeader& header,
+                   std::size_t memory)
+    : writer_(path, header),
+      pool_(capacity_of(memory, header.format), [&] { return Frame(header.format); }),
+      thread_([this] { write_all(); }) {}
+
+Recorder::~Recorder() {
+  try {
+    finish();
+  } catch (const WorldError&) {
+    // error() told; a destructor has nobody else to tell.
+  }
+}
+
+bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
+  Pooled<Frame> kept;
+  {
+    std::unique_lock lock(mutex_);
+    room_.wait_for(lock, patience, [&] { return ended_ || (kept = pool_.take()); });
+    if (ended_) return false;
+    if (!kept) {
+      ++counts_.lost;
+      return false;
+    }
+  }
+  copy_frame(frame, kept.fill());
+  {
+    const std::lock_guard lock(mutex_);
+    if (ended_) return false;
+    waiting_.push_back(std::move(kept));
+  }
+  changed_.notify_one();
+  return true;
+}
+
+void Recorder::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  changed_.notify_one();
+  if (thread_.joinable()) thread_.join();
+  if (const std::string reason = error(); !reason.empty()) throw WorldError(reason);
+}
+
+Recorder::Counts Recorder::counts() const {
+  const std::lock_guard lock(mutex_);
+  return counts_;
+}
+
+std::string Recorder::error() const {
+  const std::lock_guard lock(mutex_);
+  return error_;
+}
+
+void Recorder::write_all() {
+  std::vector<Pooled<Frame>> taken;
+  try {
+    while (true) {
+      taken.clear();
+      {
+        std::unique_lock lock(mutex_);
+        counts_.written = writer_.count();
+        changed_.wait(lock, [&] { return !waiting_.empty() || ended_; });
+        if (waiting_.empty()) break;
+        taken.swap(waiting_);
+      }
+      for (Pooled<Frame>& frame : taken) {
+        writer_.append(*frame);
+        frame = {};  // its memory is free for the next
+        room_.notify_one();
+      }
+    }
+    writer_.finish();
+    const std::lock_guard lock(mutex_);
+    counts_.written = writer_.count();
+  } catch (const std::exception& failure) {
+    const std::lock_guard lock(mutex_);
+    error_ = failure.what();
+    counts_.written = writer_.count();
+    ended_ = true;
+    waiting_.clear();
+    room_.notify_one();
+  }
+}
+
+}  // namespace slipstream

@@ -1,0 +1,380 @@
+#include "slipstream/io/recording.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "recordings are little-endian; this machine is not");
+
+constexpr std::array<char, 8> magic{'S', 'L', 'I', 'P', 'F', 'R', 'M', 'S'};
+constexpr std::array<char, 4> end_mark{'E', 'N', 'D', '.'};
+constexpr std::uint32_t version = 1;
+/// Headers and records take multiples of so many bytes.
+constexpr std::uint64_t alignment = 64;
+constexpr std::size_t longest_text = 1 << 20;
+constexpr std::uint32_t largest_side = 65536;
+
+struct FileHeader {
+  std::array<char, 8> magic{};
+  std::uint32_t version = 0;
+  std::uint32_t header_size = 0;  ///< where the first record begins
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::uint32_t bits = 0;
+  std::uint32_t scan_length = 0;
+  std::uint32_t scanner_length = 0;
+  std::uint32_t reserved = 0;
+  double frame_rate = 0;
+  std::uint64_t record_size = 0;
+  std::uint32_t reserved_too = 0;
+  std::uint32_t checksum = 0;  ///< of what stands before it, then of what follows to header_size
+};
+static_assert(sizeof(FileHeader) == alignment);
+
+struct RecordHeader {
+  std::uint32_t checksum = 0;  ///< of all that follows in the record
+  std::int32_t pattern_index = -1;
+  std::uint64_t index = 0;  ///< of the record in the file
+  std::uint64_t sequence = 0;
+  std::int64_t device_time = 0;  ///< ns
+  std::int64_t host_time = 0;    ///< ns since the first record's
+  std::array<std::uint8_t, 24> reserved{};
+};
+static_assert(sizeof(RecordHeader) == alignment);
+
+struct End {
+  std::uint32_t checksum = 0;  ///< of all that follows
+  std::array<char, 4> mark = end_mark;
+  std::uint64_t count = 0;
+};
+static_assert(sizeof(End) < sizeof(RecordHeader));
+
+constexpr std::array<std::uint8_t, alignment> zeros{};
+
+using Bytes = std::span<const std::uint8_t>;
+
+template <class Value>
+Bytes bytes_of(const Value& value) {
+  return {reinterpret_cast<const std::uint8_t*>(&value), sizeof(value)};
+}
+
+template <class Value>
+std::span<std::uint8_t> writable_bytes_of(Value& value) {
+  return {reinterpret_cast<std::uint8_t*>(&value), sizeof(value)};
+}
+
+constexpr std::uint64_t aligned(std::uint64_t size) {
+  return (size + alignment - 1) / alignment * alignment;
+}
+
+std::uint64_t pixel_size(const FrameFormat& format) {
+  return static_cast<std::uint64_t>(format.size.width) *
+         static_cast<std::uint64_t>(format.size.height) * (format.bits > 8 ? 2 : 1);
+}
+
+std::uint64_t record_size(const FrameFormat& format) {
+  return sizeof(RecordHeader) + aligned(pixel_size(format));
+}
+
+std::span<std::uint8_t> pixel_bytes(Frame& frame) {
+  const std::uint64_t size = pixel_size(frame.format());
+  return std::visit(
+      [&](auto& image) { return std::span(reinterpret_cast<std::uint8_t*>(image.begin()), size); },
+      frame.pixels);
+}
+
+Bytes pixel_bytes(const Frame& frame) {
+  const std::uint64_t size = pixel_size(frame.format());
+  return std::visit(
+      [&](const auto& image) {
+        return Bytes(reinterpret_cast<const std::uint8_t*>(image.begin()), size);
+      },
+      frame.pixels);
+}
+
+/// CRC-32 of the parts one behind another.
+std::uint32_t checksum(std::initializer_list<Bytes> parts) {
+  uLong sum = crc32_z(0, nullptr, 0);
+  for (const Bytes part : parts) sum = crc32_z(sum, part.data(), part.size());
+  return static_cast<std::uint32_t>(sum);
+}
+
+std::uint32_t checksum_of(const RecordHeader& header, Bytes pixels, Bytes padding) {
+  return checksum({bytes_of(header).subspan(sizeof(header.checksum)), pixels, padding});
+}
+
+std::uint32_t checksum_of(const End& end) {
+  return checksum({bytes_of(end).subspan(sizeof(end.checksum))});
+}
+
+std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
+  return checksum({bytes_of(header).first(sizeof(header) - sizeof(header.checksum)), texts});
+}
+
+/// Writes all of the parts; false, with errno, where that fails.
+bool write_all(int descriptor, std::initializer_list<Bytes> parts) {
+  for (const Bytes part : parts) {
+    Bytes rest = part;
+    while (!rest.empty()) {
+      const ssize_t written = ::write(descriptor, rest.data(), rest.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) return false;
+      rest = rest.subspan(static_cast<std::size_t>(written));
+    }
+  }
+  return true;
+}
+
+/// Reads into all of the parts from that offset on; false where the file ends before.
+bool read_all(int descriptor, std::uint64_t offset,
+              std::initializer_list<std::span<std::uint8_t>> parts, const fs::path& path) {
+  for (std::span<std::uint8_t> rest : parts) {
+    while (!rest.empty()) {
+      const ssize_t got = ::pread(descriptor, rest.data(), rest.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) {
+        throw WorldError(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
+      }
+      if (got == 0) return false;
+      offset += static_cast<std::uint64_t>(got);
+      rest = rest.subspan(static_cast<std::size_t>(got));
+    }
+  }
+  return true;
+}
+
+/// The texts of the header, padded so that the records begin at a multiple of the alignment.
+std::string texts_of(const std::string& scan, const std::string& scanner) {
+  std::string texts = scan + scanner;
+  texts.resize(aligned(texts.size()), '\0');
+  return texts;
+}
+
+std::string scan_text(const RecordingHeader& header) {
+  if (!header.scan) return {};
+  ScanDescription scan = *header.scan;
+  scan.frames.clear();
+  scan.scanner.reset();
+  scan.second_camera.reset();
+  return scan_description_text(scan, {});
+}
+
+void require_valid(const RecordingHeader& header) {
+  slipstream::require_valid(header.format);
+  if (!(header.frame_rate >= 0 && std::isfinite(header.frame_rate))) {
+    throw Error(
+        fmt::format("a frame rate of {} Hz cannot be recorded; 0 or more", header.frame_rate));
+  }
+  if (header.scanner.size() > longest_text) {
+    throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
+                            header.scanner.size(), longest_text));
+  }
+}
+
+std::string text_of(const FrameFormat& format) {
+  return fmt::format("{}x{} with {} bits", format.size.width, format.size.height, format.bits);
+}
+
+}  // namespace
+
+RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header)
+    : path_(path), format_(header.format) {
+  require_valid(header);
+  const std::string scan = scan_text(header);
+  const std::string texts = texts_of(scan, header.scanner);
+  header_size_ = sizeof(FileHeader) + texts.size();
+  FileHeader written{.magic = magic,
+                     .version = version,
+                     .header_size = static_cast<std::uint32_t>(header_size_),
+                     .width = static_cast<std::uint32_t>(format_.size.width),
+                     .height = static_cast<std::uint32_t>(format_.size.height),
+                     .bits = static_cast<std::uint32_t>(format_.bits),
+                     .scan_length = static_cast<std::uint32_t>(scan.size()),
+                     .scanner_length = static_cast<std::uint32_t>(header.scanner.size()),
+                     .frame_rate = header.frame_rate,
+                     .record_size = record_size(format_)};
+  const Bytes text_bytes(reinterpret_cast<const std::uint8_t*>(texts.data()), texts.size());
+  written.checksum = checksum_of(written, text_bytes);
+
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor_ < 0 || !write_all(descriptor_, {bytes_of(written), text_bytes})) {
+    const int reason = errno;
+    if (descriptor_ >= 0) {
+      ::close(descriptor_);
+      ::unlink(path.c_str());
+    }
+    throw WorldError(fmt::format("cannot write {}: {}", path.string(), std::strerror(reason)));
+  }
+}
+
+RecordingWriter::~RecordingWriter() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void RecordingWriter::append(const Frame& frame) {
+  if (descriptor_ < 0) throw Error(fmt::format("{}: the recording is closed", path_.string()));
+  if (frame.format() != format_) {
+    throw Error(fmt::format("{}: a frame of {} came, the recording is of {}; all are alike",
+                            path_.string(), text_of(frame.format()), text_of(format_)));
+  }
+  if (count_ == 0) first_host_time_ = frame.stamp.host_time;
+  RecordHeader header{
+      .pattern_index = frame.stamp.pattern_index.value_or(-1),
+      .index = count_,
+      .sequence = frame.stamp.sequence,
+      .device_time = frame.stamp.device_time.count(),
+      .host_time = std::chrono::nanoseconds(frame.stamp.host_time - first_host_time_).count()};
+  const Bytes pixels = pixel_bytes(frame);
+  const Bytes padding = Bytes(zeros).first(aligned(pixels.size()) - pixels.size());
+  header.checksum = checksum_of(header, pixels, padding);
+  if (!write_all(descriptor_, {bytes_of(header), pixels, padding})) give_up();
+  ++count_;
+}
+
+void RecordingWriter::finish() {
+  if (descriptor_ < 0) throw Error(fmt::format("{}: the recording is closed", path_.string()));
+  End end{.count = count_};
+  end.checksum = checksum_of(end);
+  if (!write_all(descriptor_, {bytes_of(end)})) give_up();
+  if (::close(std::exchange(descriptor_, -1)) != 0) {
+    throw WorldError(fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno)));
+  }
+}
+
+void RecordingWriter::give_up() {
+  const int reason = errno;
+  const std::uint64_t whole = header_size_ + count_ * record_size(format_);
+  // Should this fail as well, the reader still leaves the broken frame out.
+  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(whole));
+  ::close(std::exchange(descriptor_, -1));
+  throw WorldError(fmt::format("cannot write {}: {}; it holds the {} frames before", path_.string(),
+                               std::strerror(reason), count_));
+}
+
+RecordingReader::RecordingReader(const fs::path& path) : path_(path) {
+  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor_ < 0) {
+    throw Error(fmt::format("{}: {}", path.string(),
+                            errno == ENOENT ? "no such file" : std::strerror(errno)));
+  }
+  try {
+    struct stat status {};
+    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
+      throw Error(fmt::format("{}: is no file; a recording is wanted", path.string()));
+    }
+    file_size_ = static_cast<std::uint64_t>(status.st_size);
+    read_header();
+    find_end();
+  } catch (...) {
+    ::close(descriptor_);
+    throw;
+  }
+}
+
+RecordingReader::~RecordingReader() {
+  ::close(descriptor_);
+}
+
+void RecordingReader::read_header() {
+  const auto refuse = [&](std::string_view why) {
+    throw Error(fmt::format("{}: {}", path_.string(), why));
+  };
+  FileHeader header;
+  if (!read_all(descriptor_, 0, {writable_bytes_of(header)}, path_) || header.magic != magic) {
+    refuse("is no recording of slipstream");
+  }
+  if (header.version != version) {
+    refuse(fmt::format("is a recording of version {}; {} can be read", header.version, version));
+  }
+  const std::size_t text_size = std::size_t{header.scan_length} + header.scanner_length;
+  std::string texts;
+  if (text_size <= 2 * longest_text && header.header_size == sizeof(header) + aligned(text_size)) {
+    texts.resize(aligned(text_size));
+  }
+  const std::span<std::uint8_t> text_bytes(reinterpret_cast<std::uint8_t*>(texts.data()),
+                                           texts.size());
+  if (header.header_size != sizeof(header) + texts.size() ||
+      !read_all(descriptor_, sizeof(header), {text_bytes}, path_) ||
+      header.checksum != checksum_of(header, text_bytes)) {
+    refuse("its header is damaged");
+  }
+  if (header.width > largest_side || header.height > largest_side) {
+    refuse(fmt::format("frames of {}x{} pixels; at most {} a side", header.width, header.height,
+                       largest_side));
+  }
+  header_.format = {{static_cast<int>(header.width), static_cast<int>(header.height)},
+                    static_cast<int>(header.bits)};
+  header_.frame_rate = header.frame_rate;
+  try {
+    require_valid(header_);
+  } catch (const Error& error) {
+    refuse(error.what());
+  }
+  if (header.record_size != record_size(header_.format)) refuse("its header is damaged");
+  if (header.scan_length > 0) {
+    header_.scan = scan_description_from(texts.substr(0, header.scan_length), path_.string(), {});
+  }
+  header_.scanner = texts.substr(header.scan_length, header.scanner_length);
+  header_size_ = header.header_size;
+}
+
+void RecordingReader::find_end() {
+  const std::uint64_t record = record_size(header_.format);
+  count_ = (file_size_ - header_size_) / record;
+  const std::uint64_t rest = (file_size_ - header_size_) % record;
+  End end;
+  finished_ = rest == sizeof(end) &&
+              read_all(descriptor_, file_size_ - rest, {writable_bytes_of(end)}, path_) &&
+              end.mark == end_mark && end.checksum == checksum_of(end) && end.count == count_;
+  if (finished_) return;
+  dropped_ = rest > 0 ? 1 : 0;
+  // After a loss of power the file may have its length but not its last bytes.
+  for (Frame frame; count_ > 0 && !read(count_ - 1, frame); --count_) ++dropped_;
+}
+
+bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
+  if (index >= count_) {
+    throw Error(fmt::format("{}: there is no frame {}; it has {}", path_.string(), index, count_));
+  }
+  if (frame.format() != header_.format) frame = Frame(header_.format);
+  RecordHeader header;
+  std::array<std::uint8_t, alignment> rest{};
+  const std::span<std::uint8_t> pixels = pixel_bytes(frame);
+  const std::span<std::uint8_t> padding =
+      std::span(rest).first(aligned(pixels.size()) - pixels.size());
+  const std::uint64_t offset = header_size_ + index * record_size(header_.format);
+  if (!read_all(descriptor_, offset, {writable_bytes_of(header), pixels, padding}, path_) ||
+      header.index != index || header.checksum != checksum_of(header, pixels, padding)) {
+    return false;
+  }
+  frame.stamp.sequence = header.sequence;
+  frame.stamp.pattern_index =
+      header.pattern_index < 0 ? std::nullopt : std::optional<int>(header.pattern_index);
+  frame.stamp.device_time = std::chrono::nanoseconds(header.device_time);
+  frame.stamp.host_time =
+      std::chrono::steady_clock::time_point(std::chrono::nanoseconds(header.host_time));
+  return true;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "slipstream/capture/frame.h"
+#include "slipstream/io/scan_folder.h"
+
+namespace slipstream {
+
+/// What a recording says of all its frames. The file's layout, byte by byte, is in docs/files.md.
+struct RecordingHeader {
+  FrameFormat format;
+  double frame_rate = 0;  ///< frames per second asked of the camera; 0 where not known
+  /// The patterns that the frames show; nothing where not said. Its frames and files are left out.
+  std::optional<ScanDescription> scan;
+  std::string scanner;  ///< the text of a scanner file; empty where there is none
+};
+
+/// Writes frames without loss, one behind another. What is on the disk can be read at any time up
+/// to the last whole frame, however the writing ends.
+class RecordingWriter {
+ public:
+  /// Throws Error where the header is not valid, WorldError where the file cannot be made; nothing
+  /// is left behind then.
+  RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header);
+  RecordingWriter(const RecordingWriter&) = delete;
+  RecordingWriter& operator=(const RecordingWriter&) = delete;
+  ~RecordingWriter();  ///< closes the file; without finish() it reads as interrupted
+
+  /// Throws Error where the frame is of another format than the header's, WorldError where it
+  /// cannot be written: the file then ends with the frame before, and is closed.
+  void append(const Frame& frame);
+  /// Marks the end and closes the file. Throws WorldError where that fails.
+  void finish();
+  /// Frames in the file.
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+
+ private:
+  [[noreturn]] void give_up();
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  FrameFormat format_;
+  std::uint64_t header_size_ = 0;
+  std::uint64_t count_ = 0;
+  std::chrono::steady_clock::time_point first_host_time_;
+};
+
+/// Reads what RecordingWriter wrote, any frame at any time.
+class RecordingReader {
+ public:
+  /// Throws Error, naming the file, when it is missing, no recording, or has a damaged header. One
+  /// that was interrupted opens up to its last whole frame.
+  explicit RecordingReader(const std::filesystem::path& path);
+  RecordingReader(const RecordingReader&) = delete;
+  RecordingReader& operator=(const RecordingReader&) = delete;
+  ~RecordingReader();
+
+  [[nodiscard]] const RecordingHeader& header() const { return header_; }
+  [[nodiscard]] std::uint64_t count() const { return count_; }
+  /// Whether the recording was ended by finish().
+  [[nodiscard]] bool finished() const { return finished_; }
+  /// Frames at the end of an interrupted recording that are not whole and are left out.
+  [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
+
+  /// Reads frame `index` (below count()) into `frame`, whose memory is used where it is of the
+  /// format; its host time is counted from the first frame's. False where its checksum does not
+  /// agree: the frame holds nothing to be used then.
+  bool read(std::uint64_t index, Frame& frame) const;
+
+ private:
+  void read_header();
+  void find_end();
+
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+  std::uint64_t file_size_ = 0;
+  std::uint64_t header_size_ = 0;
+  RecordingHeader header_;
+  std::uint64_t count_ = 0;
+  std::uint64_t dropped_ = 0;
+  bool finished_ = false;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,175 @@
+#include "slipstream/io/replay_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scan_folder.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+using std::chrono::nanoseconds;
+using std::chrono::steady_clock;
+namespace {
+
+/// The frames of a scan, stamped with their places in it.
+std::vector<Frame> frames_of(const FrameSet& set, const fs::path& folder) {
+  return set.visit([&](const auto& views) {
+    using Pixel = std::remove_const_t<std::remove_pointer_t<decltype(views[0].row(0))>>;
+    std::vector<Frame> frames;
+    if constexpr (std::is_same_v<Pixel, double>) {
+      throw Error(fmt::format(
+          "{}: unquantised frames cannot be replayed; a camera has 8 to 16 bits", folder.string()));
+    } else {
+      for (const auto& view : views) {
+        Frame frame({set.size(), set.bits()});
+        auto& image = std::get<Image<Pixel>>(frame.pixels);
+        for (int row = 0; row < view.height(); ++row) {
+          std::copy_n(view.row(row), view.width(), image.row(row));
+        }
+        frame.stamp.sequence = frames.size();
+        frame.stamp.pattern_index = static_cast<int>(frames.size());
+        frames.push_back(std::move(frame));
+      }
+    }
+    return frames;
+  });
+}
+
+std::string text_in(const fs::path& file) {
+  const std::vector<std::uint8_t> bytes = read_file(file);
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
+    : settings_(settings) {
+  if (settings.rate && !(*settings.rate >= 0 && std::isfinite(*settings.rate))) {
+    throw Error(fmt::format(
+        "a replay at {} frames per second is not possible; 0 (as fast as it goes) or more",
+        *settings.rate));
+  }
+  if (fs::is_directory(path)) {
+    open_folder(path);
+  } else {
+    open_recording(path);
+  }
+  measure_round();
+  ahead_ = Frame(header_.format);
+}
+
+void ReplaySource::open_recording(const fs::path& path) {
+  reader_ = std::make_unique<RecordingReader>(path);
+  header_ = reader_->header();
+  count_ = reader_->count();
+  paced_ = settings_.rate != 0.0;
+  if (!reader_->finished()) {
+    warning_ = fmt::format("{}: was interrupted; {} whole frames are in it, {} were dropped",
+                           path.string(), count_, reader_->dropped());
+  }
+  if (count_ == 0) throw Error(fmt::format("{}: has no whole frame", path.string()));
+}
+
+void ReplaySource::open_folder(const fs::path& folder) {
+  const ScanDescription scan = read_scan_description(folder / "scan.yaml");
+  const FrameSet set = read_frames(scan.frames, scan.bits).frames;
+  if (set.count() != frame_count(scan.strategy)) {
+    throw Error(fmt::format("{}: has {} frames; its strategy, {}, has {}", folder.string(),
+                            set.count(), name_of(scan.strategy), frame_count(scan.strategy)));
+  }
+  frames_ = frames_of(set, folder);
+  count_ = frames_.size();
+  paced_ = settings_.rate.value_or(0) > 0;
+  header_.format = frames_.front().format();
+  header_.scan = scan;
+  if (scan.scanner) header_.scanner = text_in(*scan.scanner);
+}
+
+void ReplaySource::measure_round() {
+  Frame first, last;
+  std::uint64_t from = 0, to = count_;
+  while (from < count_ && !read(from, first)) ++from;
+  while (to > from && !read(to - 1, last)) --to;
+  if (from == to) throw Error("no frame of the recording is whole; all checksums disagree");
+  const std::uint64_t pattern_count =
+      header_.scan ? static_cast<std::uint64_t>(frame_count(header_.scan->strategy)) : 1;
+  first_sequence_ = first.stamp.sequence / pattern_count * pattern_count;
+  first_host_time_ = first.stamp.host_time;
+  const std::uint64_t sequences = last.stamp.sequence - first.stamp.sequence + 1;
+  round_.sequence = (sequences + pattern_count - 1) / pattern_count * pattern_count;
+  // From the last frame to the first again it is as long as from one to the next in the mean.
+  const auto intervals = static_cast<nanoseconds::rep>(std::max<std::uint64_t>(to - from - 1, 1));
+  const auto with_one_more = [&](nanoseconds span) { return span + span / intervals; };
+  round_.device_time = with_one_more(last.stamp.device_time - first.stamp.device_time);
+  round_.host_time = with_one_more(last.stamp.host_time - first.stamp.host_time);
+}
+
+bool ReplaySource::read(std::uint64_t index, Frame& frame) const {
+  if (reader_) return reader_->read(index, frame);
+  frame = frames_[index];
+  return true;
+}
+
+void ReplaySource::start() {
+  started_ = steady_clock::now();
+  next_ = 0;
+  is_ahead_ = false;
+}
+
+bool ReplaySource::read_ahead() {
+  const std::uint64_t round = next_ / count_;
+  if (round > 0 && !settings_.loop) return false;
+  ahead_is_whole_ = read(next_ % count_, ahead_);
+  FrameStamp& stamp = ahead_.stamp;
+  stamp.sequence += round * round_.sequence - first_sequence_;
+  const auto rounds = static_cast<nanoseconds::rep>(round);
+  stamp.device_time += rounds * round_.device_time;
+  stamp.host_time += rounds * round_.host_time;
+  ++next_;
+  is_ahead_ = true;
+  return true;
+}
+
+steady_clock::time_point ReplaySource::due() const {
+  if (!ahead_is_whole_) return started_;  // nobody knows when
+  if (settings_.rate) {
+    const std::chrono::duration<double> since(static_cast<double>(next_ - 1) / *settings_.rate);
+    return started_ + std::chrono::duration_cast<steady_clock::duration>(since);
+  }
+  return started_ + (ahead_.stamp.host_time - first_host_time_);
+}
+
+Arrival ReplaySource::next(Frame& frame, std::chrono::milliseconds timeout) {
+  if (!is_ahead_ && !read_ahead()) return Arrival::ended;
+  if (paced_) {
+    const steady_clock::time_point latest = steady_clock::now() + timeout;
+    const steady_clock::time_point then = due();
+    std::this_thread::sleep_until(std::min(then, latest));
+    if (then > latest) return Arrival::nothing;
+  }
+  is_ahead_ = false;
+  if (!ahead_is_whole_) {
+    ++damaged_;
+    return Arrival::damaged;
+  }
+  frame.pixels.swap(ahead_.pixels);  // the memory changes hands; no pixel is copied
+  std::swap(frame.bits, ahead_.bits);
+  frame.stamp = ahead_.stamp;
+  frame.stamp.host_time = steady_clock::now();
+  ++delivered_;
+  return Arrival::frame;
+}
+
+SourceCounters ReplaySource::counters() const {
+  return {.delivered = delivered_, .lost = damaged_};
+}
+
+}  // namespace slipstream

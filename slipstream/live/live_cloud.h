@@ -1,0 +1,21 @@
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "slipstream/capture/frame.h"
+#include "slipstream/capture/pool.h"
+#include "slipstream/reconstruct/fused_reconstructor.h"
+
+namespace slipstream {
+
+/// The cloud of one window of frames, with what it was made from.
+struct LiveCloud {
+  FusedCloud cloud;
+  /// The window, in pattern order, each frame still as the camera gave it.
+  std::vector<Pooled<Frame>> frames;
+  FrameStamp newest;                               ///< of the frame that completed the window
+  std::chrono::steady_clock::time_point finished;  ///< when the cloud was whole
+};
+
+}  // namespace slipstream

@@ -1,0 +1,102 @@
+#include "slipstream/live/live_pipeline.h"
+
+#include <utility>
+
+#include "slipstream/live/live_run.h"
+
+namespace slipstream {
+namespace {
+
+/// One in each stage and in the queues between them, the newest, and those that consumers hold.
+std::size_t clouds_needed(const LiveSettings& settings) {
+  return 3 + 2 * stage_places + 1 + settings.held_clouds;
+}
+
+/// A cloud keeps the frames of its window; the rolling window and the check of indices keep those
+/// of three cycles, with a marker; one is being filled and one passed on.
+std::size_t frames_needed(const LiveSettings& settings, const Strategy& strategy) {
+  const auto window = static_cast<std::size_t>(frame_count(strategy));
+  return clouds_needed(settings) * window + 3 * (window + 1) + settings.waiting_frames + 2;
+}
+
+}  // namespace
+
+LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const LiveScan& scan,
+                           const LiveSettings& settings)
+    : source_(std::move(source)), format_(source_->format()), settings_(settings) {
+  require_valid(format_);
+  plan_ = plan_for(scan);
+  const auto count = static_cast<std::size_t>(frame_count(scan.strategy));
+  const std::vector<Pooled<Frame>> black(count, frames_->take());
+  clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
+    LiveCloud cloud;
+    cloud.frames.reserve(count);
+    (*plan_->reconstruct)(black, cloud.cloud);
+    return cloud;
+  });
+}
+
+LivePipeline::~LivePipeline() {
+  stop();
+}
+
+std::shared_ptr<const LivePlan> LivePipeline::plan_for(const LiveScan& scan) {
+  auto reconstruct = std::make_shared<WindowReconstructor>(scan, format_);
+  const std::size_t needed = frames_needed(settings_, scan.strategy);
+  if (needed > frame_count_) {
+    frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
+    frame_count_ = needed;
+  }
+  return std::make_shared<const LivePlan>(LivePlan{std::move(reconstruct), frames_});
+}
+
+std::shared_ptr<LiveRun> LivePipeline::run() const {
+  const std::lock_guard lock(mutex_);
+  return run_;
+}
+
+void LivePipeline::start() {
+  stop();
+  source_->start();
+  auto begun = std::make_shared<LiveRun>(*source_, settings_, clouds_, plan_);
+  const std::lock_guard lock(mutex_);
+  run_ = std::move(begun);
+  started_ = true;
+}
+
+void LivePipeline::stop() {
+  if (!std::exchange(started_, false)) return;
+  run()->stop();
+  source_->stop();
+}
+
+bool LivePipeline::running() const {
+  const auto current = run();
+  return current && current->capturing();
+}
+
+std::exception_ptr LivePipeline::failure() const {
+  const auto current = run();
+  return current ? current->failure() : nullptr;
+}
+
+void LivePipeline::change(const LiveScan& scan) {
+  plan_ = plan_for(scan);
+  if (const auto current = run()) current->change(plan_);
+}
+
+Pooled<LiveCloud> LivePipeline::newest() const {
+  const auto current = run();
+  return current ? current->newest() : Pooled<LiveCloud>();
+}
+
+void LivePipeline::shown(const LiveCloud& cloud) {
+  if (const auto current = run()) current->shown(cloud);
+}
+
+LiveStatistics LivePipeline::statistics() const {
+  const auto current = run();
+  return current ? current->statistics() : LiveStatistics();
+}
+
+}  // namespace slipstream

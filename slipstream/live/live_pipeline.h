@@ -1,0 +1,83 @@
+#pragma once
+
+#include <exception>
+#include <memory>
+#include <mutex>
+
+#include "slipstream/capture/frame_source.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/live/live_cloud.h"
+#include "slipstream/live/live_settings.h"
+#include "slipstream/live/live_statistics.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/strategy/strategy.h"
+
+namespace slipstream {
+
+class LiveRun;
+struct LivePlan;
+
+/// What is looked for in the frames.
+struct LiveScan {
+  Scanner scanner;
+  Strategy strategy;
+  Axis axis = Axis::x;
+  /// Whichever the backend, the fused pass is taken where there is one.
+  ReconstructSettings settings = {};
+};
+
+/// Source to moving cloud: capture, window, reconstruct and show, each on a thread of its own with
+/// a bounded queue before it. Each new frame gives a cloud of the N newest. Capture waits for
+/// nobody where the source has its own pace: what finds no room is overwritten and counted. All
+/// memory is allocated at the start.
+///
+/// One thread starts, stops and changes it; any may ask.
+class LivePipeline {
+ public:
+  /// Nothing runs yet. Throws Error where scanner, strategy or settings are not valid or do not fit
+  /// the source's frames.
+  LivePipeline(std::unique_ptr<FrameSource> source, const LiveScan& scan,
+               const LiveSettings& settings = {});
+  ~LivePipeline();  ///< stops
+  LivePipeline(const LivePipeline&) = delete;
+  LivePipeline& operator=(const LivePipeline&) = delete;
+
+  /// Throws where the source does. What was counted before is forgotten.
+  void start();
+  /// Ends the threads and the source; what was captured is finished first, but for clouds that
+  /// consumers hold on to. May be called twice, and started again after.
+  void stop();
+  /// Whether it was started, not stopped, and neither has the source ended nor a stage failed.
+  [[nodiscard]] bool running() const;
+  /// What a stage, the source or a consumer threw since the start: it has ended the pipeline. Null
+  /// where nothing.
+  [[nodiscard]] std::exception_ptr failure() const;
+
+  /// Other settings, strategy or scanner from the next window on. Throws as the constructor.
+  void change(const LiveScan& scan);
+
+  /// The newest cloud, for display; empty before the first. The share may be kept for as long as it
+  /// is shown; capture does not wait for it.
+  [[nodiscard]] Pooled<LiveCloud> newest() const;
+  /// Tells that a cloud of that capture is on the screen now. One thread tells.
+  void shown(const LiveCloud& cloud);
+
+  [[nodiscard]] LiveStatistics statistics() const;
+
+ private:
+  [[nodiscard]] std::shared_ptr<const LivePlan> plan_for(const LiveScan& scan);
+  [[nodiscard]] std::shared_ptr<LiveRun> run() const;
+
+  std::unique_ptr<FrameSource> source_;
+  FrameFormat format_;
+  LiveSettings settings_;
+  std::shared_ptr<Pool<Frame>> frames_;
+  std::size_t frame_count_ = 0;  ///< of that pool
+  std::shared_ptr<Pool<LiveCloud>> clouds_;
+  std::shared_ptr<const LivePlan> plan_;
+  bool started_ = false;
+  mutable std::mutex mutex_;      ///< of what follows
+  std::shared_ptr<LiveRun> run_;  ///< the last one; stopped or not
+};
+
+}  // namespace slipstream

@@ -1,0 +1,271 @@
+#include "slipstream/live/live_run.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+
+/// How soon a stage notices that it is to stop, while the source is silent.
+constexpr auto notice = 50ms;
+/// How often a stage looks whether a consumer has given something back.
+constexpr auto look_again = 200us;
+/// How long clouds are waited for at the stop.
+constexpr auto patience = 200ms;
+
+bool same_patterns(const LiveScan& a, const LiveScan& b) {
+  return name_of(a.strategy) == name_of(b.strategy) &&
+         settings_of(a.strategy) == settings_of(b.strategy) && a.axis == b.axis;
+}
+
+}  // namespace
+
+LiveRun::LiveRun(FrameSource& source, const LiveSettings& settings,
+                 std::shared_ptr<Pool<LiveCloud>> clouds, std::shared_ptr<const LivePlan> plan)
+    : source_(source),
+      settings_(settings),
+      format_(source.format()),
+      paced_(source.has_own_pace()),
+      clouds_(std::move(clouds)),
+      plan_(std::move(plan)),
+      captured_(paced_ ? std::max<std::size_t>(settings.waiting_frames, 1) : stage_places),
+      windows_(stage_places),
+      finished_(stage_places) {
+  threads_ = {thread_of([this] { capture(); }), thread_of([this] { make_windows(); }),
+              thread_of([this] { reconstruct(); }), thread_of([this] { show(); })};
+}
+
+template <class Stage>
+std::thread LiveRun::thread_of(Stage stage) {
+  return std::thread([this, stage] {
+    try {
+      stage();
+    } catch (...) {
+      fail(std::current_exception());
+    }
+  });
+}
+
+void LiveRun::fail(std::exception_ptr failure) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (!failure_) failure_ = std::move(failure);
+  }
+  stopping_ = true;
+  capturing_ = false;
+  captured_.close();
+  windows_.close();
+  finished_.close();
+}
+
+void LiveRun::stop() {
+  stopping_ = true;
+  for (std::thread& thread : threads_) {
+    if (thread.joinable()) thread.join();
+  }
+  const std::lock_guard lock(mutex_);
+  if (!end_) end_ = Clock::now();
+}
+
+std::exception_ptr LiveRun::failure() const {
+  const std::lock_guard lock(mutex_);
+  return failure_;
+}
+
+void LiveRun::change(std::shared_ptr<const LivePlan> plan) {
+  const std::lock_guard lock(mutex_);
+  plan_ = std::move(plan);
+}
+
+std::shared_ptr<const LivePlan> LiveRun::plan() const {
+  const std::lock_guard lock(mutex_);
+  return plan_;
+}
+
+Pooled<LiveCloud> LiveRun::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
+}
+
+void LiveRun::shown(const LiveCloud& cloud) {
+  screen_latency_.add(Clock::now() - cloud.newest.host_time);
+}
+
+Pooled<Frame> LiveRun::free_frame() {
+  const std::shared_ptr<Pool<Frame>> frames = plan()->frames;
+  Pooled<Frame> frame = frames->take();
+  if (paced_) {
+    if (!frame && captured_.drop_oldest()) {
+      ++frames_overwritten_;
+      frame = frames->take();
+    }
+    return frame;
+  }
+  while (!frame && !stopping_) {
+    std::this_thread::sleep_for(look_again);
+    frame = frames->take();
+  }
+  return frame;
+}
+
+void LiveRun::receive(Pooled<Frame> frame) {
+  const SequenceWatch::Kind kind = sequence_.look(frame->stamp.sequence);
+  frames_lost_ = sequence_.lost();
+  if (kind == SequenceWatch::Kind::repeated) {
+    ++frames_repeated_;
+    return;
+  }
+  ++frames_captured_;
+  const Clock::time_point captured_at = frame->stamp.host_time;
+  const bool restart = kind == SequenceWatch::Kind::restart;
+  if (paced_) {
+    if (captured_.push_over_oldest({std::move(frame), restart})) ++frames_overwritten_;
+  } else {
+    captured_.push_when_room({std::move(frame), restart});
+  }
+  capture_meter_.done(captured_at);
+}
+
+void LiveRun::capture() {
+  Frame nobodys(format_);  // what comes while every frame is held
+  const auto enough = [this] {
+    return settings_.most_frames && frames_captured_ >= *settings_.most_frames;
+  };
+  while (!stopping_ && !enough() && (paced_ || captured_.wait_for_room())) {
+    Pooled<Frame> frame = free_frame();
+    if (!frame && !paced_) break;
+    Frame& filled = frame ? frame.fill() : nobodys;
+    Arrival arrival = source_.next(filled, notice);
+    if (arrival == Arrival::ended) break;
+    if (arrival == Arrival::frame && filled.format() != format_) {
+      filled = Frame(format_);
+      arrival = Arrival::damaged;
+    }
+    if (arrival == Arrival::damaged) {
+      sequence_.damaged();
+      frames_lost_ = sequence_.lost();
+    }
+    if (arrival != Arrival::frame) continue;
+    if (frame) {
+      receive(std::move(frame));
+    } else {
+      sequence_.look(nobodys.stamp.sequence);
+      ++frames_captured_;
+      ++frames_overwritten_;
+    }
+  }
+  capturing_ = false;
+  captured_.close();
+}
+
+Pooled<LiveCloud> LiveRun::free_cloud() {
+  Pooled<LiveCloud> cloud = clouds_->take();
+  std::optional<Clock::time_point> given_up;
+  while (!cloud && (!given_up || Clock::now() < *given_up)) {
+    if (stopping_ && !given_up) given_up = Clock::now() + patience;
+    std::this_thread::sleep_for(look_again);
+    cloud = clouds_->take();
+  }
+  return cloud;
+}
+
+void LiveRun::make_windows() {
+  std::shared_ptr<const LivePlan> current;
+  std::optional<PatternWindows> windows;
+  std::uint64_t lost_before = 0, resynchronised_before = 0;
+  std::vector<Pooled<Frame>> window;
+  while (auto captured = captured_.pop()) {
+    if (auto wanted = plan(); wanted != current) {
+      const LiveScan& scan = wanted->reconstruct->scan();
+      if (!windows || !same_patterns(scan, current->reconstruct->scan())) {
+        lost_before = windows_lost_;
+        resynchronised_before = resynchronisations_;
+        windows.emplace(scan.strategy, settings_.indexing, format_.size);
+      }
+      current = std::move(wanted);
+    }
+    if (captured->restart) windows->restart();
+    if (!windows->put(captured->frame)) ++frames_repeated_;
+    captured.reset();
+    resynchronisations_ = resynchronised_before + windows->resynchronisations();
+    while (windows->next(window)) {
+      Pooled<LiveCloud> cloud = free_cloud();
+      if (!cloud) {
+        ++lost_before;
+        continue;
+      }
+      LiveCloud& filled = cloud.fill();
+      std::swap(filled.frames, window);
+      window.clear();
+      const auto newest = std::max_element(
+          filled.frames.begin(), filled.frames.end(),
+          [](const auto& a, const auto& b) { return a->stamp.sequence < b->stamp.sequence; });
+      filled.newest = (*newest)->stamp;
+      window_meter_.done(filled.newest.host_time);
+      windows_.push_when_room({std::move(cloud), current->reconstruct});
+    }
+    windows_lost_ = lost_before + windows->lost();
+  }
+  windows_.close();
+}
+
+void LiveRun::reconstruct() {
+  while (auto window = windows_.pop()) {
+    LiveCloud& cloud = window->cloud.fill();
+    (*window->reconstruct)(cloud.frames, cloud.cloud);
+    cloud.finished = Clock::now();
+    cloud_latency_.add(cloud.finished - cloud.newest.host_time);
+    reconstruct_meter_.done(cloud.newest.host_time);
+    finished_.push_when_room(std::move(window->cloud));
+  }
+  finished_.close();
+}
+
+void LiveRun::show() {
+  while (auto cloud = finished_.pop()) {
+    {
+      const std::lock_guard lock(mutex_);
+      newest_ = *cloud;
+    }
+    if (settings_.on_cloud) settings_.on_cloud(*cloud);
+    show_meter_.done((*cloud)->newest.host_time);
+  }
+}
+
+LiveRun::Clock::time_point LiveRun::until() const {
+  const std::lock_guard lock(mutex_);
+  return end_.value_or(Clock::now());
+}
+
+LiveStatistics LiveRun::statistics() const {
+  LiveStatistics statistics;
+  statistics.frames = {.captured = frames_captured_,
+                       .lost = frames_lost_,
+                       .overwritten = frames_overwritten_,
+                       .repeated = frames_repeated_};
+  statistics.clouds = show_meter_.count();
+  statistics.windows_lost = windows_lost_;
+  statistics.resynchronisations = resynchronisations_;
+  const Clock::time_point now = until();
+  statistics.seconds = std::chrono::duration<double>(now - start_).count();
+  statistics.clouds_per_second = static_cast<double>(statistics.clouds) / statistics.seconds;
+  statistics.latency = cloud_latency_.latency();
+  statistics.screen_latency = screen_latency_.latency();
+  const auto add = [&](const char* name, const StageMeter& meter, std::size_t waiting,
+                       std::size_t capacity) {
+    StageStatistics stage = meter.statistics(now);
+    stage.name = name;
+    stage.waiting = waiting;
+    stage.capacity = capacity;
+    statistics.stages.push_back(std::move(stage));
+  };
+  add("capture", capture_meter_, 0, 0);
+  add("window", window_meter_, captured_.waiting(), captured_.capacity());
+  add("reconstruct", reconstruct_meter_, windows_.waiting(), windows_.capacity());
+  add("show", show_meter_, finished_.waiting(), finished_.capacity());
+  statistics.source_state = source_.state();
+  return statistics;
+}
+
+}  // namespace slipstream

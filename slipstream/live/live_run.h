@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "slipstream/live/bounded_queue.h"
+#include "slipstream/live/live_pipeline.h"
+#include "slipstream/live/pattern_windows.h"
+#include "slipstream/live/sequence_watch.h"
+#include "slipstream/live/stage_meter.h"
+#include "slipstream/live/window_reconstructor.h"
+
+namespace slipstream {
+
+/// By what windows are made and reconstructed from now on, and the memory that takes.
+struct LivePlan {
+  std::shared_ptr<WindowReconstructor> reconstruct;
+  std::shared_ptr<Pool<Frame>> frames;
+};
+
+/// Places that the queues before reconstruct and show have. One keeps the stages apart; more would
+/// only make clouds older.
+inline constexpr std::size_t stage_places = 1;
+
+/// The threads of a LivePipeline from start to stop, and what passes between them.
+class LiveRun {
+ public:
+  /// The source has been started. All must live longer than this.
+  LiveRun(FrameSource& source, const LiveSettings& settings,
+          std::shared_ptr<Pool<LiveCloud>> clouds, std::shared_ptr<const LivePlan> plan);
+  ~LiveRun() { stop(); }
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  void stop();
+  [[nodiscard]] bool capturing() const { return capturing_; }
+  [[nodiscard]] std::exception_ptr failure() const;
+  void change(std::shared_ptr<const LivePlan> plan);
+  [[nodiscard]] Pooled<LiveCloud> newest() const;
+  void shown(const LiveCloud& cloud);
+  [[nodiscard]] LiveStatistics statistics() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Captured {
+    Pooled<Frame> frame;
+    bool restart = false;  ///< the source counts from the beginning again
+  };
+  struct Window {
+    Pooled<LiveCloud> cloud;  ///< but for its points
+    std::shared_ptr<WindowReconstructor> reconstruct;
+  };
+
+  void capture();
+  void make_windows();
+  void reconstruct();
+  void show();
+
+  /// Runs a stage; what it throws ends the whole run.
+  template <class Stage>
+  std::thread thread_of(Stage stage);
+  void fail(std::exception_ptr failure);
+
+  /// Now, or when it was stopped.
+  [[nodiscard]] Clock::time_point until() const;
+  [[nodiscard]] std::shared_ptr<const LivePlan> plan() const;
+  /// A frame to be filled; empty where there is none.
+  Pooled<Frame> free_frame();
+  /// Counts a frame that has come, and passes it on unless it came before.
+  void receive(Pooled<Frame> frame);
+  /// Waits for a cloud that nobody holds; empty once that is waited for in vain at the stop.
+  Pooled<LiveCloud> free_cloud();
+
+  FrameSource& source_;
+  const LiveSettings& settings_;
+  const FrameFormat format_;
+  const bool paced_;
+  const Clock::time_point start_ = Clock::now();
+  std::shared_ptr<Pool<LiveCloud>> clouds_;
+
+  mutable std::mutex mutex_;  ///< of the four that follow
+  std::shared_ptr<const LivePlan> plan_;
+  Pooled<LiveCloud> newest_;
+  std::exception_ptr failure_;
+  std::optional<Clock::time_point> end_;
+
+  BoundedQueue<Captured> captured_;
+  BoundedQueue<Window> windows_;
+  BoundedQueue<Pooled<LiveCloud>> finished_;
+
+  std::atomic<bool> stopping_ = false;
+  std::atomic<bool> capturing_ = true;
+  SequenceWatch sequence_;  ///< of the capture stage
+  std::atomic<std::uint64_t> frames_captured_ = 0, frames_lost_ = 0, frames_overwritten_ = 0,
+                             frames_repeated_ = 0, windows_lost_ = 0, resynchronisations_ = 0;
+  StageMeter capture_meter_, window_meter_, reconstruct_meter_, show_meter_;
+  LatencyHistogram cloud_latency_, screen_latency_;
+  std::array<std::thread, 4> threads_;
+};
+
+}  // namespace slipstream

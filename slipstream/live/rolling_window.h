@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "slipstream/capture/frame.h"
+#include "slipstream/capture/pool.h"
+
+namespace slipstream {
+
+/// The windows of N frames in a row. Frames have positions: position p shows pattern p modulo N,
+/// and a position without a frame invalidates the N windows that contain it, no others. A frame may
+/// come late as long as a window can still wait for it without keeping another one waiting: until
+/// the one N places on has come.
+class RollingWindow {
+ public:
+  explicit RollingWindow(int frames);
+
+  /// False where the position has a frame already, or is too late.
+  bool put(std::uint64_t position, Pooled<Frame> frame);
+
+  /// The next window that is whole, in pattern order; false where there is none yet. Windows come
+  /// in the order of their newest frames.
+  bool next(std::vector<Pooled<Frame>>& window);
+
+  /// Forgets all frames and begins again with the next, wherever it is: it is what would have had
+  /// the position `first` before. Windows that reach back across here are lost.
+  void restart(std::uint64_t first);
+  void restart() { restart(newest_ + 1); }
+
+  /// Windows that will never be whole.
+  [[nodiscard]] std::uint64_t lost() const { return lost_; }
+
+ private:
+  struct Place {
+    std::optional<std::uint64_t> position;
+    Pooled<Frame> frame;
+  };
+
+  [[nodiscard]] Place& at(std::uint64_t position) { return ring_[position % ring_.size()]; }
+  [[nodiscard]] bool has(std::uint64_t position) { return at(position).position == position; }
+  /// Whether every frame of the window that ends at `next_` is there.
+  [[nodiscard]] bool whole();
+  void begin_at(std::uint64_t position);
+
+  std::uint64_t count_;
+  std::vector<Place> ring_;
+  bool begun_ = false;
+  std::uint64_t newest_ = 0;  ///< position
+  std::uint64_t next_ = 0;    ///< where the next window ends
+  std::uint64_t lost_ = 0;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,153 @@
+#include "slipstream/simulate/virtual_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <thread>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+/// How many motions from its place a body stands at a frame of the loop: evenly to and fro.
+double motions_at(int frame, int loop) {
+  return loop / 4.0 - std::abs(frame - loop / 2.0);
+}
+
+/// The scene as it stands at a frame of the loop.
+Scene still_scene(Scene scene, double motions) {
+  for (Body& body : scene) {
+    body.pose.pretranslate(motions * body.motion);
+    body.motion.setZero();
+  }
+  return scene;
+}
+
+/// The one pattern that a frame of the loop shows.
+PatternSet pattern_at(const PatternSet& patterns, int frame) {
+  PatternSet one = patterns;
+  one.count = 1;
+  one.shape = [shape = patterns.shape, n = frame % patterns.count](int, double y) {
+    return shape(n, y);
+  };
+  return one;
+}
+
+Frame frame_of(const FrameSet& exposed, int bits) {
+  Frame frame({exposed.size(), bits});
+  exposed.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (std::is_integral_v<Pixel>) {
+      const Pixel* const first = views[0].row(0);
+      auto& image = std::get<Image<Pixel>>(frame.pixels);
+      std::copy(first, first + image.pixel_count(), image.begin());
+    }
+  });
+  return frame;
+}
+
+/// Into memory that is there already.
+void copy_pixels(const Frame& from, Frame& to) {
+  std::visit(
+      [&](const auto& pixels) {
+        auto& copy = std::get<std::remove_cvref_t<decltype(pixels)>>(to.pixels);
+        std::copy(pixels.begin(), pixels.end(), copy.begin());
+      },
+      from.pixels);
+}
+
+}  // namespace
+
+std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
+                                  const PatternSet& patterns, const Photometry& photometry,
+                                  int cycles) {
+  if (cycles < 1) throw Error(fmt::format("{} cycles of patterns; 1 or more", cycles));
+  if (!photometry.bits) throw Error("a virtual camera has 8 to 16 bits; none are given");
+  const bool moving = std::any_of(scene.begin(), scene.end(),
+                                  [](const Body& body) { return !body.motion.isZero(0); });
+  const int count = patterns.count * cycles;
+  std::vector<Frame> frames(static_cast<std::size_t>(count));
+  std::optional<VirtualScan> seen;
+  const auto expose = [&](int n) {
+    const PatternSet pattern = pattern_at(patterns, n);
+    Photometry light = photometry;
+    light.seed += static_cast<std::uint64_t>(n);
+    Frame& frame = frames[static_cast<std::size_t>(n)];
+    if (seen && light.rays == 1) {
+      frame = frame_of(take_again(*seen, pattern, light), *light.bits);
+    } else {
+      seen = take_scan(scanner, still_scene(scene, motions_at(n, count)), pattern, light);
+      frame = frame_of(seen->frames, *light.bits);
+    }
+    frame.stamp.sequence = static_cast<std::uint64_t>(n);
+    frame.stamp.pattern_index = n % patterns.count;
+  };
+  // On its way back the scene stands where it stood before.
+  for (int n = 0; n <= count / 2; ++n) {
+    if (moving) seen.reset();
+    expose(n);
+    if (n > 0 && count - n > n) expose(count - n);
+  }
+  return frames;
+}
+
+VirtualCamera::VirtualCamera(std::vector<Frame> loop, std::optional<double> rate)
+    : loop_(std::move(loop)), rate_(rate) {
+  if (loop_.empty()) throw Error("a virtual camera without frames; at least one is wanted");
+  for (const Frame& frame : loop_) {
+    if (frame.format() != loop_.front().format()) {
+      throw Error("a virtual camera with frames of several sizes or bits; all must be the same");
+    }
+  }
+  if (rate_ && !(*rate_ > 0 && std::isfinite(*rate_))) {
+    throw Error(fmt::format("frame rate {} Hz is out of range; above 0", *rate_));
+  }
+}
+
+void VirtualCamera::start() {
+  start_ = Clock::now();
+  sequence_ = 0;
+}
+
+VirtualCamera::Clock::time_point VirtualCamera::due(std::uint64_t sequence) const {
+  const std::chrono::duration<double> since(static_cast<double>(sequence + 1) / *rate_);
+  return start_ + std::chrono::duration_cast<Clock::duration>(since);
+}
+
+std::optional<VirtualCamera::Clock::time_point> VirtualCamera::wait_until(Clock::time_point end) {
+  const Clock::time_point now = Clock::now();
+  if (!rate_) return now;
+  const double taken = std::chrono::duration<double>(now - start_).count() * *rate_;
+  const double behind = std::floor(taken) - static_cast<double>(sequence_) - waiting_frames;
+  if (behind > 0) {
+    sequence_ += static_cast<std::uint64_t>(behind);
+    lost_ += static_cast<std::uint64_t>(behind);
+  }
+  const Clock::time_point whole = due(sequence_);
+  if (whole > now) std::this_thread::sleep_until(std::min(whole, end));
+  if (whole > end) return std::nullopt;
+  return whole;
+}
+
+Arrival VirtualCamera::next(Frame& frame, std::chrono::milliseconds timeout) {
+  const auto whole = wait_until(Clock::now() + timeout);
+  if (!whole) return Arrival::nothing;
+  const Frame& seen = loop_[sequence_ % loop_.size()];
+  copy_pixels(seen, frame);
+  frame.stamp = {.sequence = sequence_++,
+                 .pattern_index = seen.stamp.pattern_index,
+                 .device_time = *whole - start_,
+                 .host_time = *whole};
+  ++delivered_;
+  return Arrival::frame;
+}
+
+SourceCounters VirtualCamera::counters() const {
+  return {.delivered = delivered_, .lost = lost_};
+}
+
+}  // namespace slipstream

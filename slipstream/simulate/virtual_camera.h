@@ -1,0 +1,61 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "slipstream/capture/frame_source.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/simulate/scene.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+
+/// What a camera sees while the patterns are shown `cycles` times over, one after the other, ready
+/// to be shown again from the start: the bodies go by their `motion` from frame to frame, through
+/// the place where they stand, to and fro. Each frame has noise of its own. Sequence and pattern
+/// index of the stamps are set. Throws Error where cycles are not 1 or more, the photometry says no
+/// bits, or as take_scan.
+std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
+                                  const PatternSet& patterns, const Photometry& photometry,
+                                  int cycles);
+
+/// A camera that gives frames from memory over and over, without end, and counts them as a real
+/// one does.
+class VirtualCamera : public FrameSource {
+ public:
+  /// Frames that wait in a camera of its own pace until they are fetched; then the oldest is lost.
+  static constexpr int waiting_frames = 8;
+
+  /// `loop`: of one format, each with the pattern index that its stamp says. `rate`: Hz; without
+  /// one frames come as fast as they are asked for. Throws Error where there are no frames, their
+  /// formats differ or the rate is not positive.
+  explicit VirtualCamera(std::vector<Frame> loop, std::optional<double> rate = std::nullopt);
+
+  [[nodiscard]] FrameFormat format() const override { return loop_.front().format(); }
+  [[nodiscard]] bool has_own_pace() const override { return rate_.has_value(); }
+  void start() override;
+  Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
+  void stop() override {}
+  [[nodiscard]] SourceCounters counters() const override;
+  [[nodiscard]] std::string state() const override { return {}; }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// When frame `sequence_` is whole; waits for it. None where that is past `end`.
+  std::optional<Clock::time_point> wait_until(Clock::time_point end);
+  [[nodiscard]] Clock::time_point due(std::uint64_t sequence) const;
+
+  std::vector<Frame> loop_;
+  std::optional<double> rate_;
+  Clock::time_point start_;
+  std::uint64_t sequence_ = 0;
+  std::atomic<std::uint64_t> delivered_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;
+};
+
+}  // namespace slipstream

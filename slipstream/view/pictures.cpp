@@ -1,0 +1,101 @@
+#include "slipstream/view/pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <variant>
+
+#include "slipstream/view/cloud_extent.h"
+#include "slipstream/view/colour_map.h"
+
+namespace slipstream::view {
+namespace {
+
+constexpr Colour saturated_colour{235, 40, 40};
+constexpr Colour nothing{26, 28, 33};
+
+/// How many pixels each way become one.
+int reduction(Size size, int widest) {
+  return std::max(1, (size.width + widest / 2) / std::max(widest, 1));
+}
+
+Size reduced(Size size, int step) {
+  return {std::max(1, size.width / step), std::max(1, size.height / step)};
+}
+
+/// The picture whose pixel is `colour_of(column, row)` of the upper left of those put together.
+template <class ColourOf>
+Image<Colour> picture_of(Size size, int widest, const ColourOf& colour_of) {
+  if (size.width < 1 || size.height < 1) return {};
+  const int step = reduction(size, widest);
+  Image<Colour> picture(reduced(size, step));
+  for (int row = 0; row < picture.height(); ++row) {
+    for (int column = 0; column < picture.width(); ++column) {
+      picture(column, row) = colour_of(column * step, row * step);
+    }
+  }
+  return picture;
+}
+
+Colour grey(double level) {
+  const auto part = static_cast<std::uint8_t>(std::clamp(std::lround(level), 0L, 255L));
+  return {part, part, part};
+}
+
+template <class Pixel>
+void mark_saturated(Image<Colour>& picture, const Image<Pixel>& frame, int bits, int step) {
+  const int full_scale = (1 << bits) - 1;
+  const int rows = std::min(frame.height(), picture.height() * step);
+  const int columns = std::min(frame.width(), picture.width() * step);
+  for (int row = 0; row < rows; ++row) {
+    const Pixel* const pixels = frame.row(row);
+    for (int column = 0; column < columns; ++column) {
+      if (pixels[column] >= full_scale) picture(column / step, row / step) = saturated_colour;
+    }
+  }
+}
+
+}  // namespace
+
+Image<Colour> camera_picture(const std::vector<Pooled<Frame>>& frames, int widest) {
+  if (frames.empty()) return {};
+  const Frame& first = *frames.front();
+  const Size size = first.format().size;
+  Image<Colour> picture = std::visit(
+      [&](const auto& image) {
+        const double scale = 255.0 / ((1 << first.bits) - 1);
+        return picture_of(size, widest,
+                          [&](int column, int row) { return grey(scale * image(column, row)); });
+      },
+      first.pixels);
+  for (const Pooled<Frame>& frame : frames) {
+    if (frame->format() != first.format()) continue;
+    std::visit(
+        [&](const auto& image) {
+          mark_saturated(picture, image, frame->bits, reduction(size, widest));
+        },
+        frame->pixels);
+  }
+  return picture;
+}
+
+Image<Colour> modulation_picture(const Image<float>& modulation, int widest) {
+  const float white = std::max(robust_range(modulation).high, 1e-3F);
+  return picture_of(modulation.size(), widest, [&](int column, int row) {
+    return grey(255.0 * static_cast<double>(modulation(column, row) / white));
+  });
+}
+
+Image<Colour> phase_picture(const Image<float>& phase, const Image<float>& modulation, float least,
+                            int widest) {
+  const ColourMap hues = phase_colours();
+  return picture_of(phase.size(), widest, [&](int column, int row) {
+    const float turn = phase(column, row) / (2 * std::numbers::pi_v<float>);
+    if (!(modulation(column, row) >= least) || !std::isfinite(turn)) return nothing;
+    const float share = turn - std::floor(turn);
+    return hues[std::min<std::size_t>(static_cast<std::size_t>(share * 256), 255)];
+  });
+}
+
+}  // namespace slipstream::view

@@ -1,0 +1,75 @@
+#include "slipstream/view/scene_renderer.h"
+
+#include <algorithm>
+
+#include <epoxy/gl.h>
+
+#include "slipstream/view/axes.h"
+
+namespace slipstream::view {
+namespace {
+
+constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
+
+/// A little more than the values seen, so that their ends have colours apart.
+Range widened(const Range& range) {
+  const float margin = 0.04F * (range.high - range.low) + 1e-4F;
+  return {range.low - margin, range.high + margin};
+}
+
+}  // namespace
+
+Range grey_range(PointColour colour, const Range& range, const SceneLight& light,
+                 float brightness) {
+  const bool of_mean = colour == PointColour::reflectivity;
+  const auto black = of_mean ? static_cast<float>(std::min(light.ambient, 0.9 * range.high)) : 0.0F;
+  return {black, black + std::max(range.high - black, 1e-3F) / std::max(brightness, 1e-3F)};
+}
+
+void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modulation,
+                              PointColour colour) {
+  const bool known = modulation != nullptr && modulation->size() == cloud.z.size();
+  const Image<float>& value =
+      colour == PointColour::modulation && known ? *modulation : cloud.intensity;
+  points_.upload(cloud, value);
+  values_ = robust_range(value);
+}
+
+void SceneRenderer::draw(const ViewSettings& settings, const SceneLight& light, const Pane& pane,
+                         float pixel_ratio) const {
+  const Size picture = pane.size;
+  glViewport(pane.left, pane.bottom, picture.width, picture.height);
+  glClearColor(background.r, background.g, background.b, 1);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
+  const float floor = floor_height(extent_);
+  const bool coloured = settings.colour == PointColour::depth;
+  PointPass pass{.clip = clip_matrix(settings.camera, picture),
+                 .point_size = settings.point_size * extent_.spacing,
+                 .size_depth = extent_.box.centre().z,
+                 .pixels_per_slope = pixels_per_slope(settings.camera, picture),
+                 .largest_step = 16 * extent_.spacing,
+                 .coloured = coloured,
+                 .range = coloured
+                              ? widened({extent_.box.low.z, extent_.box.high.z})
+                              : grey_range(settings.colour, values_, light, settings.brightness),
+                 .shaded = settings.shaded};
+  points_.draw(pass);
+  if (settings.reflection) {
+    // One point of three at nearly twice the size: a mirror may be dim and coarse, and is cheap so.
+    pass.clip = mirrored_clip_matrix(settings.camera, picture, floor);
+    pass.floor = floor;
+    pass.veil = background;
+    pass.strength = 0.3F;
+    pass.every = 3;
+    pass.point_size *= 1.7F;
+    points_.draw(pass);
+  }
+  const glm::mat4 clip = clip_matrix(settings.camera, picture);
+  if (settings.grid) lines_.draw(floor_grid(extent_.box, floor), clip, picture, pixel_ratio);
+  if (settings.axes) {
+    lines_.draw(axes(extent_.box, settings.camera), clip, picture, 2 * pixel_ratio);
+  }
+}
+
+}  // namespace slipstream::view

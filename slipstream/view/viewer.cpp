@@ -1,0 +1,129 @@
+#include "slipstream/view/viewer.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include <GLFW/glfw3.h>
+#include <sys/resource.h>
+
+#include "slipstream/opengl/off_screen.h"
+#include "slipstream/opengl/window.h"
+#include "slipstream/view/live_screen.h"
+
+namespace slipstream::view {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// When something last happened to the window, so that it is not drawn again for nothing.
+struct WindowEvents {
+  Clock::time_point last = Clock::now();
+};
+
+void touch(GLFWwindow* window) {
+  static_cast<WindowEvents*>(glfwGetWindowUserPointer(window))->last = Clock::now();
+}
+
+/// Dear ImGui calls on what is set before it starts.
+void listen(GLFWwindow* window, WindowEvents& events) {
+  glfwSetWindowUserPointer(window, &events);
+  glfwSetFramebufferSizeCallback(window, [](GLFWwindow* w, int, int) { touch(w); });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { touch(w); });
+  glfwSetWindowContentScaleCallback(window, [](GLFWwindow* w, float, float) { touch(w); });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { touch(w); });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
+    touch(w);
+    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) glfwSetWindowShouldClose(w, GLFW_TRUE);
+  });
+}
+
+/// When to draw: at once what an event or a cloud changed, and what is a quarter of a second old
+/// for its numbers, but never without a rest.
+class Pace {
+ public:
+  explicit Pace(double most_per_second) : least_(1 / std::max(most_per_second, 1.0)) {}
+
+  /// Whether the next picture may begin.
+  [[nodiscard]] bool rested() const { return Clock::now() >= next_; }
+  /// Whether it is wanted even though there is no new cloud.
+  [[nodiscard]] bool outdated(Clock::time_point last_event) const {
+    using std::chrono::milliseconds;
+    const auto now = Clock::now();
+    return now - last_event < milliseconds(300) || now - drawn_ > milliseconds(250);
+  }
+  /// Then rests for what is left of the picture's share, and at least for a quarter of what it
+  /// took, so that drawing in software leaves the processor to the pipeline.
+  void draw(const std::function<void()>& picture) {
+    const auto start = Clock::now();
+    picture();
+    drawn_ = Clock::now();
+    const std::chrono::duration<double> took = drawn_ - start;
+    const std::chrono::duration<double> rest(std::max(least_ - took.count(), 0.25 * took.count()));
+    next_ = drawn_ + std::chrono::duration_cast<Clock::duration>(rest);
+  }
+  [[nodiscard]] double seconds_to_next() const {
+    return std::max(std::chrono::duration<double>(next_ - Clock::now()).count(), 0.0);
+  }
+
+ private:
+  double least_;
+  Clock::time_point drawn_{};
+  Clock::time_point next_{};
+};
+
+/// Linux keeps a niceness for each thread, and those that a driver which draws in software starts
+/// take their maker's. Elsewhere, or where it is refused, all goes on as it was.
+void give_way() {
+  constexpr int niceness = 5;
+  static_cast<void>(::setpriority(PRIO_PROCESS, 0, niceness));
+}
+
+}  // namespace
+
+std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings) {
+  if (settings.gives_way) give_way();
+  const opengl::WindowSystem system;
+  const opengl::Window window(system, {.title = source.title, .size = settings.size});
+  window.wait_for_refresh(true);
+  WindowEvents events;
+  listen(window.get(), events);
+  LiveScreen live(source, settings.view, &window);
+  Pace pace(settings.most_per_second);
+  std::optional<Image<Colour>> last;
+  bool open = true;
+  while (open) {
+    open = !window.should_close() && !(settings.ends && settings.ends());
+    const Screen screen = screen_of(window);
+    const bool visible = screen.framebuffer.width > 0 && screen.framebuffer.height > 0;
+    if (visible && (!open || pace.rested())) {
+      const bool fresh = live.take_newest();
+      if (!open || fresh || pace.outdated(events.last)) {
+        pace.draw([&] {
+          live.draw(screen);
+          if (!open && settings.keep_last) last = opengl::read_pixels(screen.framebuffer);
+          window.swap();
+          live.tell_shown();
+        });
+      }
+    }
+    if (open) glfwWaitEventsTimeout(std::max(pace.seconds_to_next(), 0.004));
+  }
+  return last;
+}
+
+Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settings, Size size,
+                            Surround surround) {
+  const opengl::OffScreenContext context;
+  const opengl::RenderTarget target(size);
+  target.bind();
+  LiveScreen live(source, settings, nullptr);
+  live.state().shown = surround == Surround::panel;
+  live.take_newest();
+  // Dear ImGui knows the heights of its own widgets only after it has drawn them.
+  for (int pass = 0; pass < 3; ++pass) live.draw({.window = size, .framebuffer = size});
+  return opengl::read_pixels(size);
+}
+
+}  // namespace slipstream::view

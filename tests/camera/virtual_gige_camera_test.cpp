@@ -1,0 +1,322 @@
+// Frames through UDP packets on loopback: what the virtual camera sends is what a client gets.
+#include "slipstream/camera/virtual_gige_camera.h"
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/camera/aravis_source.h"
+#include "slipstream/camera/camera_list.h"
+#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/strategy.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/recorded_frames.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+constexpr const char* address = "127.0.0.1";
+constexpr int loopback_packets = 8000;
+
+/// The camera, or none where its port is taken or there is no loopback: the test is skipped then.
+std::unique_ptr<VirtualGigeCamera> serve(std::vector<Frame> loop,
+                                         const std::string& serial = "TEST") {
+  try {
+    return std::make_unique<VirtualGigeCamera>(std::move(loop), address, serial);
+  } catch (const WorldError&) {
+    return nullptr;
+  }
+}
+
+std::vector<Frame> frames_of_scan(const Scanner& scanner, const Strategy& strategy) {
+  const FrameSet set = take_scan(scanner, scene_named("statue", scanner),
+                                 pattern_set(strategy, Axis::x), {.noise_variance = 1.55})
+                           .frames;
+  std::vector<Frame> frames;
+  set.visit(0, set.count(), [&](const auto& views) {
+    for (const auto& view : views) {
+      Frame frame({set.size(), 8});
+      auto& image = std::get<Image<std::uint8_t>>(frame.pixels);
+      for (int row = 0; row < view.height(); ++row) {
+        for (int column = 0; column < view.width(); ++column) {
+          image(column, row) = static_cast<std::uint8_t>(view(column, row));
+        }
+      }
+      frames.push_back(frame);
+    }
+  });
+  return frames;
+}
+
+std::vector<Frame> some_frames(int count, Size size = {640, 480}) {
+  std::vector<Frame> frames;
+  for (int i = 0; i < count; ++i) frames.push_back(some_frame(i, {size, 8}));
+  return frames;
+}
+
+CameraSettings settings_at(double rate, int cycle) {
+  return {.frame_rate = rate, .packet_size = loopback_packets, .cycle = cycle};
+}
+
+/// The next frame; false where none comes for five seconds.
+bool wait_for_frame(FrameSource& source, Frame& frame, std::chrono::seconds longest = 5s) {
+  const auto end = steady_clock::now() + longest;
+  while (steady_clock::now() < end) {
+    if (source.next(frame, 100ms) == Arrival::frame) return true;
+  }
+  return false;
+}
+
+bool same_bits(const FusedCloud& a, const FusedCloud& b) {
+  const auto same = [](const Image<float>& one, const Image<float>& other) {
+    return one.size() == other.size() &&
+           std::memcmp(one.begin(), other.begin(), one.pixel_count() * sizeof(float)) == 0;
+  };
+  return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z) && same(a.intensity, b.intensity);
+}
+
+#define REQUIRE_CAMERA(camera)                                              \
+  if (!(camera))                                                            \
+  GTEST_SKIP() << "no camera can be served at 127.0.0.1: no such address, " \
+                  "or UDP port 3956 is taken"
+
+int frames_wanted() {
+  const char* asked = std::getenv("SLIPSTREAM_CAMERA_FRAMES");
+  return asked == nullptr ? 600 : std::atoi(asked);
+}
+
+TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOfflineScan) {
+  const Scanner scanner = example_scanner({640, 480});
+  const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
+  const std::vector<Frame> rendered = frames_of_scan(scanner, strategy);
+  const auto camera = serve(rendered);
+  REQUIRE_CAMERA(camera);
+  const auto reconstruct = FusedReconstructor::make(scanner, strategy, Axis::x, {});
+  ASSERT_TRUE(reconstruct);
+  const auto cloud_of = [&](const std::vector<Frame>& frames) {
+    Frames<std::uint8_t> views;
+    for (const Frame& frame : frames) views.push_back(std::get<0>(frame.pixels));
+    FusedCloud cloud;
+    (*reconstruct)(views, cloud);
+    return cloud;
+  };
+  const FusedCloud offline = cloud_of(rendered);
+
+  AravisSource source(address, settings_at(200, 4));
+  EXPECT_EQ(source.format(), (FrameFormat{{640, 480}, 8}));
+  source.start();
+  std::vector<Frame> window(4);
+  Frame frame(source.format());
+  ASSERT_TRUE(wait_for_frame(source, frame));
+  const std::uint64_t first = frame.stamp.sequence;
+  EXPECT_LT(first, 3U);
+  const int wanted = frames_wanted();
+  for (int i = 0; i < wanted; ++i) {
+    if (i > 0) {
+      ASSERT_TRUE(wait_for_frame(source, frame));
+    }
+    ASSERT_EQ(frame.stamp.sequence, first + static_cast<std::uint64_t>(i)) << "a frame was lost";
+    const std::size_t pattern = frame.stamp.sequence % 4;
+    ASSERT_TRUE(same_pixels(frame, rendered[pattern])) << frame.stamp.sequence;
+    window[pattern] = frame;
+    if (i % 100 == 99) {
+      EXPECT_TRUE(same_bits(cloud_of(window), offline));
+    }
+  }
+  source.stop();
+  EXPECT_EQ(source.counters().delivered, static_cast<std::uint64_t>(wanted));
+  EXPECT_EQ(source.counters().lost, first);
+  EXPECT_EQ(source.counters().reconnects, 0U);
+  EXPECT_EQ(source.state(), "");
+}
+
+TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
+  const std::vector<Frame> rendered = some_frames(5, {320, 240});
+  const auto camera = serve(rendered);
+  REQUIRE_CAMERA(camera);
+  AravisSource source(address, settings_at(200, 5));
+  source.start();
+  Frame frame(source.format());
+  ASSERT_TRUE(wait_for_frame(source, frame));
+  camera->set_packet_loss(0.02);
+  std::uint64_t newest = 0, whole = 0;
+  for (const auto end = steady_clock::now() + 1500ms; steady_clock::now() < end;) {
+    if (source.next(frame, 50ms) != Arrival::frame) continue;
+    ++whole;
+    newest = frame.stamp.sequence;
+    ASSERT_TRUE(same_pixels(frame, rendered[newest % 5])) << newest;
+  }
+  source.stop();
+  const SourceCounters counters = source.counters();
+  EXPECT_GT(whole, 10U);
+  EXPECT_GT(counters.lost, 5U);
+  EXPECT_EQ(counters.delivered + counters.lost, newest + 1);
+}
+
+class GoneFor : public testing::TestWithParam<std::chrono::milliseconds> {};
+
+TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
+  const std::vector<Frame> rendered = some_frames(4, {320, 240});
+  auto camera = serve(rendered);
+  REQUIRE_CAMERA(camera);
+  AravisSource source(address, settings_at(100, 4));
+  source.start();
+  Frame frame(source.format());
+  for (int i = 0; i < 10; ++i) ASSERT_TRUE(wait_for_frame(source, frame));
+  const std::uint64_t before = frame.stamp.sequence;
+
+  camera.reset();
+  for (const auto end = steady_clock::now() + 5s;
+       source.state().empty() && steady_clock::now() < end;) {
+    (void)source.next(frame, 50ms);
+  }
+  EXPECT_NE(source.state().find("127.0.0.1 is gone; looking for it"), std::string::npos);
+  for (const auto end = steady_clock::now() + GetParam(); steady_clock::now() < end;) {
+    EXPECT_EQ(source.next(frame, 50ms), Arrival::nothing);
+  }
+
+  camera = serve(rendered);
+  ASSERT_TRUE(camera);
+  const auto back = steady_clock::now();
+  ASSERT_TRUE(wait_for_frame(source, frame, 10s));
+  const std::chrono::duration<double> seconds = steady_clock::now() - back;
+  RecordProperty("seconds_to_resume", std::to_string(seconds.count()));
+  EXPECT_EQ(source.state(), "");
+  EXPECT_EQ(source.counters().reconnects, 1U);
+  EXPECT_GT(frame.stamp.sequence, before + 1);
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(same_pixels(frame, rendered[frame.stamp.sequence % 4])) << frame.stamp.sequence;
+    ASSERT_TRUE(wait_for_frame(source, frame));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(VirtualGigeCamera, GoneFor, testing::Values(0ms, 2500ms));
+
+TEST(VirtualGigeCamera, OneOfAnotherSizeIsNotTakenForTheOneThatWasLost) {
+  auto camera = serve(some_frames(4, {320, 240}));
+  REQUIRE_CAMERA(camera);
+  AravisSource source(address, settings_at(100, 4));
+  source.start();
+  Frame frame(source.format());
+  ASSERT_TRUE(wait_for_frame(source, frame));
+  camera.reset();
+  camera = serve(some_frames(4, {160, 120}));
+  ASSERT_TRUE(camera);
+  for (const auto end = steady_clock::now() + 3s; steady_clock::now() < end;) {
+    const Arrival arrival = source.next(frame, 50ms);
+    if (arrival == Arrival::frame) {
+      EXPECT_EQ(frame.format().size, (Size{320, 240}));
+    }
+  }
+  EXPECT_EQ(source.counters().reconnects, 0U);
+  EXPECT_FALSE(source.state().empty());
+}
+
+TEST(VirtualGigeCamera, GivesTheRegionThatIsAskedFor) {
+  const std::vector<Frame> rendered = some_frames(3, {320, 240});
+  const auto camera = serve(rendered);
+  REQUIRE_CAMERA(camera);
+  CameraSettings settings = settings_at(100, 3);
+  settings.region = CameraRegion{16, 8, {64, 32}};
+  AravisSource source(address, settings);
+  EXPECT_EQ(source.format().size, (Size{64, 32}));
+  source.start();
+  Frame frame(source.format());
+  ASSERT_TRUE(wait_for_frame(source, frame));
+  const auto& part = std::get<0>(frame.pixels);
+  const auto& whole = std::get<0>(rendered[frame.stamp.sequence % 3].pixels);
+  for (int row = 0; row < 32; ++row) {
+    for (int column = 0; column < 64; ++column) {
+      ASSERT_EQ(part(column, row), whole(16 + column, 8 + row)) << column << ", " << row;
+    }
+  }
+}
+
+TEST(VirtualGigeCamera, TakesAFrameForEachSoftwareTrigger) {
+  const auto camera = serve(some_frames(4, {160, 120}));
+  REQUIRE_CAMERA(camera);
+  camera->set_trigger_rate(200);
+  CameraSettings settings{.exposure = 0.002, .gain = 3, .trigger = "Software", .cycle = 4};
+  AravisSource source(address, settings);
+  source.start();
+  Frame frame(source.format());
+  EXPECT_EQ(source.next(frame, 700ms), Arrival::nothing);
+  EXPECT_EQ(source.state(), "") << "a camera that waits for its trigger is not gone";
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    source.trigger();
+    ASSERT_TRUE(wait_for_frame(source, frame));
+    EXPECT_EQ(frame.stamp.sequence, i);
+  }
+}
+
+TEST(VirtualGigeCamera, StalledConsumerLosesFramesAndGoesOn) {
+  const std::vector<Frame> rendered = some_frames(4, {160, 120});
+  const auto camera = serve(rendered);
+  REQUIRE_CAMERA(camera);
+  AravisSource source(address, settings_at(200, 4));
+  source.start();
+  Frame frame(source.format());
+  ASSERT_TRUE(wait_for_frame(source, frame));
+  std::this_thread::sleep_for(600ms);
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(wait_for_frame(source, frame));
+    ASSERT_TRUE(same_pixels(frame, rendered[frame.stamp.sequence % 4]));
+  }
+  EXPECT_GT(source.counters().lost, 20U);
+  EXPECT_EQ(source.counters().reconnects, 0U);
+}
+
+TEST(VirtualGigeCamera, IsListed) {
+  const auto camera = serve(some_frames(1, {160, 120}), "LISTED");
+  REQUIRE_CAMERA(camera);
+  for (const CameraDescription& found : list_genicam_cameras()) {
+    if (found.serial == "LISTED") {
+      EXPECT_EQ(found.name, "Aravis-Fake-LISTED");
+      EXPECT_EQ(found.address, address);
+      EXPECT_NO_THROW(AravisSource(found.name, {}));
+      return;
+    }
+  }
+  ADD_FAILURE() << "not found";
+}
+
+TEST(VirtualGigeCamera, SecondOneAtAnAddressIsRefused) {
+  const auto camera = serve(some_frames(1, {16, 16}));
+  REQUIRE_CAMERA(camera);
+  try {
+    const VirtualGigeCamera second(some_frames(1), address, "SECOND");
+    ADD_FAILURE() << "two cameras at one address";
+  } catch (const WorldError& error) {
+    EXPECT_NE(std::string(error.what()).find("3956"), std::string::npos) << error.what();
+  }
+}
+
+TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
+  expect_error([] { VirtualGigeCamera({}, address, "S"); }, {"no frames"});
+  expect_error([] { VirtualGigeCamera(some_frames(1), "here", "S"); }, {"here", "127.0.0.1"});
+  expect_error([] { VirtualGigeCamera(some_frames(1), address, ""); }, {"serial"});
+  expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, address, "S"); }, {"8 bits"});
+}
+
+TEST(AravisSource, SaysWhatItCannotDo) {
+  EXPECT_THROW(AravisSource("no such camera", {}), WorldError);
+  const auto camera = serve(some_frames(1, {160, 120}));
+  REQUIRE_CAMERA(camera);
+  expect_error([] { AravisSource(address, {.pixel_format = MonoFormat::mono12p}); },
+               {"127.0.0.1", "Mono12p"});
+  expect_error([] { AravisSource(address, {.cycle = 0}); }, {"0 patterns"});
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,144 @@
+#include "slipstream/io/recorder.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/recorded_source.h"
+#include "slipstream/io/replay_source.h"
+#include "tests/io/recorded_frames.h"
+#include "tests/io/small_disk.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+TEST(Recorder, WritesEveryFrameThatItTook) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder.path() / "frames", {.format = some_format});
+  std::vector<int> taken;
+  for (int i = 0; i < 2000; ++i) {
+    if (recorder.record(some_frame(i))) taken.push_back(i);
+  }
+  recorder.finish();
+  EXPECT_EQ(recorder.counts().written, taken.size());
+  EXPECT_EQ(recorder.counts().written + recorder.counts().lost, 2000U);
+  EXPECT_FALSE(recorder.record(some_frame(0)));
+
+  const RecordingReader reader(folder.path() / "frames");
+  EXPECT_TRUE(reader.finished());
+  ASSERT_EQ(reader.count(), taken.size());
+  Frame frame;
+  for (std::uint64_t i = 0; i < reader.count(); ++i) {
+    ASSERT_TRUE(reader.read(i, frame));
+    EXPECT_TRUE(same_pixels(frame, some_frame(taken[i])));
+  }
+}
+
+TEST(Recorder, LosesNothingOfWhoWaitsForRoom) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder.path() / "frames", {.format = some_format}, 0);
+  for (int i = 0; i < 500; ++i) ASSERT_TRUE(recorder.record(some_frame(i), 10s));
+  recorder.finish();
+  EXPECT_EQ(recorder.counts().written, 500U);
+  EXPECT_EQ(recorder.counts().lost, 0U);
+}
+
+TEST(Recorder, FinishesWhenItGoes) {
+  const TemporaryFolder folder;
+  {
+    Recorder recorder(folder.path() / "frames", {.format = some_format});
+    recorder.record(some_frame(0));
+  }
+  const RecordingReader reader(folder.path() / "frames");
+  EXPECT_TRUE(reader.finished());
+  EXPECT_EQ(reader.count(), 1U);
+}
+
+TEST(Recorder, FullDiskEndsTheRecordingAndIsToldOnce) {
+  const TemporaryFolder folder;
+  Recorder recorder(folder.path() / "frames", {.format = some_format});
+  const SmallDisk disk(2000);
+  while (recorder.error().empty()) recorder.record(some_frame(0));
+  EXPECT_FALSE(recorder.record(some_frame(0)));
+  EXPECT_NE(recorder.error().find("it holds the 5 frames before"), std::string::npos)
+      << recorder.error();
+  EXPECT_THROW(recorder.finish(), WorldError);
+  EXPECT_EQ(recorder.counts().written, 5U);
+  EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
+}
+
+/// A recording of `count` frames as a source that never ends.
+std::unique_ptr<FrameSource> some_source(const fs::path& path, int count) {
+  RecordingWriter writer(path, {.format = some_format});
+  for (int i = 0; i < count; ++i) writer.append(some_frame(i));
+  writer.finish();
+  return std::make_unique<ReplaySource>(path, ReplaySettings{.rate = 0.0, .loop = true});
+}
+
+TEST(RecordedSource, RecordsWhatPassesBetweenBeginningAndEnd) {
+  const TemporaryFolder folder;
+  RecordedSource source(some_source(folder.path() / "played", 16), {});
+  source.start();
+  Frame frame(source.format());
+  const auto pass = [&](int count) {
+    for (int i = 0; i < count; ++i) ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
+  };
+  pass(3);
+  EXPECT_FALSE(source.recording());
+  source.record_to(folder.path() / "first");
+  pass(4);
+  EXPECT_EQ(source.recording()->path, folder.path() / "first");
+  source.record_to(folder.path() / "second");
+  pass(5);
+  source.finish_recording();
+  source.finish_recording();
+  pass(2);
+  const RecordingReader first(folder.path() / "first"), second(folder.path() / "second");
+  EXPECT_EQ(first.count(), 4U);
+  EXPECT_EQ(second.count(), 5U);
+  ASSERT_TRUE(second.read(0, frame));
+  EXPECT_EQ(frame.stamp.sequence, 7U);
+}
+
+TEST(RecordedSource, KeepsGivingFramesWhenTheDiskIsFull) {
+  const TemporaryFolder folder;
+  RecordedSource source(some_source(folder.path() / "played", 16), {});
+  source.start();
+  source.record_to(folder.path() / "frames");
+  const SmallDisk disk(2000);
+  Frame frame(source.format());
+  while (source.state().empty()) ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
+  EXPECT_NE(source.state().find("cannot write"), std::string::npos);
+  EXPECT_EQ(source.recording()->error, source.state());
+  for (int i = 0; i < 100; ++i) ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
+  EXPECT_THROW(source.finish_recording(), WorldError);
+  EXPECT_EQ(source.state(), "");
+  EXPECT_EQ(RecordingReader(folder.path() / "frames").count(), 5U);
+}
+
+TEST(RecordedSource, RecordingsComeAndGoWhileFramesPass) {
+  const TemporaryFolder folder;
+  RecordedSource source(some_source(folder.path() / "played", 16), {});
+  source.start();
+  std::jthread capture([&](const std::stop_token& stop) {
+    for (Frame frame(source.format()); !stop.stop_requested();) (void)source.next(frame, 10ms);
+  });
+  for (int i = 0; i < 20; ++i) {
+    const fs::path path = folder.path() / std::to_string(i);
+    source.record_to(path);
+    while (source.recording()->counts.written < 3) std::this_thread::yield();
+    source.finish_recording();
+    EXPECT_TRUE(RecordingReader(path).finished());
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

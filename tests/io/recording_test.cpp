@@ -1,0 +1,217 @@
+#include "slipstream/io/recording.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/recorded_frames.h"
+#include "tests/io/small_disk.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+void record(const fs::path& path, int frames, const FrameFormat& format = some_format) {
+  RecordingWriter writer(path, {.format = format});
+  for (int i = 0; i < frames; ++i) writer.append(some_frame(i, format));
+  writer.finish();
+}
+
+void expect_first_frames(const RecordingReader& reader) {
+  Frame frame;
+  for (std::uint64_t i = 0; i < reader.count(); ++i) {
+    ASSERT_TRUE(reader.read(i, frame)) << i;
+    const Frame expected = some_frame(static_cast<int>(i), reader.header().format);
+    EXPECT_TRUE(same_pixels(frame, expected)) << i;
+    EXPECT_EQ(frame.stamp.sequence, expected.stamp.sequence);
+    EXPECT_EQ(frame.stamp.pattern_index, expected.stamp.pattern_index);
+    EXPECT_EQ(frame.stamp.device_time, expected.stamp.device_time);
+    EXPECT_EQ(frame.stamp.host_time, expected.stamp.host_time);
+  }
+}
+
+TEST(Recording, GivesBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  for (const FrameFormat& format :
+       {some_format, FrameFormat{{64, 2}, 12}, FrameFormat{{1, 1}, 8}}) {
+    record(folder.path() / "frames", 7, format);
+    const RecordingReader reader(folder.path() / "frames");
+    EXPECT_EQ(reader.header().format, format);
+    EXPECT_EQ(reader.count(), 7U);
+    EXPECT_TRUE(reader.finished());
+    EXPECT_EQ(reader.dropped(), 0U);
+    expect_first_frames(reader);
+  }
+}
+
+TEST(Recording, KeepsScanAndScanner) {
+  const TemporaryFolder folder;
+  const fs::path scanner_file = folder.path() / "scanner.yaml";
+  const Scanner scanner = example_scanner();
+  write_scanner(scanner_file, scanner);
+  const std::vector<std::uint8_t> text = read_file(scanner_file);
+  RecordingHeader header{.format = some_format,
+                         .frame_rate = 119.5,
+                         .scan = ScanDescription{.strategy = PhaseMeasuring{.steps = 5},
+                                                 .axis = Axis::y,
+                                                 .light = {.alpha_p = 200, .beta_p = 20},
+                                                 .projector = {1280, 800},
+                                                 .frames = {"not kept"}},
+                         .scanner = {text.begin(), text.end()}};
+  RecordingWriter(folder.path() / "frames", header).finish();
+
+  const RecordingReader reader(folder.path() / "frames");
+  EXPECT_EQ(reader.count(), 0U);
+  EXPECT_EQ(reader.header().frame_rate, 119.5);
+  ASSERT_TRUE(reader.header().scan.has_value());
+  EXPECT_EQ(settings_of(reader.header().scan->strategy), settings_of(header.scan->strategy));
+  EXPECT_EQ(reader.header().scan->axis, Axis::y);
+  EXPECT_EQ(reader.header().scan->light.alpha_p, 200);
+  EXPECT_EQ(reader.header().scan->projector, (Size{1280, 800}));
+  EXPECT_TRUE(reader.header().scan->frames.empty());
+  EXPECT_EQ(scanner_from(reader.header().scanner, "recording").camera.intrinsic,
+            read_scanner(scanner_file).camera.intrinsic);
+}
+
+TEST(Recording, InterruptedOpensUpToItsLastWholeFrame) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 3);
+  const std::vector<std::uint8_t> whole = read_file(path);
+  constexpr std::size_t header = 64, record_size = 64 + 320;
+  for (std::size_t length = header; length < whole.size(); ++length) {
+    write_file(path, std::span(whole).first(length));
+    const RecordingReader reader(path);
+    const std::size_t rest = (length - header) % record_size;
+    EXPECT_EQ(reader.count(), (length - header) / record_size) << length;
+    EXPECT_EQ(reader.dropped(), rest > 0 ? 1U : 0U) << length;
+    EXPECT_FALSE(reader.finished()) << length;
+    if (rest == 0) expect_first_frames(reader);
+  }
+  for (std::size_t length = 0; length < header; ++length) {
+    write_file(path, std::span(whole).first(length));
+    expect_error([&] { RecordingReader reader(path); }, {path.string()});
+  }
+}
+
+TEST(Recording, AbandonedOneIsRead) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  {
+    RecordingWriter writer(path, {.format = some_format});
+    for (int i = 0; i < 5; ++i) writer.append(some_frame(i));
+  }
+  const RecordingReader reader(path);
+  EXPECT_EQ(reader.count(), 5U);
+  EXPECT_FALSE(reader.finished());
+  expect_first_frames(reader);
+}
+
+TEST(Recording, EachChangedByteOfAFrameIsFound) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 2);
+  const std::vector<std::uint8_t> whole = read_file(path);
+  Frame frame;
+  for (std::size_t at = 64; at < 64 + 64 + 320; ++at) {
+    std::vector<std::uint8_t> damaged = whole;
+    damaged[at] ^= 0x10;
+    write_file(path, damaged);
+    const RecordingReader reader(path);
+    EXPECT_EQ(reader.count(), 2U);
+    EXPECT_FALSE(reader.read(0, frame)) << at;
+    EXPECT_TRUE(reader.read(1, frame)) << at;
+  }
+}
+
+TEST(Recording, LastFramesThatNeverReachedTheDiskAreDropped) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 4);
+  std::vector<std::uint8_t> bytes = read_file(path);
+  constexpr std::size_t two_frames = 64 + 2 * (64 + 320);
+  std::fill(bytes.begin() + two_frames, bytes.end(), std::uint8_t{0});
+  write_file(path, bytes);
+  const RecordingReader reader(path);
+  EXPECT_EQ(reader.count(), 2U);
+  EXPECT_EQ(reader.dropped(), 3U);  // two frames and the end mark
+  expect_first_frames(reader);
+}
+
+TEST(Recording, ChangedHeaderIsRefused) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 1);
+  const std::vector<std::uint8_t> whole = read_file(path);
+  for (std::size_t at = 0; at < 64; ++at) {
+    std::vector<std::uint8_t> damaged = whole;
+    damaged[at] ^= 0x01;
+    write_file(path, damaged);
+    expect_error([&] { RecordingReader reader(path); }, {path.string()});
+  }
+}
+
+TEST(Recording, RefusesWhatIsNoRecording) {
+  const TemporaryFolder folder;
+  expect_error([&] { RecordingReader reader(folder.path() / "none"); }, {"none", "no such file"});
+  expect_error([&] { RecordingReader reader(folder.path()); }, {"recording is wanted"});
+  write_file(folder.path() / "text", std::string(100, 'x'));
+  expect_error([&] { RecordingReader reader(folder.path() / "text"); }, {"is no recording"});
+}
+
+TEST(Recording, RefusesAFrameOfAnotherFormat) {
+  const TemporaryFolder folder;
+  RecordingWriter writer(folder.path() / "frames", {.format = some_format});
+  expect_error([&] { writer.append(some_frame(0, {{22, 13}, 8})); }, {"22x13", "21x13"});
+  expect_error([&] { writer.append(some_frame(0, {{21, 13}, 10})); }, {"10 bits"});
+}
+
+TEST(Recording, BadHeaderLeavesNoFile) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  expect_error([&] { RecordingWriter(path, {.format = {{0, 3}, 8}}); }, {"0x3"});
+  expect_error([&] { RecordingWriter(path, {.format = some_format, .frame_rate = -1}); }, {"-1"});
+  EXPECT_FALSE(fs::exists(path));
+  EXPECT_THROW(RecordingWriter(folder.path() / "no" / "frames", {.format = some_format}),
+               WorldError);
+}
+
+TEST(Recording, FullDiskEndsItWithTheFrameBefore) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  {
+    RecordingWriter writer(path, {.format = some_format});
+    const SmallDisk disk(2000);
+    int written = 0;
+    try {
+      for (; written < 100; ++written) writer.append(some_frame(written));
+      ADD_FAILURE() << "the disk was not full";
+    } catch (const WorldError& error) {
+      EXPECT_NE(std::string(error.what()).find("holds the 5 frames before"), std::string::npos)
+          << error.what();
+    }
+    EXPECT_EQ(written, 5);
+    EXPECT_EQ(writer.count(), 5U);
+  }
+  const RecordingReader reader(path);
+  EXPECT_EQ(reader.count(), 5U);
+  EXPECT_EQ(reader.dropped(), 0U);
+  expect_first_frames(reader);
+}
+
+TEST(Recording, NoRoomForTheHeaderLeavesNoFile) {
+  const TemporaryFolder folder;
+  const SmallDisk disk(10);
+  EXPECT_THROW(RecordingWriter(folder.path() / "frames", {.format = some_format}), WorldError);
+  EXPECT_EQ(entries_in(folder.path()), 0);
+}
+
+}  // namespace
+}  // namespace slipstream

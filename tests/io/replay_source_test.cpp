@@ -1,0 +1,224 @@
+#include "slipstream/io/replay_source.h"
+
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/recorded_frames.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+/// Frames of the numbers given, in a recording of PMP with N = 4.
+void record(const fs::path& path, const std::vector<int>& numbers) {
+  RecordingWriter writer(path, {.format = some_format,
+                                .scan = ScanDescription{.strategy = PhaseMeasuring{.steps = 4}}});
+  for (const int number : numbers) writer.append(some_frame(number));
+  writer.finish();
+}
+
+TEST(ReplaySource, GivesTheFramesInOrderAndEnds) {
+  const TemporaryFolder folder;
+  record(folder.path() / "frames", {0, 1, 2, 3, 4});
+  ReplaySource source(folder.path() / "frames", {.rate = 0.0});
+  EXPECT_EQ(source.format(), some_format);
+  EXPECT_FALSE(source.has_own_pace());
+  EXPECT_EQ(source.warning(), "");
+  for (int start = 0; start < 2; ++start) {
+    source.start();
+    Frame frame(source.format());
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
+      EXPECT_TRUE(same_pixels(frame, some_frame(i)));
+      EXPECT_EQ(frame.stamp.sequence, static_cast<std::uint64_t>(i));
+      EXPECT_EQ(frame.stamp.pattern_index, i % 4);
+      EXPECT_LE(frame.stamp.host_time, std::chrono::steady_clock::now());
+    }
+    EXPECT_EQ(source.next(frame, 0ms), Arrival::ended);
+    source.stop();
+  }
+  EXPECT_EQ(source.counters().delivered, 10U);
+}
+
+TEST(ReplaySource, KeepsGapsAndTheCountOfPatternsWhenItBeginsAgain) {
+  const TemporaryFolder folder;
+  record(folder.path() / "frames", {6, 7, 9, 10, 11});
+  ReplaySource source(folder.path() / "frames", {.rate = 0.0, .loop = true});
+  source.start();
+  Frame frame(source.format());
+  std::vector<std::uint64_t> sequences;
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
+    sequences.push_back(frame.stamp.sequence);
+    EXPECT_EQ(frame.stamp.sequence % 4, static_cast<std::uint64_t>(*frame.stamp.pattern_index));
+  }
+  EXPECT_EQ(sequences, (std::vector<std::uint64_t>{2, 3, 5, 6, 7, 10, 11, 13, 14, 15, 18, 19}));
+}
+
+TEST(ReplaySource, KeepsTheTimesOfTheRecording) {
+  const TemporaryFolder folder;
+  record(folder.path() / "frames", {0, 40, 80});  // their numbers are milliseconds
+  ReplaySource source(folder.path() / "frames", {.loop = true});
+  EXPECT_TRUE(source.has_own_pace());
+  source.start();
+  const auto start = std::chrono::steady_clock::now();
+  Frame frame(source.format());
+  EXPECT_EQ(source.next(frame, 1ms), Arrival::frame);
+  EXPECT_EQ(source.next(frame, 1ms), Arrival::nothing);
+  for (int i = 1; i < 4; ++i) {
+    while (source.next(frame, 1ms) == Arrival::nothing) {
+    }
+    EXPECT_GE(std::chrono::steady_clock::now() - start, i * 40ms);
+  }
+  EXPECT_EQ(frame.stamp.device_time, 1120ms);
+}
+
+TEST(ReplaySource, ComesAtTheRateAskedFor) {
+  const TemporaryFolder folder;
+  record(folder.path() / "frames", {0, 1, 2, 3, 4});
+  ReplaySource source(folder.path() / "frames", {.rate = 100});
+  EXPECT_TRUE(source.has_own_pace());
+  source.start();
+  const auto start = std::chrono::steady_clock::now();
+  Frame frame(source.format());
+  for (int i = 0; i < 5; ++i) ASSERT_EQ(source.next(frame, 1000ms), Arrival::frame);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, 40ms);
+}
+
+TEST(ReplaySource, TellsOfDamagedFrames) {
+  const TemporaryFolder folder;
+  record(folder.path() / "frames", {0, 1, 2, 3});
+  std::vector<std::uint8_t> bytes = read_file(folder.path() / "frames");
+  const std::size_t header = RecordingReader(folder.path() / "frames").header().scan ? 256 : 64;
+  bytes[header + 384 + 100] ^= 1;
+  write_file(folder.path() / "frames", bytes);
+  ReplaySource source(folder.path() / "frames", {});
+  source.start();
+  Frame frame(source.format());
+  int whole = 0;
+  Arrival arrival = Arrival::nothing;
+  while ((arrival = source.next(frame, 100ms)) != Arrival::ended) {
+    if (arrival == Arrival::frame) ++whole;
+  }
+  EXPECT_EQ(whole, 3);
+  EXPECT_EQ(source.counters().lost, 1U);
+}
+
+TEST(ReplaySource, SaysThatARecordingWasInterrupted) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, {0, 1, 2});
+  fs::resize_file(path, fs::file_size(path) - 100);
+  const ReplaySource source(path, {});
+  EXPECT_NE(source.warning().find("2 whole frames are in it, 1 were dropped"), std::string::npos)
+      << source.warning();
+}
+
+TEST(ReplaySource, RefusesWhatCannotBeReplayed) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  expect_error([&] { ReplaySource(path, {}); }, {"no such file"});
+  record(path, {});
+  expect_error([&] { ReplaySource(path, {}); }, {"no whole frame"});
+  expect_error([&] { ReplaySource(path, {.rate = -3}); }, {"-3"});
+  expect_error([&] { ReplaySource(folder.path(), {}); }, {"scan.yaml"});
+}
+
+/// A scan of the statue with its pictures and scanner file.
+FrameSet write_scan(const fs::path& folder, const Scanner& scanner, const Strategy& strategy,
+                    int bits) {
+  FrameSet frames = take_scan(scanner, scene_named("statue", scanner),
+                              pattern_set(strategy, Axis::x), {.bits = bits})
+                        .frames;
+  ScanDescription scan{.strategy = strategy, .bits = bits, .scanner = folder / "scanner.yaml"};
+  for (int i = 0; i < frames.count(); ++i) {
+    scan.frames.push_back(folder / ("frame" + std::to_string(i) + ".png"));
+  }
+  write_frames(scan.frames, frames);
+  write_scanner(*scan.scanner, scanner);
+  write_scan_description(folder / "scan.yaml", scan);
+  return frames;
+}
+
+template <class Pixel>
+FusedCloud cloud_of(const FusedReconstructor& reconstruct, const std::vector<Frame>& frames) {
+  Frames<Pixel> views;
+  for (const Frame& frame : frames) views.push_back(std::get<Image<Pixel>>(frame.pixels));
+  FusedCloud cloud;
+  if constexpr (sizeof(Pixel) == 1) {
+    reconstruct(views, cloud);
+  } else {
+    reconstruct(views, (1 << frames[0].bits) - 1, cloud);
+  }
+  return cloud;
+}
+
+bool same_bits(const Image<float>& a, const Image<float>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.begin(), b.begin(), a.pixel_count() * sizeof(float)) == 0;
+}
+
+TEST(ReplaySource, GivesBitIdenticalCloudsFromAScanFolderAndFromItsRecording) {
+  const TemporaryFolder folder;
+  const Scanner scanner = example_scanner({96, 72});
+  const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
+  for (const int bits : {8, 12}) {
+    const FrameSet frames = write_scan(folder.path(), scanner, strategy, bits);
+    const auto reconstruct = FusedReconstructor::make(scanner, strategy, Axis::x, {});
+    ASSERT_TRUE(reconstruct);
+    FusedCloud offline;
+    (*reconstruct)(frames, offline);
+
+    const fs::path recording = folder.path() / "recording";
+    for (const fs::path& path : {folder.path(), recording}) {
+      ReplaySource source(path, {});
+      EXPECT_EQ(source.format(), (FrameFormat{{96, 72}, bits}));
+      EXPECT_NO_THROW((void)scanner_from(source.header().scanner, "its scanner"));
+      RecordingWriter writer(folder.path() / "copy", source.header());
+      source.start();
+      std::vector<Frame> replayed;
+      for (Frame frame(source.format()); source.next(frame, 1000ms) == Arrival::frame;) {
+        EXPECT_EQ(frame.stamp.pattern_index, static_cast<int>(replayed.size()));
+        writer.append(frame);
+        replayed.push_back(frame);
+      }
+      writer.finish();
+      fs::rename(folder.path() / "copy", recording);
+      ASSERT_EQ(replayed.size(), 6U);
+      const FusedCloud cloud = bits == 8 ? cloud_of<std::uint8_t>(*reconstruct, replayed)
+                                         : cloud_of<std::uint16_t>(*reconstruct, replayed);
+      EXPECT_TRUE(same_bits(cloud.x, offline.x) && same_bits(cloud.y, offline.y) &&
+                  same_bits(cloud.z, offline.z) && same_bits(cloud.intensity, offline.intensity))
+          << path << ", " << bits << " bits";
+    }
+  }
+}
+
+TEST(ReplaySource, RepeatsAScanFolder) {
+  const TemporaryFolder folder;
+  const Strategy strategy = PhaseMeasuring{.steps = 3};
+  write_scan(folder.path(), example_scanner({16, 12}), strategy, 8);
+  ReplaySource source(folder.path(), {.rate = 1000, .loop = true});
+  source.start();
+  Frame frame(source.format());
+  for (int i = 0; i < 8; ++i) {
+    ASSERT_EQ(source.next(frame, 1000ms), Arrival::frame);
+    EXPECT_EQ(frame.stamp.sequence, static_cast<std::uint64_t>(i));
+    EXPECT_EQ(frame.stamp.pattern_index, i % 3);
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

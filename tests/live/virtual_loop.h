@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "slipstream/capture/pool.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/strategy/strategy.h"
+
+namespace slipstream {
+
+/// How a loop of the virtual camera's frames is made.
+struct VirtualLoop {
+  Size size{64, 48};
+  std::string_view scene = "statue";
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();  ///< mm from frame to frame
+  int cycles = 3;
+  Photometry photometry{.ambient = 5, .noise_variance = 1.5};
+};
+
+inline std::vector<Frame> frames_of(const PatternSet& patterns, const VirtualLoop& loop = {}) {
+  const Scanner scanner = example_scanner(loop.size);
+  Scene scene = scene_named(loop.scene, scanner);
+  for (Body& body : scene) body.motion = loop.motion;
+  return virtual_frames(scanner, scene, patterns, loop.photometry, loop.cycles);
+}
+
+inline std::vector<Frame> frames_of(const Strategy& strategy, const VirtualLoop& loop = {}) {
+  return frames_of(pattern_set(strategy, Axis::x), loop);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,135 @@
+#include "slipstream/simulate/virtual_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/strategy.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+
+const PatternSet patterns = pattern_set(PhaseMeasuring{.steps = 4, .frequency = 1}, Axis::x);
+
+std::vector<Frame> frames_of(Size size, int cycles, const Eigen::Vector3d& motion,
+                             const Photometry& photometry = {}) {
+  const Scanner scanner = example_scanner(size);
+  Scene scene = scene_named("sphere", scanner);
+  for (Body& body : scene) body.motion = motion;
+  return virtual_frames(scanner, scene, patterns, photometry, cycles);
+}
+
+const Image<std::uint8_t>& pixels(const Frame& frame) {
+  return std::get<Image<std::uint8_t>>(frame.pixels);
+}
+
+bool same_pixels(const Frame& a, const Frame& b) {
+  return std::equal(pixels(a).begin(), pixels(a).end(), pixels(b).begin(), pixels(b).end());
+}
+
+TEST(VirtualFrames, at_rest_are_those_of_a_scan) {
+  const Scanner scanner = example_scanner({64, 48});
+  const Photometry photometry{.ambient = 4};
+  const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner), patterns, photometry);
+  const auto frames = frames_of({64, 48}, 2, Eigen::Vector3d::Zero(), photometry);
+  ASSERT_EQ(frames.size(), 8U);
+  for (int n = 0; n < 8; ++n) {
+    const Frame& frame = frames[static_cast<std::size_t>(n)];
+    EXPECT_EQ(frame.stamp.sequence, static_cast<std::uint64_t>(n));
+    EXPECT_EQ(frame.stamp.pattern_index, n % 4);
+    scan.frames.visit(n % 4, 1, [&]<class Pixel>(const Frames<Pixel>& views) {
+      EXPECT_TRUE(std::equal(pixels(frame).begin(), pixels(frame).end(), views[0].row(0)));
+    });
+  }
+}
+
+TEST(VirtualFrames, of_a_moving_scene_go_to_and_fro) {
+  const auto frames = frames_of({64, 48}, 6, {1, 0, 0});
+  // The column of the light's centre of gravity over four frames: one of each pattern.
+  const auto place = [&](std::size_t first) {
+    double sum = 0, moment = 0;
+    for (std::size_t n = first; n < first + 4; ++n) {
+      for (int row = 0; row < 48; ++row) {
+        for (int column = 0; column < 64; ++column) {
+          const double I = pixels(frames[n])(column, row);
+          sum += I;
+          moment += I * column;
+        }
+      }
+    }
+    return moment / sum;
+  };
+  EXPECT_GT(place(4), place(0) + 0.1);
+  EXPECT_GT(place(8), place(4) + 0.1);
+  EXPECT_LT(place(20), place(12) - 0.1);
+  EXPECT_LT(std::abs(place(20) - place(0)), 2);
+}
+
+TEST(VirtualFrames, have_noise_of_their_own) {
+  const auto frames = frames_of({32, 24}, 2, Eigen::Vector3d::Zero(), {.noise_variance = 4});
+  EXPECT_FALSE(same_pixels(frames[0], frames[4]));
+}
+
+TEST(VirtualCamera, gives_its_frames_over_and_over) {
+  const auto frames = frames_of({32, 24}, 2, {0, 0, 1});
+  VirtualCamera camera(frames);
+  EXPECT_FALSE(camera.has_own_pace());
+  camera.start();
+  Frame frame(camera.format());
+  const std::uint8_t* memory = pixels(frame).begin();
+  for (std::uint64_t n = 0; n < 20; ++n) {
+    ASSERT_EQ(camera.next(frame, 0ms), Arrival::frame);
+    EXPECT_EQ(frame.stamp.sequence, n);
+    EXPECT_EQ(frame.stamp.pattern_index, static_cast<int>(n % 4));
+    EXPECT_TRUE(same_pixels(frame, frames[n % 8]));
+  }
+  EXPECT_EQ(pixels(frame).begin(), memory);
+  EXPECT_EQ(camera.counters().delivered, 20U);
+  EXPECT_EQ(camera.counters().lost, 0U);
+}
+
+TEST(VirtualCamera, with_a_rate_gives_each_frame_when_it_is_due) {
+  const auto frames = frames_of({32, 24}, 1, Eigen::Vector3d::Zero());
+  VirtualCamera camera(frames, 200), slow(frames, 0.01);
+  EXPECT_TRUE(camera.has_own_pace());
+  Frame frame(camera.format());
+  slow.start();
+  EXPECT_EQ(slow.next(frame, 1ms), Arrival::nothing);
+  const auto start = std::chrono::steady_clock::now();
+  camera.start();
+  for (int n = 0; n < 4; ++n) {
+    while (camera.next(frame, 100ms) != Arrival::frame) {
+    }
+    EXPECT_GE(std::chrono::steady_clock::now(), frame.stamp.host_time);
+    EXPECT_GE(std::chrono::steady_clock::now() - start, (n + 1) * 5ms - 1ms);
+  }
+}
+
+TEST(VirtualCamera, loses_the_oldest_frames_that_nobody_fetches) {
+  VirtualCamera camera(frames_of({32, 24}, 1, Eigen::Vector3d::Zero()), 1000);
+  camera.start();
+  Frame frame(camera.format());
+  std::this_thread::sleep_for(60ms);
+  ASSERT_EQ(camera.next(frame, 100ms), Arrival::frame);
+  EXPECT_GE(frame.stamp.sequence, 50U);
+  EXPECT_EQ(camera.counters().lost, frame.stamp.sequence);
+  EXPECT_EQ(frame.stamp.pattern_index, static_cast<int>(frame.stamp.sequence % 4));
+}
+
+TEST(VirtualCamera, refuses_what_is_no_camera) {
+  const auto frames = frames_of({32, 24}, 1, Eigen::Vector3d::Zero());
+  EXPECT_THROW(VirtualCamera({}), Error);
+  EXPECT_THROW(VirtualCamera(frames, 0), Error);
+  EXPECT_THROW(VirtualCamera(frames, std::nan("")), Error);
+  EXPECT_THROW(VirtualCamera({Frame({{4, 4}, 8}), Frame({{4, 4}, 12})}), Error);
+  EXPECT_THROW(frames_of({32, 24}, 0, Eigen::Vector3d::Zero()), Error);
+  EXPECT_THROW(frames_of({32, 24}, 1, Eigen::Vector3d::Zero(), {.bits = std::nullopt}), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,173 @@
+// What is drawn off-screen, looked at pixel by pixel. Skipped where there is no OpenGL.
+#include "slipstream/view/scene_renderer.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/opengl/off_screen.h"
+#include "tests/view/made_up_cloud.h"
+
+namespace slipstream::view {
+namespace {
+
+constexpr Size picture{320, 240};
+
+/// Nothing but points, seen as the scanner's camera sees them, 600 mm away.
+ViewSettings bare() {
+  return {.point_size = 1,
+          .shaded = false,
+          .reflection = false,
+          .axes = false,
+          .grid = false,
+          .camera = {.target = in_display_frame({0, 0, 600}), .distance = 600}};
+}
+
+class SceneRendererTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      context_ = std::make_unique<opengl::OffScreenContext>();
+    } catch (const WorldError& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+
+  static Image<Colour> drawn(const MadeUpCloud& cloud, const ViewSettings& settings,
+                             const CloudExtent& extent, Size size = picture) {
+    SceneRenderer scene;
+    scene.set_extent(extent);
+    scene.set_cloud(cloud.images(), nullptr, settings.colour);
+    const opengl::RenderTarget target(size);
+    target.bind();
+    scene.draw(settings, {}, {.size = size});
+    return opengl::read_pixels(size);
+  }
+
+  static Colour background(const ViewSettings& settings) {
+    return drawn(MadeUpCloud({4, 4}), settings, {})(0, 0);
+  }
+
+ private:
+  std::unique_ptr<opengl::OffScreenContext> context_;
+};
+
+int brightness(const Colour& colour) {
+  return colour.red + colour.green + colour.blue;
+}
+
+TEST_F(SceneRendererTest, DrawsAPointAtThePixelWhereItIs) {
+  MadeUpCloud cloud({2, 2});
+  cloud.put(0, 0, 40, -30, 600, 200);
+  const ViewSettings settings = bare();
+  const Image<Colour> image = drawn(cloud, settings, {.box = {{-50, -50, 550}, {50, 50, 650}}});
+  const auto pixel =
+      pixel_of(clip_matrix(settings.camera, picture) * glm::vec4(40, -30, 600, 1), picture);
+  const int column = static_cast<int>(std::lround(pixel->x));
+  const int row = static_cast<int>(std::lround(pixel->y));
+  EXPECT_LT(row, 120) << "Y is down in the scanner's frame";
+  int lit = 0;
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      if (brightness(image(x, y)) < 300) continue;
+      ++lit;
+      EXPECT_LE(std::abs(x - column), 1);
+      EXPECT_LE(std::abs(y - row), 1);
+    }
+  }
+  EXPECT_GE(lit, 1);
+}
+
+TEST_F(SceneRendererTest, DrawsNothingForPixelsWithoutAPoint) {
+  const ViewSettings settings = bare();
+  const Colour nothing = background(settings);
+  for (const bool organised : {true, false}) {
+    MadeUpCloud cloud(organised ? Size{20, 20} : Size{400, 1});
+    std::fill(cloud.intensity.begin(), cloud.intensity.end(), 255.0F);
+    const Image<Colour> image = drawn(cloud, settings, {});
+    EXPECT_TRUE(std::all_of(image.begin(), image.end(), [&](Colour c) { return c == nothing; }));
+  }
+}
+
+TEST_F(SceneRendererTest, ShowsBrightSurfacesBrightAndOnTheirSide) {
+  const MadeUpCloud cloud = wall({160, 120}, 600);
+  for (const Size size : {picture, Size{400, 700}, Size{801, 333}}) {
+    ViewSettings settings = bare();
+    const CloudExtent extent = extent_of(cloud.images());
+    settings.camera = fitted(settings.camera, extent.box, size);
+    settings.point_size = 2;
+    const Image<Colour> image = drawn(cloud, settings, extent, size);
+    ASSERT_EQ(image.size(), size);
+    const int middle = size.height / 2, quarter = size.height / 8;
+    EXPECT_GT(brightness(image(size.width / 2 - quarter, middle)), 600);
+    EXPECT_LT(brightness(image(size.width / 2 + quarter, middle)), 420);
+    EXPECT_GT(brightness(image(size.width / 2 + quarter, middle)), 150);
+  }
+}
+
+TEST_F(SceneRendererTest, ColoursDepthFromRedToBlue) {
+  MadeUpCloud cloud = wall({160, 120}, 600);
+  for (int row = 0; row < 120; ++row) {
+    for (int column = 80; column < 160; ++column) cloud.z(column, row) = 700;
+  }
+  ViewSettings settings = bare();
+  settings.colour = PointColour::depth;
+  settings.point_size = 2;
+  const Image<Colour> image = drawn(cloud, settings, extent_of(cloud.images()));
+  const Colour near_colour = image(120, 120), far_colour = image(200, 120);
+  EXPECT_GT(near_colour.red, near_colour.blue + 50);
+  EXPECT_GT(far_colour.blue, far_colour.red + 50);
+}
+
+TEST_F(SceneRendererTest, ReflectsTheCloudInTheFloorDimmed) {
+  // A small bright plate well above the floor.
+  MadeUpCloud cloud = wall({60, 60}, 600);
+  for (float& x : cloud.x) x *= 0.2F;
+  for (float& y : cloud.y) y *= 0.2F;
+  std::fill(cloud.intensity.begin(), cloud.intensity.end(), 200.0F);
+  CloudExtent extent = extent_of(cloud.images());
+  ViewSettings settings = bare();
+  settings.camera.elevation = 0.1F;
+  settings.point_size = 3;
+  const Image<Colour> without = drawn(cloud, settings, extent);
+  settings.reflection = true;
+  const Image<Colour> with = drawn(cloud, settings, extent);
+  const float floor = floor_height(extent);
+  const auto mirrored =
+      pixel_of(clip_matrix(settings.camera, picture) * glm::vec4(0, 2 * floor, 600, 1), picture);
+  const int column = static_cast<int>(mirrored->x), row = static_cast<int>(mirrored->y);
+  EXPECT_GT(row, 130) << "the image lies under the thing";
+  EXPECT_EQ(without(column, row), background(settings));
+  EXPECT_GT(brightness(with(column, row)), brightness(without(column, row)) + 60);
+  EXPECT_LT(brightness(with(column, row)), brightness(with(160, 120)) / 2);
+  EXPECT_EQ(with(160, 120), without(160, 120));
+}
+
+TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
+  ViewSettings settings = bare();
+  settings.shaded = true;
+  settings.point_size = 2;
+  const auto brightness_of_slope = [&](float slope) {
+    MadeUpCloud cloud = wall({160, 120}, 600);
+    std::fill(cloud.intensity.begin(), cloud.intensity.end(), 200.0F);
+    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+      cloud.z.begin()[i] += slope * cloud.x.begin()[i];
+    }
+    return brightness(drawn(cloud, settings, extent_of(cloud.images()))(160, 120));
+  };
+  // Light comes over the viewer's left shoulder: a wall whose left end is nearer is turned away.
+  EXPECT_LT(brightness_of_slope(0.5F), brightness_of_slope(0) - 60);
+  EXPECT_GT(brightness_of_slope(-0.4F), brightness_of_slope(0) + 20);
+}
+
+TEST_F(SceneRendererTest, RefusesAPictureThatCannotBe) {
+  EXPECT_THROW(opengl::RenderTarget({0, 100}), Error);
+  EXPECT_THROW(opengl::RenderTarget({1 << 20, 10}), Error);
+}
+
+}  // namespace
+}  // namespace slipstream::view

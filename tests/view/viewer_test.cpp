@@ -1,0 +1,183 @@
+// The viewer on made-up clouds, off-screen and in a window. Skipped where there is no OpenGL or no
+// desktop and no Xvfb to open one.
+#include "slipstream/view/viewer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <optional>
+
+#include <GLFW/glfw3.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/opengl/off_screen.h"
+#include "slipstream/view/live_screen.h"
+#include "tests/opengl/desktop.h"
+#include "tests/view/made_up_cloud.h"
+
+namespace slipstream::view {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// A plate that comes nearer and nearer, a new cloud whenever it is asked for.
+class MovingPlate {
+ public:
+  MovingPlate() : clouds_(4, [] { return LiveCloud{}; }) {}
+
+  Pooled<LiveCloud> newest() {
+    Pooled<LiveCloud> cloud = clouds_.take();
+    if (!cloud) return {};
+    const MadeUpCloud plate = wall({64, 48}, 600 - static_cast<float>(given_++ % 100));
+    LiveCloud& filled = cloud.fill();
+    filled.cloud.x = plate.x;
+    filled.cloud.y = plate.y;
+    filled.cloud.z = plate.z;
+    filled.cloud.intensity = plate.intensity;
+    filled.cloud.validity = Image<Validity>(plate.x.size(), Validity::valid);
+    filled.finished = std::chrono::steady_clock::now();
+    return cloud;
+  }
+  [[nodiscard]] int given() const { return given_; }
+
+ private:
+  Pool<LiveCloud> clouds_;
+  int given_ = 0;
+};
+
+ViewSource source_of(MovingPlate& plate, int& shown) {
+  ViewSource source;
+  source.newest = [&plate] { return plate.newest(); };
+  source.shown = [&shown](const LiveCloud&) { ++shown; };
+  source.statistics = [] {
+    LiveStatistics statistics;
+    statistics.frames.captured = 123;
+    statistics.stages.push_back({.name = "capture", .done = 123, .rate = 120, .latency = {}});
+    return statistics;
+  };
+  return source;
+}
+
+int bright_pixels(const Image<Colour>& picture) {
+  return static_cast<int>(std::count_if(picture.begin(), picture.end(), [](const Colour& c) {
+    return c.red > 150 && c.red == c.green && c.green == c.blue;
+  }));
+}
+
+TEST(RenderScreen, HasTheCloudWithAndWithoutPanel) {
+  MovingPlate plate;
+  int shown = 0;
+  const ViewSource source = source_of(plate, shown);
+  Image<Colour> bare, whole;
+  try {
+    bare = render_screen(source, {}, {480, 360}, Surround::nothing);
+    whole = render_screen(source, {}, {480, 360}, Surround::panel);
+  } catch (const WorldError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  EXPECT_GT(bright_pixels(bare), 480 * 360 / 20);
+  EXPECT_GT(bright_pixels(whole), 500) << "a smaller cloud beside the panel";
+  EXPECT_NE(bare(20, 20), whole(20, 20)) << "the panel lies at the left";
+  EXPECT_EQ(shown, 0) << "nothing was on a screen";
+}
+
+class LiveScreenTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      context_.emplace();
+    } catch (const WorldError& error) {
+      GTEST_SKIP() << error.what();
+    }
+    source_ = source_of(plate_, shown_);
+  }
+  Image<Colour> drawn(LiveScreen& live, const Screen& screen) {
+    const opengl::RenderTarget target(screen.framebuffer);
+    target.bind();
+    for (int pass = 0; pass < 3; ++pass) live.draw(screen);
+    return opengl::read_pixels(screen.framebuffer);
+  }
+  static Screen screen(Size size) { return {.window = size, .framebuffer = size}; }
+
+  std::optional<opengl::OffScreenContext> context_;
+  MovingPlate plate_;
+  int shown_ = 0;
+  ViewSource source_;
+};
+
+TEST_F(LiveScreenTest, IsDrawnInWindowsOfAnySize) {
+  LiveScreen live(source_, {}, nullptr);
+  EXPECT_TRUE(live.take_newest());
+  for (const Size size : {Size{640, 480}, Size{1280, 800}, Size{200, 900}, Size{1, 1}}) {
+    EXPECT_EQ(drawn(live, screen(size)).size(), size);
+  }
+  live.state().shown = false;
+  EXPECT_GT(bright_pixels(drawn(live, screen({640, 480}))), 2000);
+}
+
+TEST_F(LiveScreenTest, IsAsLargeOnHiDpi) {
+  LiveScreen live(source_, {}, nullptr);
+  live.take_newest();
+  // Where windows are told to be larger themselves, and where the desktop does it behind them.
+  const Screen by_window{.window = {1280, 960}, .framebuffer = {1280, 960}, .content_scale = 2};
+  const Screen by_desktop{.window = {640, 480}, .framebuffer = {1280, 960}, .content_scale = 2};
+  EXPECT_FLOAT_EQ(by_window.unit(), 2);
+  EXPECT_FLOAT_EQ(by_desktop.unit(), 1);
+  EXPECT_FLOAT_EQ(by_desktop.pixel_ratio(), 2);
+  const Image<Colour> first = drawn(live, by_window), second = drawn(live, by_desktop);
+  ASSERT_EQ(first.size(), second.size());
+  int different = 0;
+  for (std::size_t i = 0; i < first.pixel_count(); ++i) {
+    different += std::abs(first.begin()[i].green - second.begin()[i].green) > 40 ? 1 : 0;
+  }
+  EXPECT_LT(different, 1280 * 960 / 50);
+}
+
+TEST_F(LiveScreenTest, TellsOnceThatACloudIsShown) {
+  LiveScreen live(source_, {}, nullptr);
+  live.take_newest();
+  live.tell_shown();
+  live.tell_shown();
+  EXPECT_EQ(shown_, 1);
+}
+
+TEST_F(LiveScreenTest, TakesNoCloudWhilePaused) {
+  LiveScreen live(source_, {}, nullptr);
+  live.take_newest();
+  const int given = plate_.given();
+  live.state().paused = true;
+  EXPECT_FALSE(live.take_newest());
+  EXPECT_EQ(plate_.given(), given);
+  live.state().paused = false;
+  EXPECT_TRUE(live.take_newest());
+}
+
+TEST(Viewer, ShowsMovingCloudsIsResizedAndClosesWhileTheyStream) {
+  const Desktop desktop;
+  MovingPlate plate;
+  int shown = 0, asked = 0;
+  const ViewSource source = source_of(plate, shown);
+  ViewerSettings settings;
+  settings.size = {640, 480};
+  settings.keep_last = true;
+  settings.ends = [&] {
+    GLFWwindow* const window = glfwGetCurrentContext();
+    if (++asked == 5) glfwSetWindowSize(window, 800, 500);
+    return shown >= 12 || asked > 5000;
+  };
+  std::optional<Image<Colour>> last;
+  try {
+    last = run_viewer(source, settings);
+  } catch (const WorldError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  EXPECT_GE(shown, 12);
+  EXPECT_GE(plate.given(), shown);
+  ASSERT_TRUE(last.has_value());
+  EXPECT_EQ(last->size(), (Size{800, 500}));
+  EXPECT_GT(bright_pixels(*last), 2000);
+}
+
+}  // namespace
+}  // namespace slipstream::view

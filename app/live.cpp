@@ -3,14 +3,16 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/commands.h"
 #include "app/frame_sources.h"
-#include "app/gamma_choice.h"
 #include "app/live_session.h"
+#include "app/scan_input.h"
 #include "app/stop_signal.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
@@ -34,42 +36,30 @@ struct LiveFlags {
   ReconstructSettings settings;
   std::string output;
   std::string record;
+#ifdef SLIPSTREAM_VIEW
+  ViewFlags view;
+#endif
 };
 
-/// The scanner, its sizes completed by what else is known.
-Scanner scanner_of(const OpenedSource& opened) {
-  Scanner scanner = scanner_from(opened.scanner, opened.scanner_name);
-  const auto complete = [](Size& known, Size said) {
-    if (known == Size{}) known = said;
-  };
-  complete(scanner.camera.size, opened.frames->format().size);
-  complete(scanner.projector.size, opened.scan.projector);
-  if (scanner.projector.size == Size{}) {
-    throw Error(
-        fmt::format("{}: says no projector size; give it with --projector", opened.scanner_name));
-  }
-  return scanner;
-}
-
 LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, Output& output) {
-  LiveScan scan{.scanner = scanner_of(opened),
-                .strategy = opened.scan.strategy,
-                .axis = opened.scan.axis,
-                .settings = flags.settings};
-  const PhotometricCalibration known =
-      photometric_calibration_from(opened.scanner, opened.scanner_name);
-  ReconstructSettings& settings = scan.settings;
+  const std::string& file = opened.scanner_name;
+  if (opened.scanner.empty()) {
+    throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
+                            flags.source.source));
+  }
+  const PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
+  require_known_light(opened.scan.strategy, known, file);
+  const GammaChoice gamma = choose_gamma(flags.gamma, response_from(opened.scanner, file),
+                                         step_counts(opened.scan.strategy));
+  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
+  ReconstructSettings settings = flags.settings;
   settings.backend = Backend::fused;
   settings.drop_saturated = !flags.keep_saturated;
-  settings.cue.light = opened.scan.light;
-  settings.cue.ambient = known.ambient.value_or(settings.cue.ambient);
-  settings.cue.noise_variance = known.noise_variance.value_or(settings.cue.noise_variance);
-  const GammaChoice gamma =
-      choose_gamma(flags.gamma, response_from(opened.scanner, opened.scanner_name),
-                   step_counts(opened.scan.strategy));
-  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
-  settings.phase_corrections = gamma.corrections;
-  return scan;
+  return {.scanner = completed(scanner_from(opened.scanner, file), file,
+                               opened.frames->format().size, opened.scan.projector),
+          .strategy = opened.scan.strategy,
+          .axis = opened.scan.axis,
+          .settings = settings_for(settings, opened.scan, gamma, known)};
 }
 
 nlohmann::json json_of(const Latency& latency) {
@@ -145,20 +135,49 @@ void require_good(const LiveFlags& flags) {
   }
   if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
   if (!flags.output.empty()) require_cloud_ending(flags.output);
-#ifndef SLIPSTREAM_VIEW
+#ifdef SLIPSTREAM_VIEW
+  require_good(flags.view);
+#else
   if (!flags.headless) throw Error("this build has no viewer; add --headless");
 #endif
 }
 
-/// Runs the session to its end; what a stage threw comes out here.
-void run_session(LiveSession& session, [[maybe_unused]] bool headless, Output& output) {
+/// Runs the session to its end.
+void run_session(LiveSession& session, const LiveFlags& flags, Output& output) {
 #ifdef SLIPSTREAM_VIEW
-  if (!headless) {
-    show_in_window(session, output);
-    return;
+  if (!flags.headless) return show_in_window(session, flags.view);
+#endif
+  static_cast<void>(flags);
+  wait_until_over(session, output);
+}
+
+void write_files(LiveSession& session, const LiveFlags& flags, Output& output) {
+  const auto written = [&](const char* name, const std::string& path, const auto& write) {
+    if (path.empty()) return;
+    write();
+    output.say("{}: {}", name, path);
+    output.document["files"][name] = path;
+  };
+  const Pooled<LiveCloud> last = session.pipeline.newest();
+  const auto require_cloud = [&](const std::string& path) {
+    if (!last) throw WorldError(fmt::format("{}: no cloud came that could be written", path));
+  };
+  output.document["files"] = nlohmann::json::object();
+  written("cloud", flags.output, [&] {
+    require_cloud(flags.output);
+    write_cloud(flags.output, cloud_of(last->cloud));
+  });
+#ifdef SLIPSTREAM_VIEW
+  for (const auto& [name, path, surround] :
+       {std::tuple("snapshot", flags.view.snapshot, view::Surround::nothing),
+        std::tuple("screenshot", flags.view.screenshot, view::Surround::panel)}) {
+    written(name, path, [&] {
+      require_cloud(path);
+      write_picture(session, flags.view, path, surround);
+    });
   }
 #endif
-  wait_until_over(session, output);
+  written("recording", flags.record, [&] { session.recorder.finish_recording(); });
 }
 
 void live(LiveFlags flags, Output& output) {
@@ -184,27 +203,20 @@ void live(LiveFlags flags, Output& output) {
                                             std::chrono::duration<double>(*flags.duration))
                        : Clock::time_point::max();
   pipeline.start();
-  LiveSession session{pipeline, recorder, scan,
-                      [&] { return !pipeline.running() || stop.raised() || Clock::now() >= end; }};
-  run_session(session, flags.headless, output);
+  LiveSession session{pipeline, recorder, scan, [&] {
+                        const bool at_end = flags.headless || flags.frames;
+                        return stop.raised() || Clock::now() >= end || pipeline.failure() ||
+                               (at_end && !pipeline.running());
+                      }};
+  run_session(session, flags, output);
   pipeline.stop();
 
   const LiveStatistics statistics = pipeline.statistics();
   tell(statistics, output);
   output.document = json_of(statistics);
   output.document["source"] = flags.source.source;
-  output.document["files"] = nlohmann::json::object();
-  if (!flags.output.empty()) {
-    const Pooled<LiveCloud> last = pipeline.newest();
-    if (!last) throw Error(fmt::format("{}: no cloud to be written; none came", flags.output));
-    write_cloud(flags.output, cloud_of(last->cloud));
-    output.document["files"]["cloud"] = flags.output;
-  }
   if (const auto failure = pipeline.failure()) std::rethrow_exception(failure);
-  if (!flags.record.empty()) {
-    recorder.finish_recording();
-    output.document["files"]["recording"] = flags.record;
-  }
+  write_files(session, flags, output);
 }
 
 }  // namespace
@@ -246,6 +258,9 @@ void add_live(CLI::App& program, SharedFlags& shared, Command& chosen) {
       ->capture_default_str()
       ->group(points);
   command->add_option("--farthest", flags->settings.farthest, "largest depth, mm")->group(points);
+#ifdef SLIPSTREAM_VIEW
+  add_view_flags(*command, flags->view);
+#endif
   add_scan_flags(*command, flags->source.scan);
   add_virtual_flags(*command, flags->source.virtual_scanner, "--virtual-gamma");
   add_shared_flags(*command, shared);

@@ -1,10 +1,15 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
-#include "app/output.h"
 #include "slipstream/io/recorded_source.h"
 #include "slipstream/live/live_pipeline.h"
+
+#ifdef SLIPSTREAM_VIEW
+#include "app/view_flags.h"
+#include "slipstream/view/viewer.h"
+#endif
 
 namespace slipstream::app {
 
@@ -17,7 +22,14 @@ struct LiveSession {
   std::function<bool()> is_over;
 };
 
-/// Shows it in a window until that is closed or the session is over.
-void show_in_window(LiveSession& session, Output& output);  // with SLIPSTREAM_VIEW
+#ifdef SLIPSTREAM_VIEW
+/// Shows it in a window until that is closed or the session is over. Throws WorldError where there
+/// is no desktop.
+void show_in_window(LiveSession& session, const ViewFlags& flags);
+
+/// The newest cloud as a picture file, drawn without a window.
+void write_picture(LiveSession& session, const ViewFlags& flags, const std::string& path,
+                   view::Surround surround);
+#endif
 
 }  // namespace slipstream::app

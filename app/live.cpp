@@ -38,6 +38,9 @@ struct LiveFlags {
 
 /// The scanner, its sizes completed by what else is known.
 Scanner scanner_of(const OpenedSource& opened) {
+  if (opened.scanner.empty()) {
+    throw Error(fmt::format("{}: no scanner; name its file with --scanner", opened.scanner_name));
+  }
   Scanner scanner = scanner_from(opened.scanner, opened.scanner_name);
   const auto complete = [](Size& known, Size said) {
     if (known == Size{}) known = said;
@@ -248,6 +251,7 @@ void add_live(CLI::App& program, SharedFlags& shared, Command& chosen) {
   command->add_option("--farthest", flags->settings.farthest, "largest depth, mm")->group(points);
   add_scan_flags(*command, flags->source.scan);
   add_virtual_flags(*command, flags->source.virtual_scanner, "--virtual-gamma");
+  add_camera_flags(*command, flags->source.camera);
   add_shared_flags(*command, shared);
   command->footer(
       "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "

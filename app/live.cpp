@@ -259,6 +259,7 @@ void add_live(CLI::App& program, SharedFlags& shared, Command& chosen) {
 #endif
   add_scan_flags(*command, flags->source.scan);
   add_virtual_flags(*command, flags->source.virtual_scanner, "--virtual-gamma");
+  add_camera_flags(*command, flags->source.camera);
   add_shared_flags(*command, shared);
   command->footer(
       "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "

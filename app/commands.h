@@ -26,8 +26,12 @@ void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_design(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_project(CLI::App& program, SharedFlags& shared, Command& chosen);  // with SLIPSTREAM_VIEW
+void add_live(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_view(CLI::App& program, SharedFlags& shared, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_reproduce(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_bench(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_record(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_camera(CLI::App& program, SharedFlags& shared, Command& chosen);
 
 }  // namespace slipstream::app

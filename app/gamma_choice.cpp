@@ -74,15 +74,14 @@ nlohmann::json json_of(const GammaChoice& choice) {
   return document;
 }
 
-GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
-                         const FrameSet& frames) {
-  const std::vector<int> steps = step_counts(scan.strategy);
-  if (flag == "blind") return blind_choice(steps, frames);
-  if (flag == "scanner") {
-    const std::optional<Response> response =
-        scan.scanner ? read_response(*scan.scanner) : std::nullopt;
-    if (response) return with_response(*response, steps, "scanner file");
+GammaChoice choose_gamma(const std::string& flag, const std::optional<Response>& of_scanner,
+                         const std::vector<int>& steps) {
+  if (flag == "blind") {
+    throw Error(
+        "--gamma blind needs a scan of a thing at rest; find the number with slipstream "
+        "reconstruct --gamma blind and give that");
   }
+  if (flag == "scanner" && of_scanner) return with_response(*of_scanner, steps, "scanner file");
   if (flag == "scanner" || flag == "none") return {};
   double gamma = 0;
   const auto [rest, failure] = std::from_chars(flag.data(), flag.data() + flag.size(), gamma);
@@ -92,6 +91,14 @@ GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
   }
   require_gamma(gamma, "--gamma");
   return with_response(PowerLaw{gamma}, steps, "given");
+}
+
+GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
+                         const FrameSet& frames) {
+  const std::vector<int> steps = step_counts(scan.strategy);
+  if (flag == "blind") return blind_choice(steps, frames);
+  const bool in_file = flag == "scanner" && scan.scanner;
+  return choose_gamma(flag, in_file ? read_response(*scan.scanner) : std::nullopt, steps);
 }
 
 }  // namespace slipstream::app

@@ -2,11 +2,13 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/gamma/blind.h"
+#include "slipstream/gamma/response.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/phase/phase_correction.h"
 
@@ -29,5 +31,10 @@ nlohmann::json json_of(const GammaChoice& choice);
 /// themselves), "none", or a number. Throws Error for anything else.
 GammaChoice choose_gamma(const std::string& flag, const ScanDescription& scan,
                          const FrameSet& frames);
+
+/// The same before there are frames, so that "blind" is refused. `of_scanner`: the response that
+/// the scanner file holds, if it does.
+GammaChoice choose_gamma(const std::string& flag, const std::optional<Response>& of_scanner,
+                         const std::vector<int>& steps);
 
 }  // namespace slipstream::app

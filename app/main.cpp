@@ -51,9 +51,13 @@ int run_program(int argc, char** argv) {
   add_calibrate(program, shared, chosen);
   add_design(program, shared, chosen);
   add_reconstruct(program, shared, chosen);
+  add_live(program, shared, chosen);
 #ifdef SLIPSTREAM_VIEW
+  add_project(program, shared, chosen);
   add_view(program, shared, chosen);
 #endif
+  add_record(program, shared, chosen);
+  add_camera(program, shared, chosen);
   add_reproduce(program, shared, chosen);
   add_bench(program, shared, chosen);
 

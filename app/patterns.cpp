@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -18,6 +17,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/pattern/pattern_in_8_bits.h"
 #include "slipstream/strategy/multiplexing_design.h"
 
 namespace slipstream::app {
@@ -45,12 +45,6 @@ Response response_from(const std::string& text) {
     throw Error(fmt::format("{}: no gamma in it; slipstream calibrate gamma puts it there", text));
   }
   return *response;
-}
-
-Image<std::uint8_t> as_8_bits(const Image<std::uint16_t>& picture) {
-  Image<std::uint8_t> narrow(picture.size());
-  std::copy(picture.begin(), picture.end(), narrow.begin());
-  return narrow;
 }
 
 /// Pictures of one grey level each, from 0 to 255, for `calibrate gamma --uniform`.
@@ -105,7 +99,7 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
     const Image<std::uint16_t> picture = render_pattern(patterns, n, scan.projector, flags.bits);
     if (n == 0) make_folder(folder);
     const fs::path file = folder / fmt::format("pattern_{:02}.png", n);
-    flags.bits == 8 ? write_image(file, as_8_bits(picture)) : write_image(file, picture);
+    flags.bits == 8 ? write_image(file, in_8_bits(picture)) : write_image(file, picture);
     scan.frames.push_back(file);
     progress.advance();
   }

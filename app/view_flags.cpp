@@ -6,6 +6,7 @@
 #include "app/scan_flags.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
+#include "slipstream/view/view_settings.h"
 
 namespace slipstream::app {
 namespace {

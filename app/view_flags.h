@@ -5,7 +5,10 @@
 #include <CLI/App.hpp>
 
 #include "slipstream/image/size.h"
-#include "slipstream/view/view_settings.h"
+
+namespace slipstream::view {
+struct ViewSettings;
+}
 
 namespace slipstream::app {
 

@@ -194,6 +194,10 @@ Scanner scanner_from(const std::string& text, const std::string& name) {
   return scanner_of({name, opencv_entries(text, name)});
 }
 
+std::string text_of(const Scanner& scanner) {
+  return text_of(".yaml", scanner);
+}
+
 void write_scanner(const fs::path& path, const Scanner& scanner) {
   write_file(path, text_of(path, scanner));
 }

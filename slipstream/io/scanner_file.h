@@ -22,6 +22,9 @@ Scanner read_scanner(const std::filesystem::path& path);
 /// The same of such a file's text; `name` is what a message calls it.
 Scanner scanner_from(const std::string& text, const std::string& name);
 
+/// The text of a YAML file of slipstream's layout.
+std::string text_of(const Scanner& scanner);
+
 /// Writes slipstream's layout, YAML or (ending .xml) XML.
 void write_scanner(const std::filesystem::path& path, const Scanner& scanner);
 

@@ -16,8 +16,7 @@ std::size_t clouds_needed(const LiveSettings& settings) {
 /// of three cycles, with a marker; one is being filled and one passed on.
 std::size_t frames_needed(const LiveSettings& settings, const Strategy& strategy) {
   const auto window = static_cast<std::size_t>(frame_count(strategy));
-  return clouds_needed(settings) * window + 3 * (window + 1) + settings.waiting_frames +
-         settings.held_frames + 2;
+  return clouds_needed(settings) * window + 3 * (window + 1) + settings.waiting_frames + 2;
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct LiveScan {
   Strategy strategy;
   Axis axis = Axis::x;
   /// Whichever the backend, the fused pass is taken where there is one.
-  ReconstructSettings settings;
+  ReconstructSettings settings = {};
 };
 
 /// Source to moving cloud: capture, window, reconstruct and show, each on a thread of its own with

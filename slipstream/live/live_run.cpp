@@ -118,7 +118,6 @@ void LiveRun::receive(Pooled<Frame> frame) {
   }
   ++frames_captured_;
   const Clock::time_point captured_at = frame->stamp.host_time;
-  if (settings_.on_frame) settings_.on_frame(frame);
   const bool restart = kind == SequenceWatch::Kind::restart;
   if (paced_) {
     if (captured_.push_over_oldest({std::move(frame), restart})) ++frames_overwritten_;
@@ -234,6 +233,11 @@ void LiveRun::show() {
   }
 }
 
+LiveRun::Clock::time_point LiveRun::until() const {
+  const std::lock_guard lock(mutex_);
+  return end_.value_or(Clock::now());
+}
+
 LiveStatistics LiveRun::statistics() const {
   LiveStatistics statistics;
   statistics.frames = {.captured = frames_captured_,
@@ -243,17 +247,14 @@ LiveStatistics LiveRun::statistics() const {
   statistics.clouds = show_meter_.count();
   statistics.windows_lost = windows_lost_;
   statistics.resynchronisations = resynchronisations_;
-  {
-    const std::lock_guard lock(mutex_);
-    statistics.seconds =
-        std::chrono::duration<double>(end_.value_or(Clock::now()) - start_).count();
-  }
+  const Clock::time_point now = until();
+  statistics.seconds = std::chrono::duration<double>(now - start_).count();
   statistics.clouds_per_second = static_cast<double>(statistics.clouds) / statistics.seconds;
   statistics.latency = cloud_latency_.latency();
   statistics.screen_latency = screen_latency_.latency();
   const auto add = [&](const char* name, const StageMeter& meter, std::size_t waiting,
                        std::size_t capacity) {
-    StageStatistics stage = meter.statistics();
+    StageStatistics stage = meter.statistics(now);
     stage.name = name;
     stage.waiting = waiting;
     stage.capacity = capacity;

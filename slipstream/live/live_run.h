@@ -66,6 +66,8 @@ class LiveRun {
   std::thread thread_of(Stage stage);
   void fail(std::exception_ptr failure);
 
+  /// Now, or when it was stopped.
+  [[nodiscard]] Clock::time_point until() const;
   [[nodiscard]] std::shared_ptr<const LivePlan> plan() const;
   /// A frame to be filled; empty where there is none.
   Pooled<Frame> free_frame();

@@ -34,16 +34,11 @@ struct LiveSettings {
   std::size_t waiting_frames = 16;
   /// Clouds that consumers may hold at a time without keeping the pipeline waiting.
   std::size_t held_clouds = 4;
-  /// Frames that on_frame may hold at a time without any being overwritten.
-  std::size_t held_frames = 0;
   /// Capture ends after so many.
-  std::optional<std::uint64_t> most_frames;
+  std::optional<std::uint64_t> most_frames = {};
   /// Called for every cloud, in order, in the thread of the show stage; while it takes its time
   /// clouds and frames queue up before it. What it throws ends the pipeline.
-  std::function<void(const Pooled<LiveCloud>&)> on_cloud;
-  /// Called for every whole frame as it arrives, in the thread of the capture stage: it must not
-  /// wait. What it throws ends the pipeline.
-  std::function<void(const Pooled<Frame>&)> on_frame;
+  std::function<void(const Pooled<LiveCloud>&)> on_cloud = {};
 };
 
 }  // namespace slipstream

@@ -21,8 +21,8 @@ void StageMeter::done(Clock::time_point captured) {
   latency_.add(now - captured);
 }
 
-StageStatistics StageMeter::statistics() const {
-  const std::int64_t now = slot_number(Clock::now());
+StageStatistics StageMeter::statistics(Clock::time_point then) const {
+  const std::int64_t now = slot_number(then);
   const std::int64_t whole = std::min(now, slots_per_second);
   std::uint64_t last_second = 0;
   for (const Slot& slot : slots_) {

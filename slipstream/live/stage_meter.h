@@ -21,8 +21,8 @@ class StageMeter {
   void done(Clock::time_point captured);
 
   [[nodiscard]] std::uint64_t count() const { return count_.load(std::memory_order_relaxed); }
-  /// Name and queue are left to the caller.
-  [[nodiscard]] StageStatistics statistics() const;
+  /// As it stood then; name and queue are left to the caller.
+  [[nodiscard]] StageStatistics statistics(Clock::time_point then) const;
 
  private:
   /// A second is divided into slots; the one that is being filled is left out of the rate.

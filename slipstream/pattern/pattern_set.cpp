@@ -20,6 +20,14 @@ void require_valid(const PatternLight& light) {
   }
 }
 
+PatternSet with_marker(PatternSet patterns, double shape) {
+  const int marker = patterns.count++;
+  patterns.shape = [patterned = patterns.shape, marker, shape](int n, double y) {
+    return n == marker ? shape : patterned(n, y);
+  };
+  return patterns;
+}
+
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector, int bits) {
   if (projector.width < 1 || projector.height < 1) {
     throw Error(fmt::format("projector size {}x{} is empty; give its width and height in pixels",

@@ -33,6 +33,10 @@ struct PatternSet {
   }
 };
 
+/// The set with one more pattern after the last, dark (`shape` 0) or bright (1) all over: when the
+/// set is shown again and again it marks where a cycle ends.
+PatternSet with_marker(PatternSet patterns, double shape = 0);
+
 /// Pattern n as the picture to send to a projector of that size, rounded to the nearest grey level
 /// of `bits` (8 to 16). The value of a pixel is the intensity at its centre. Throws Error when the
 /// projector has no pixels, n is not in the set or bits are out of range.

@@ -35,6 +35,9 @@ struct FusedCloud {
   MultiplexedPicture between;         ///< nor in it
 };
 
+/// The same in double precision, as files are written from it.
+Cloud cloud_of(const FusedCloud& points);
+
 /// Depth alone: less is computed and written.
 struct FusedDepth {
   Image<float> z;  ///< mm; NaN where not valid

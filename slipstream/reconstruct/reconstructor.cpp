@@ -18,13 +18,7 @@ Image<double> widened(const Image<float>& image) {
 Cloud fused_cloud(const FusedReconstructor& reconstruct, const FrameSet& frames) {
   FusedCloud points;
   reconstruct(frames, points);
-  Cloud cloud;
-  cloud.x = widened(points.x);
-  cloud.y = widened(points.y);
-  cloud.z = widened(points.z);
-  cloud.intensity = std::move(points.intensity);
-  cloud.validity = std::move(points.validity);
-  return cloud;
+  return cloud_of(points);
 }
 
 Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const FrameSet& frames) {
@@ -39,6 +33,16 @@ Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const Fr
 }
 
 }  // namespace
+
+Cloud cloud_of(const FusedCloud& points) {
+  Cloud cloud;
+  cloud.x = widened(points.x);
+  cloud.y = widened(points.y);
+  cloud.z = widened(points.z);
+  cloud.intensity = points.intensity;
+  cloud.validity = points.validity;
+  return cloud;
+}
 
 /// The double-precision path, whose tables take long to build: built when it is first wanted.
 class Reconstructor::InDouble {

@@ -164,8 +164,9 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
   auto threshold = static_cast<float>(least_modulation(settings, 255));
   if (ImGui::SliderFloat("least B", &threshold, 1, 100, "%.0f")) {
     settings.minimum_modulation = static_cast<double>(threshold);
-    requests.change_scan = true;
   }
+  // Tables are built for every change, so one that is dragged counts when it is let go.
+  requests.change_scan |= ImGui::IsItemDeactivatedAfterEdit();
   bool drop = settings.drop_saturated;
   if (ImGui::Checkbox("drop saturated pixels", &drop)) {
     settings.drop_saturated = drop;

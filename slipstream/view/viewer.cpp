@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include <GLFW/glfw3.h>
+#include <sys/resource.h>
 
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/opengl/window.h"
@@ -72,9 +73,17 @@ class Pace {
   Clock::time_point next_{};
 };
 
+/// Linux keeps a niceness for each thread, and those that a driver which draws in software starts
+/// take their maker's. Elsewhere, or where it is refused, all goes on as it was.
+void give_way() {
+  constexpr int niceness = 5;
+  static_cast<void>(::setpriority(PRIO_PROCESS, 0, niceness));
+}
+
 }  // namespace
 
 std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings) {
+  if (settings.gives_way) give_way();
   const opengl::WindowSystem system;
   const opengl::Window window(system, {.title = source.title, .size = settings.size});
   window.wait_for_refresh(true);

@@ -30,13 +30,4 @@ inline std::vector<Frame> frames_of(const Strategy& strategy, const VirtualLoop&
   return frames_of(pattern_set(strategy, Axis::x), loop);
 }
 
-/// The patterns and, after the last, a dark or bright frame.
-inline PatternSet with_marker(PatternSet patterns, double brightness) {
-  const int marker = patterns.count++;
-  patterns.shape = [shape = patterns.shape, marker, brightness](int n, double y) {
-    return n == marker ? brightness : shape(n, y);
-  };
-  return patterns;
-}
-
 }  // namespace slipstream

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "app/output.h"
+#include "app/view_flags.h"
+#include "slipstream/io/recorded_source.h"
+#include "slipstream/live/live_pipeline.h"
+
+namespace slipstream::app {
+
+/// A live scan that runs, for what shows it.
+struct LiveSession {
+  LivePipeline& pipeline;  ///< started
+  RecordedSource& recorder;
+  LiveScan scan;
+  /// Whether it is to end: asked for, all frames there, time over, or failed.
+  std::function<bool()> is_over;
+  std::string source;        ///< as it was asked for
+  bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
+  ViewFlags view;
+};
+
+/// Shows it in a window until that is closed or the session is over; then writes the screenshot
+/// that the flags ask for. With SLIPSTREAM_VIEW, as the next.
+void show_in_window(LiveSession& session, Output& output);
+
+/// Writes the pictures that the flags ask for, drawn without a window, of the newest cloud. Throws
+/// Error where there is none.
+void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
+
+}  // namespace slipstream::app

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/simulate/scene.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream::app {
+
+/// The flags that say what the virtual scanner is and sees.
+struct VirtualFlags {
+  std::string scene = "statue";
+  std::optional<std::string> mesh;
+  double mesh_size = 0;
+  std::optional<double> reflectivity;
+  std::vector<double> motion;          ///< empty, or X Y Z
+  std::optional<std::string> scanner;  ///< file; its flag is the subcommand's own
+  std::optional<std::string> camera;   ///< "640x480"
+  Photometry photometry{.ambient = 5, .gamma = 1, .noise_variance = 1.55, .bits = 8, .seed = 1};
+  int bits = 8;
+};
+
+/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --ambient, --gamma
+/// (called `gamma_flag`), --noise, --bits, --seed and --rays.
+void add_virtual_flags(CLI::App& command, VirtualFlags& flags,
+                       const std::string& gamma_flag = "--gamma");
+
+/// Of the file that --scanner names, else the example with a camera of that size.
+Scanner virtual_scanner(const VirtualFlags& flags);
+
+Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner);
+
+}  // namespace slipstream::app

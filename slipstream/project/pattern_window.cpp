@@ -1,0 +1,91 @@
+#include "slipstream/project/pattern_window.h"
+
+#include <GLFW/glfw3.h>
+#include <epoxy/gl.h>
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream::project {
+namespace {
+
+// One triangle that covers the picture.
+constexpr const char* vertex_shader = R"(#version 330 core
+void main() {
+  vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
+  gl_Position = vec4(corner, 0.0, 1.0);
+}
+)";
+
+// Texels are fetched by number, so that nothing is interpolated.
+constexpr const char* fragment_shader = R"(#version 330 core
+uniform sampler2D pattern;
+uniform int height;
+out vec4 pixel;
+void main() {
+  ivec2 place = ivec2(gl_FragCoord.xy);
+  float level = texelFetch(pattern, ivec2(place.x, height - 1 - place.y), 0).r;
+  pixel = vec4(vec3(level), 1.0);
+}
+)";
+
+opengl::Resource texture_of(const Image<std::uint8_t>& pattern) {
+  opengl::Resource texture = opengl::make_texture();
+  glBindTexture(GL_TEXTURE_2D, texture.number());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, pattern.width(), pattern.height(), 0, GL_RED,
+               GL_UNSIGNED_BYTE, pattern.begin());
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+  return texture;
+}
+
+}  // namespace
+
+PatternWindow::PatternWindow(const opengl::WindowSystem& system, int monitor,
+                             const std::vector<Image<std::uint8_t>>& patterns)
+    : window_(system, {.title = "slipstream project", .fills_monitor = monitor}),
+      program_({.vertex = vertex_shader, .fragment = fragment_shader}),
+      vertex_array_(opengl::make_vertex_array()),
+      size_(window_.framebuffer_size()) {
+  for (const Image<std::uint8_t>& pattern : patterns) {
+    if (pattern.size() != size_) {
+      throw Error(
+          fmt::format("the patterns are {}x{}, but monitor {} is {}x{}; each pixel must meet "
+                      "its own",
+                      pattern.width(), pattern.height(), monitor, size_.width, size_.height));
+    }
+    textures_.push_back(texture_of(pattern));
+  }
+  glfwSetInputMode(window_.get(), GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
+  glfwSetKeyCallback(window_.get(), [](GLFWwindow* window, int key, int, int action, int) {
+    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) glfwSetWindowShouldClose(window, GLFW_TRUE);
+  });
+  window_.wait_for_refresh(true);
+  glDisable(GL_DITHER);
+  glDisable(GL_FRAMEBUFFER_SRGB);
+}
+
+void PatternWindow::draw(std::size_t n) const {
+  glViewport(0, 0, size_.width, size_.height);
+  program_.use();
+  program_.set("pattern", 0);
+  program_.set("height", size_.height);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, textures_[n].number());
+  glBindVertexArray(vertex_array_.number());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glBindVertexArray(0);
+}
+
+void PatternWindow::show() const {
+  window_.swap();
+  glFinish();
+}
+
+bool PatternWindow::closed() const {
+  glfwPollEvents();
+  return window_.should_close();
+}
+
+}  // namespace slipstream::project

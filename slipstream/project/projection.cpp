@@ -1,0 +1,112 @@
+#include "slipstream/project/projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/project/gamma_table.h"
+#include "slipstream/project/pattern_window.h"
+
+namespace slipstream::project {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double usual_refresh_hz = 60;
+
+Clock::duration from_seconds(double seconds) {
+  return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+/// Keeps each pattern on for its refreshes, which are counted one by one: the rate that a monitor
+/// tells is rounded.
+class Pace {
+ public:
+  Pace(const PatternWindow& window, double refresh_hz, int hold)
+      : window_(window), refresh_(from_seconds(1 / refresh_hz)), hold_(hold) {}
+
+  /// Puts pattern n on when the one before has had its time; returns when that was.
+  Clock::time_point next(std::size_t n) {
+    late_ = false;
+    for (int again = 1; started_ && again < hold_; ++again) refresh(shown_);
+    refresh(n);
+    started_ = true;
+    shown_ = n;
+    return last_;
+  }
+  [[nodiscard]] bool late() const { return late_; }
+  /// Whether showing waits for the monitor.
+  [[nodiscard]] bool waits() const { return 2 * unpaced_ <= refreshes_; }
+
+ private:
+  /// Showing waits for the next refresh, so it is begun half a refresh before. Drivers without a
+  /// screen do not wait: then the clock alone says when.
+  void refresh(std::size_t n) {
+    window_.draw(n);
+    const Clock::time_point due = last_ + refresh_;
+    if (started_) std::this_thread::sleep_until(due - refresh_ / 2);
+    window_.show();
+    const auto now = Clock::now();
+    const bool waited = !started_ || now > due - refresh_ / 4;
+    late_ |= started_ && now > due + refresh_ / 2;
+    unpaced_ += waited ? 0 : 1;
+    last_ = waited ? now : due;
+    ++refreshes_;
+  }
+
+  const PatternWindow& window_;
+  Clock::duration refresh_;
+  int hold_;
+  bool started_ = false, late_ = false;
+  std::uint64_t refreshes_ = 0, unpaced_ = 0;
+  std::size_t shown_ = 0;
+  Clock::time_point last_{};
+};
+
+}  // namespace
+
+ProjectionReport project_patterns(const opengl::WindowSystem& system,
+                                  const std::vector<Image<std::uint8_t>>& patterns,
+                                  const ProjectionSettings& settings) {
+  if (patterns.empty()) throw Error("no pattern to be shown; one or more are wanted");
+  if (settings.hold < 1) {
+    throw Error(fmt::format("a pattern cannot stay for {} refreshes; 1 or more", settings.hold));
+  }
+  const PatternWindow window(system, settings.monitor, patterns);
+  const IdentityGammaTable table(system, settings.monitor);
+  ProjectionReport report;
+  report.has_gamma_table = table.exists();
+  const auto monitor = system.monitors().at(static_cast<std::size_t>(settings.monitor));
+  report.refresh_hz = monitor.refresh_hz > 0 ? monitor.refresh_hz : usual_refresh_hz;
+
+  Pace pace(window, report.refresh_hz, settings.hold);
+  Clock::time_point first;
+  while (!window.closed() && !(settings.ends && settings.ends())) {
+    const auto n = static_cast<std::size_t>(report.shown % patterns.size());
+    const PatternSwap swap{report.shown, static_cast<int>(n), pace.next(n)};
+    if (report.shown == 0) first = swap.time;
+    ++report.shown;
+    if (pace.late()) ++report.late;
+    report.seconds = std::chrono::duration<double>(swap.time - first).count();
+    if (settings.on_swap) settings.on_swap(swap);
+  }
+  report.waits_for_refresh = pace.waits();
+  return report;
+}
+
+int refreshes_for_rate(double rate, double refresh_hz) {
+  const double wanted = rate > 0 ? refresh_hz / rate : 0;
+  const double whole = std::round(wanted);
+  if (!(whole >= 1) || std::abs(wanted - whole) > 0.02 * whole || whole > 1e6) {
+    throw Error(
+        fmt::format("{:g} patterns per second are not {:g} Hz, the monitor's, divided by a "
+                    "whole number; as {:g} or {:g}",
+                    rate, refresh_hz, refresh_hz, refresh_hz / 2));
+  }
+  return static_cast<int>(whole);
+}
+
+}  // namespace slipstream::project

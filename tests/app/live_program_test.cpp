@@ -1,0 +1,161 @@
+// `slipstream live` as it is run: flags, the JSON document, signals.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <thread>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "slipstream/io/recording.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+const std::vector<std::string> small{"live",       "--source", "virtual",   "--camera", "64x48",
+                                     "--strategy", "pmp",      "--steps",   "4",        "--scene",
+                                     "sphere",     "--json",   "--headless"};
+
+std::vector<std::string> with(std::vector<std::string> arguments,
+                              const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+/// The number that a key has first in a JSON document.
+double number_of(const std::string& json, const std::string& key) {
+  std::smatch match;
+  const std::regex number("\"" + key + "\":\\s*([-+.0-9e]+)");
+  return std::regex_search(json, match, number) ? std::stod(match[1]) : std::nan("");
+}
+
+TEST(LiveProgram, counts_frames_and_clouds) {
+  const ProgramRun run = run_program(with(small, {"--frames", "200"}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(number_of(run.out, "captured"), 200);
+  EXPECT_EQ(number_of(run.out, "lost"), 0);
+  EXPECT_EQ(number_of(run.out, "clouds"), 197);
+  EXPECT_GT(number_of(run.out, "clouds_per_second"), 0);
+  for (const char* key : {"latency_ms", "p50", "p99", "max", "stages", "resynchronisations"}) {
+    EXPECT_NE(run.out.find("\"" + std::string(key) + "\""), std::string::npos) << key;
+  }
+}
+
+TEST(LiveProgram, paced_frames_all_become_clouds) {
+  const ProgramRun run = run_program(with(small, {"--frames", "60", "--rate", "120"}));
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(number_of(run.out, "captured"), 60);
+  EXPECT_GE(number_of(run.out, "seconds"), 0.45);
+}
+
+TEST(LiveProgram, records_replays_and_writes_the_last_cloud) {
+  const TemporaryFolder folder;
+  const fs::path recording = folder.path() / "frames.slip", first = folder.path() / "first.ply",
+                 second = folder.path() / "second.ply";
+  const ProgramRun run = run_program(
+      with(small, {"--frames", "42", "--record", recording.string(), "-o", first.string()}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const ProgramRun again =
+      run_program({"live", "--source", "replay:" + recording.string(), "--rate", "0", "--headless",
+                   "--json", "-o", second.string()});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(number_of(again.out, "captured"), 42);
+  EXPECT_EQ(number_of(again.out, "clouds"), 39);
+  const auto contents = [](const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_GT(contents(first).size(), 1000U);
+  EXPECT_EQ(contents(first), contents(second));
+}
+
+TEST(LiveProgram, a_marker_and_a_count_tell_the_pattern_too) {
+  for (const char* indexing : {"marker", "counted"}) {
+    const ProgramRun run = run_program(with(small, {"--frames", "100", "--indexing", indexing}));
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    EXPECT_GE(number_of(run.out, "clouds"), 75) << indexing;
+    EXPECT_EQ(number_of(run.out, "resynchronisations"), 0) << indexing;
+  }
+}
+
+TEST(LiveProgram, an_interrupt_finishes_its_files) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    const fs::path recording = folder.path() / "frames.slip", cloud = folder.path() / "cloud.ply";
+    const auto arguments =
+        with(small, {"--rate", "200", "--record", recording.string(), "-o", cloud.string()});
+    std::vector<const char*> argv{SLIPSTREAM_PROGRAM};
+    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+    argv.push_back(nullptr);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const int nowhere = ::open("/dev/null", O_RDWR);
+      for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
+      ::execv(argv[0], const_cast<char* const*>(argv.data()));
+      ::_exit(127);
+    }
+    // Until some frames are on the disk.
+    const auto size = [&] {
+      std::error_code none;
+      const auto bytes = fs::file_size(recording, none);
+      return none ? 0 : bytes;
+    };
+    for (int tries = 0; tries < 6000 && size() < 20 * 64 * 48; ++tries) {
+      std::this_thread::sleep_for(10ms);
+    }
+    ::kill(child, signal);
+    int status = 0;
+    ASSERT_EQ(::waitpid(child, &status, 0), child);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+    const RecordingReader reader(recording);
+    EXPECT_TRUE(reader.finished());
+    EXPECT_GE(reader.count(), 10U);
+    EXPECT_TRUE(fs::exists(cloud));
+  }
+}
+
+TEST(LiveProgram, a_full_disk_ends_the_recording_and_not_the_scan) {
+  const TemporaryFolder folder;
+  const ProgramRun run = run_program(
+      with(small, {"--frames", "300", "--record", (folder.path() / "frames.slip").string()}),
+      100'000);
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.err.find("frames.slip"), std::string::npos) << run.err;
+  EXPECT_NE(run.err.find("297 clouds"), std::string::npos) << run.err;
+}
+
+TEST(LiveProgram, refuses_what_cannot_be) {
+  const auto expect_refused = [](const std::vector<std::string>& arguments,
+                                 const std::string& named) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find(named), std::string::npos) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  };
+  expect_refused({"live", "--headless", "--source", "magic:1"}, "magic:1");
+  expect_refused({"live", "--headless", "--source", "virtual:x"}, "virtual:x");
+  expect_refused({"live", "--headless", "--source", "replay:/nowhere"}, "/nowhere");
+  expect_refused(with(small, {"--rate", "-1"}), "--rate -1");
+  expect_refused(with(small, {"--rate", "nan"}), "--rate nan");
+  expect_refused(with(small, {"--frames", "0"}), "--frames 0");
+  expect_refused(with(small, {"--duration", "0"}), "--duration 0");
+  expect_refused(with(small, {"--duration", "nan"}), "--duration nan");
+  expect_refused(with(small, {"--indexing", "guess"}), "guess");
+  expect_refused(with(small, {"--gamma", "blind"}), "blind");
+  expect_refused(with(small, {"-o", "cloud.txt"}), "cloud.txt");
+  expect_refused(with(small, {"--frequency", "5"}), "frequency");
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,94 @@
+// view and project, as people run them. Drawing is skipped where there is no OpenGL.
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+class ViewProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (run_program({"view", "--help"}).exit_code != 0) GTEST_SKIP() << "built without viewer";
+  }
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+  void simulate() const {
+    const ProgramRun run = run_program({"simulate", path("scan"), "--camera", "96x72"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+  static void expect_refused(const std::vector<std::string>& arguments, const std::string& part) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "lacks: " << part;
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// How many pixels of the picture are brighter than the background.
+int bright_pixels(const std::string& path) {
+  const Image<std::uint16_t> grey = read_grey_image(path);
+  return static_cast<int>(std::count_if(grey.begin(), grey.end(), [](int v) { return v > 90; }));
+}
+
+TEST_F(ViewProgram, DrawsScansAndCloudsWithoutAWindow) {
+  simulate();
+  ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("cloud.ply")}).exit_code, 0);
+  const ProgramRun scan = run_program({"view", path("scan"), "--snapshot", path("a.png"),
+                                       "--screenshot", path("b.png"), "--size", "800x600"});
+  if (scan.exit_code == 1) GTEST_SKIP() << scan.err;
+  ASSERT_EQ(scan.exit_code, 0) << scan.err;
+  EXPECT_EQ(read_grey_image(path("a.png")).size(), (Size{800, 600}));
+  EXPECT_GT(bright_pixels(path("a.png")), 20000);
+  EXPECT_GT(bright_pixels(path("b.png")), 10000);
+  const ProgramRun cloud = run_program({"view", path("cloud.ply"), "--colour", "depth",
+                                        "--snapshot", path("c.png"), "--size", "320x200"});
+  ASSERT_EQ(cloud.exit_code, 0) << cloud.err;
+  EXPECT_GT(bright_pixels(path("c.png")), 2000);
+}
+
+TEST_F(ViewProgram, DrawsTheLastCloudOfALiveScan) {
+  const ProgramRun live = run_program(
+      {"live", "--source", "virtual", "--camera", "96x72", "--frames", "40", "--headless", "--json",
+       "--snapshot", path("a.png"), "--screenshot", path("b.png"), "--size", "640x400"});
+  if (live.exit_code == 1) GTEST_SKIP() << live.err;
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  EXPECT_NE(live.out.find(path("b.png")), std::string::npos) << live.out;
+  EXPECT_GT(bright_pixels(path("a.png")), 10000);
+  EXPECT_EQ(read_grey_image(path("b.png")).size(), (Size{640, 400}));
+}
+
+TEST_F(ViewProgram, RefusesBadInputInOneLine) {
+  simulate();
+  write_file(path("text.ply"), "no cloud");
+  expect_refused({"view", path("missing.ply"), "--snapshot", path("a.png")}, "missing.ply");
+  expect_refused({"view", path("text.ply"), "--snapshot", path("a.png")}, "text.ply");
+  expect_refused({"view", path("scan"), "--snapshot", path("a.gif")}, ".gif");
+  expect_refused({"view", path("scan"), "--snapshot", path("a.png"), "--size", "0x9"}, "--size");
+  expect_refused({"view", path("scan"), "--snapshot", path("a.png"), "--colour", "pink"}, "pink");
+  EXPECT_FALSE(std::filesystem::exists(path("a.png")));
+}
+
+TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
+  simulate();
+  if (std::getenv("DISPLAY") != nullptr) GTEST_SKIP() << "there is a desktop";
+  const ProgramRun view = run_program({"view", path("scan")});
+  EXPECT_EQ(view.exit_code, 1);
+  EXPECT_NE(view.err.find("desktop"), std::string::npos) << view.err;
+  const ProgramRun project = run_program({"project", "--list"});
+  EXPECT_EQ(project.exit_code, 1);
+  EXPECT_NE(project.err.find("desktop"), std::string::npos) << project.err;
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,56 @@
+// However long it runs, it takes no more memory.
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "slipstream/live/live_pipeline.h"
+#include "tests/counted_allocations.h"
+#include "tests/live/virtual_loop.h"
+
+namespace slipstream {
+namespace {
+
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+constexpr bool sanitized = true;  // which takes memory of its own, and time
+#else
+constexpr bool sanitized = false;
+#endif
+constexpr std::uint64_t frames = sanitized ? 5'000 : 100'000;
+
+long resident_kilobytes() {
+  std::ifstream file("/proc/self/statm");
+  long size = 0, resident = 0;
+  file >> size >> resident;
+  return resident * ::sysconf(_SC_PAGESIZE) / 1024;
+}
+
+TEST(LivePipeline, takes_no_more_memory_the_longer_it_runs) {
+  for (const Strategy& strategy : {Strategy(PhaseMeasuring{.steps = 4, .frequency = 1}),
+                                   Strategy(DualFrequency{.steps = 3})}) {
+    std::uint64_t clouds = 0;
+    long allocations_after = 0, resident_after = 0, allocations_in_the_end = 0;
+    const std::uint64_t warm = frames / 10;
+    const std::uint64_t last = frames / 2 - static_cast<std::uint64_t>(frame_count(strategy)) + 1;
+    LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(strategy)),
+                          {.scanner = example_scanner({64, 48}), .strategy = strategy},
+                          {.most_frames = frames / 2, .on_cloud = [&](const Pooled<LiveCloud>&) {
+                             ++clouds;
+                             if (clouds == warm) {
+                               resident_after = resident_kilobytes();
+                               allocations_after = allocations;
+                             }
+                             if (clouds == last) allocations_in_the_end = allocations;
+                           }});
+    pipeline.start();
+    while (pipeline.running()) ::usleep(1000);
+    pipeline.stop();
+    EXPECT_EQ(clouds, last);
+    EXPECT_EQ(allocations_in_the_end, allocations_after);
+    // A thread's stack may come to be touched a little deeper.
+    if (!sanitized) EXPECT_LE(resident_kilobytes(), resident_after + 1024);
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

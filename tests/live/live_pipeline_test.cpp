@@ -1,0 +1,478 @@
+#include "slipstream/live/live_pipeline.h"
+
+#include <algorithm>
+#include <cstring>
+#include <future>
+#include <map>
+#include <stdexcept>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/reconstruct/reconstructor.h"
+#include "tests/live/scripted_source.h"
+#include "tests/live/virtual_loop.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+
+const Strategy four_steps = PhaseMeasuring{.steps = 4, .frequency = 1};
+
+LiveScan scan_of(const Strategy& strategy, Size size = {64, 48}) {
+  return {.scanner = example_scanner(size), .strategy = strategy};
+}
+
+std::vector<ScriptedStep> in_a_row(int count) {
+  std::vector<ScriptedStep> script;
+  for (int n = 0; n < count; ++n) {
+    script.push_back({.frame = n, .sequence = static_cast<std::uint64_t>(n)});
+  }
+  return script;
+}
+
+template <class Pixel>
+bool same_bytes(const Image<Pixel>& a, const Image<Pixel>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.begin(), b.begin(), a.pixel_count() * sizeof(Pixel)) == 0;
+}
+
+bool same_bytes(const FusedCloud& a, const FusedCloud& b) {
+  return same_bytes(a.x, b.x) && same_bytes(a.y, b.y) && same_bytes(a.z, b.z) &&
+         same_bytes(a.intensity, b.intensity) && same_bytes(a.validity, b.validity);
+}
+
+FrameSet set_of(const std::vector<Frame>& pictures, const std::vector<int>& indices) {
+  const auto copies = [&]<class Pixel>(Pixel) {
+    std::vector<Image<Pixel>> images;
+    for (const int i : indices) {
+      const Frame& picture = pictures[static_cast<std::size_t>(i) % pictures.size()];
+      images.push_back(std::get<Image<Pixel>>(picture.pixels));
+    }
+    return images;
+  };
+  const int bits = pictures.front().bits;
+  if (bits == 8) return FrameSet(copies(std::uint8_t()));
+  return {copies(std::uint16_t()), bits};
+}
+
+/// Counts the clouds that are, byte for byte, what the same pictures give by themselves. `picture`:
+/// which picture of the loop was shown as that sequence.
+class OfflineCheck {
+ public:
+  OfflineCheck(const LiveScan& scan, const std::vector<Frame>& pictures,
+               const std::vector<ScriptedStep>& script)
+      : reconstruct_(
+            *FusedReconstructor::make(scan.scanner, scan.strategy, scan.axis, scan.settings)),
+        steps_(frame_count(scan.strategy)),
+        pictures_(pictures) {
+    for (const ScriptedStep& step : script) {
+      if (step.arrival == Arrival::frame) shown_[step.sequence] = step.frame;
+    }
+  }
+
+  void operator()(const LiveCloud& live) {
+    std::vector<int> indices;
+    for (const auto& frame : live.frames) indices.push_back(shown_.at(frame->stamp.sequence));
+    bool in_order = static_cast<int>(indices.size()) == steps_;
+    for (int n = 0; n < steps_; ++n) {
+      in_order = in_order && indices[static_cast<std::size_t>(n)] % steps_ == n;
+    }
+    FusedCloud offline;
+    reconstruct_(set_of(pictures_, indices), offline);
+    const bool whole = in_order && same_bytes(live.cloud, offline);
+    ++(whole ? equal : other);
+    newest.push_back(live.newest.sequence);
+  }
+
+  int equal = 0, other = 0;
+  std::vector<std::uint64_t> newest;
+
+ private:
+  FusedReconstructor reconstruct_;
+  int steps_;
+  const std::vector<Frame>& pictures_;
+  std::map<std::uint64_t, int> shown_;
+};
+
+void wait_for_end(LivePipeline& pipeline) {
+  while (pipeline.running()) std::this_thread::sleep_for(1ms);
+  pipeline.stop();
+}
+
+/// Runs a script to its end and checks every cloud.
+struct Ran {
+  int equal = 0, other = 0;
+  std::vector<std::uint64_t> newest;
+  LiveStatistics statistics;
+};
+
+Ran run(const Strategy& strategy, const std::vector<Frame>& pictures,
+        const std::vector<ScriptedStep>& script, LiveSettings settings = {}) {
+  const LiveScan scan = scan_of(strategy, pictures.front().format().size);
+  OfflineCheck check(scan, pictures, script);
+  settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { check(*cloud); };
+  LivePipeline pipeline(std::make_unique<ScriptedSource>(pictures, script), scan, settings);
+  pipeline.start();
+  wait_for_end(pipeline);
+  EXPECT_EQ(pipeline.failure(), nullptr);
+  return {check.equal, check.other, check.newest, pipeline.statistics()};
+}
+
+TEST(LivePipeline, each_frame_gives_the_cloud_that_its_window_gives_by_itself) {
+  for (const Strategy& strategy :
+       {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}), four_steps,
+        Strategy(PhaseMeasuring{.steps = 6, .frequency = 1}), Strategy(DualFrequency{.steps = 3}),
+        Strategy(PhaseChannelMultiplexing{.steps = 5})}) {
+    for (const int bits : {8, 12}) {
+      SCOPED_TRACE(std::string(name_of(strategy)) + " " + std::to_string(bits));
+      const int N = frame_count(strategy);
+      const auto pictures =
+          frames_of(strategy, {.motion = {0.5, 0, 0},
+                               .photometry = {.ambient = 5, .noise_variance = 1.5, .bits = bits}});
+      const Ran ran =
+          run(strategy, pictures, in_a_row(10 * N), {.indexing = PatternIndexing::counted});
+      EXPECT_EQ(ran.equal, 9 * N + 1);
+      EXPECT_EQ(ran.other, 0);
+      EXPECT_TRUE(std::is_sorted(ran.newest.begin(), ran.newest.end()));
+      EXPECT_EQ(ran.statistics.frames.captured, static_cast<std::uint64_t>(10 * N));
+      EXPECT_EQ(ran.statistics.frames.lost, 0U);
+      EXPECT_EQ(ran.statistics.clouds, static_cast<std::uint64_t>(9 * N + 1));
+      EXPECT_EQ(ran.statistics.windows_lost, 0U);
+    }
+  }
+}
+
+TEST(LivePipeline, without_a_fused_pass_clouds_are_those_in_double) {
+  const Size size{12, 16};
+  const LiveScan scan = scan_of(four_steps, size);
+  const auto pictures = frames_of(four_steps, {.size = size});
+  const Reconstructor reconstruct(scan.scanner, scan.strategy, scan.axis, scan.settings);
+  const Cloud offline = reconstruct(set_of(pictures, {0, 1, 2, 3})).cloud;
+  std::vector<float> z;
+  LivePipeline pipeline(
+      std::make_unique<ScriptedSource>(pictures, in_a_row(4)), scan,
+      {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+         z.assign(cloud->cloud.z.begin(), cloud->cloud.z.end());
+       }});
+  pipeline.start();
+  wait_for_end(pipeline);
+  ASSERT_EQ(z.size(), offline.z.pixel_count());
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const auto expected = static_cast<float>(offline.z.begin()[i]);
+    EXPECT_EQ(std::memcmp(&z[i], &expected, sizeof(float)), 0);
+  }
+}
+
+TEST(LivePipeline, lost_damaged_and_wrong_frames_cost_their_windows_alone) {
+  auto pictures = frames_of(four_steps);
+  pictures.resize(4);
+  auto script = in_a_row(60);
+  // Each takes four windows.
+  script[10].arrival = Arrival::damaged;
+  script.erase(script.begin() + 20);
+  pictures.push_back(Frame({{32, 16}, 8}));
+  for (ScriptedStep& step : script) step.frame %= 4;
+  const auto wrong_size =
+      std::find_if(script.begin(), script.end(), [](const auto& s) { return s.sequence == 30; });
+  wrong_size->frame = 4;
+  const Ran ran = run(four_steps, pictures, script, {.indexing = PatternIndexing::counted});
+  EXPECT_EQ(ran.other, 0);
+  EXPECT_EQ(ran.equal, 57 - 12);
+  EXPECT_EQ(ran.statistics.frames.captured, 57U);
+  EXPECT_EQ(ran.statistics.frames.lost, 3U);
+  EXPECT_EQ(ran.statistics.windows_lost, 12U);
+  EXPECT_EQ(ran.statistics.resynchronisations, 0U);
+}
+
+TEST(LivePipeline, repeated_and_reordered_frames_cost_nothing) {
+  auto script = in_a_row(40);
+  script.insert(script.begin() + 15, script[14]);
+  script.insert(script.begin() + 20, script[17]);
+  std::swap(script[30], script[31]);
+  const Ran ran =
+      run(four_steps, frames_of(four_steps), script, {.indexing = PatternIndexing::counted});
+  EXPECT_EQ(ran.other, 0);
+  EXPECT_EQ(ran.equal, 37);
+  EXPECT_EQ(ran.statistics.frames.captured, 40U);
+  EXPECT_EQ(ran.statistics.frames.repeated, 2U);
+  EXPECT_EQ(ran.statistics.frames.lost, 0U);
+  EXPECT_EQ(ran.statistics.windows_lost, 0U);
+}
+
+TEST(LivePipeline, slipped_indices_are_set_right_and_no_cloud_is_wrong) {
+  for (const Strategy& strategy : {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}), four_steps,
+                                   Strategy(PhaseMeasuring{.steps = 6, .frequency = 1}),
+                                   Strategy(DualFrequency{.steps = 3})}) {
+    const int N = frame_count(strategy);
+    auto script = in_a_row(10 * N);
+    for (std::size_t n = static_cast<std::size_t>(4 * N + 1); n < script.size(); ++n) {
+      ++script[n].frame;
+    }
+    const Ran ran =
+        run(strategy, frames_of(strategy), script, {.indexing = PatternIndexing::counted});
+    EXPECT_EQ(ran.other, 0);
+    EXPECT_EQ(ran.equal, 9 * N + 1 - (N - 1));
+    EXPECT_EQ(ran.statistics.resynchronisations, 1U);
+    EXPECT_EQ(ran.statistics.windows_lost, static_cast<std::uint64_t>(N - 1));
+  }
+}
+
+TEST(LivePipeline, resumes_when_the_source_is_back) {
+  auto script = in_a_row(20);
+  script.insert(script.begin() + 10, 5,
+                {.arrival = Arrival::nothing, .state = "the camera is gone; looking for it"});
+  const auto pictures = frames_of(four_steps);
+  const LiveScan scan = scan_of(four_steps);
+  OfflineCheck check(scan, pictures, script);
+  auto source = std::make_unique<ScriptedSource>(pictures, script);
+  std::promise<void> looked;
+  std::promise<void> gone;
+  source->before_step = [&](std::size_t step) {
+    if (step != 12) return;
+    gone.set_value();
+    looked.get_future().wait();
+  };
+  LivePipeline pipeline(std::move(source), scan,
+                        {.indexing = PatternIndexing::counted,
+                         .on_cloud = [&](const Pooled<LiveCloud>& cloud) { check(*cloud); }});
+  pipeline.start();
+  gone.get_future().wait();
+  EXPECT_EQ(pipeline.statistics().source_state, "the camera is gone; looking for it");
+  EXPECT_TRUE(pipeline.running());
+  looked.set_value();
+  wait_for_end(pipeline);
+  EXPECT_EQ(check.equal, 17);
+  EXPECT_EQ(check.other, 0);
+  EXPECT_EQ(pipeline.statistics().source_state, "");
+}
+
+TEST(LivePipeline, a_camera_that_counts_anew_costs_the_windows_across) {
+  auto script = in_a_row(200);
+  for (std::size_t n = 100; n < script.size(); ++n) script[n].sequence -= 100;
+  const auto pictures = frames_of(four_steps);
+  LivePipeline pipeline(std::make_unique<ScriptedSource>(pictures, script), scan_of(four_steps),
+                        {.indexing = PatternIndexing::counted});
+  pipeline.start();
+  wait_for_end(pipeline);
+  EXPECT_EQ(pipeline.statistics().frames.captured, 200U);
+  EXPECT_EQ(pipeline.statistics().clouds, 194U);
+  EXPECT_EQ(pipeline.statistics().windows_lost, 3U);
+}
+
+TEST(LivePipeline, capture_goes_on_while_a_consumer_holds_every_cloud) {
+  const auto pictures = frames_of(four_steps);
+  const int count = 5000;
+  std::vector<Pooled<LiveCloud>> held;
+  std::atomic<bool> holding = true;
+  std::mutex mutex;
+  LiveSettings settings{.indexing = PatternIndexing::counted,
+                        .waiting_frames = 8,
+                        .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+                          const std::lock_guard lock(mutex);
+                          if (holding) held.push_back(cloud);
+                        }};
+  auto source = std::make_unique<ScriptedSource>(pictures, in_a_row(count), true);
+  std::promise<const LivePipeline*> made;
+  const LivePipeline* running = nullptr;
+  const auto wait_for_windows = [&] {
+    while (running->statistics().stages[1].waiting > 0) std::this_thread::sleep_for(100us);
+  };
+  source->before_step = [&](std::size_t step) {
+    const auto last = static_cast<std::size_t>(count) - 500;
+    if (step == 1) running = made.get_future().get();
+    if (step == last) {
+      const std::lock_guard lock(mutex);
+      holding = false;
+      held.clear();
+    }
+    // From the first frame on windows are counted; in the end each becomes a cloud again.
+    if (step == 1 || step > last) wait_for_windows();
+  };
+  LivePipeline pipeline(std::move(source), scan_of(four_steps), settings);
+  pipeline.start();
+  made.set_value(&pipeline);
+  wait_for_end(pipeline);
+  const LiveStatistics statistics = pipeline.statistics();
+  EXPECT_EQ(statistics.frames.captured, static_cast<std::uint64_t>(count));
+  EXPECT_EQ(statistics.frames.lost, 0U);
+  EXPECT_GT(statistics.frames.overwritten, 1000U);
+  EXPECT_GT(statistics.clouds, 450U);
+  EXPECT_EQ(statistics.clouds + statistics.windows_lost, static_cast<std::uint64_t>(count) - 3);
+}
+
+TEST(LivePipeline, stops_while_a_consumer_holds_every_cloud) {
+  std::vector<Pooled<LiveCloud>> held;
+  LivePipeline pipeline(
+      std::make_unique<ScriptedSource>(frames_of(four_steps), in_a_row(1000)), scan_of(four_steps),
+      {.indexing = PatternIndexing::counted,
+       .on_cloud = [&](const Pooled<LiveCloud>& cloud) { held.push_back(cloud); }});
+  pipeline.start();
+  std::this_thread::sleep_for(20ms);
+  pipeline.stop();
+  EXPECT_FALSE(pipeline.running());
+  EXPECT_LT(held.size(), 20U);
+}
+
+TEST(LivePipeline, a_source_without_pace_waits_for_slow_consumers) {
+  const auto pictures = frames_of(four_steps);
+  int clouds = 0;
+  LivePipeline pipeline(
+      std::make_unique<ScriptedSource>(pictures, in_a_row(100)), scan_of(four_steps),
+      {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>&) {
+         ++clouds;
+         std::this_thread::sleep_for(1ms);
+       }});
+  pipeline.start();
+  wait_for_end(pipeline);
+  EXPECT_EQ(clouds, 97);
+  EXPECT_EQ(pipeline.statistics().frames.overwritten, 0U);
+}
+
+TEST(LivePipeline, a_newest_cloud_may_be_kept) {
+  const auto pictures = frames_of(four_steps);
+  LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps));
+  EXPECT_FALSE(pipeline.newest());
+  pipeline.start();
+  Pooled<LiveCloud> first;
+  while (!first) first = pipeline.newest();
+  const auto sequence = first->newest.sequence;
+  const float z = first->cloud.z(32, 24);
+  pipeline.shown(*first);
+  Pooled<LiveCloud> later = pipeline.newest();
+  while (later->newest.sequence < sequence + 100) later = pipeline.newest();
+  EXPECT_EQ(first->newest.sequence, sequence);
+  EXPECT_EQ(std::memcmp(&z, &first->cloud.z(32, 24), sizeof z), 0);
+  EXPECT_GT(pipeline.statistics().screen_latency.max, 0);
+  pipeline.stop();
+  EXPECT_GT(pipeline.newest()->newest.sequence, sequence);
+}
+
+TEST(LivePipeline, stops_in_every_state_and_starts_again) {
+  const auto pictures = frames_of(four_steps);
+  LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
+                        {.most_frames = 50});
+  pipeline.stop();
+  EXPECT_FALSE(pipeline.running());
+  EXPECT_EQ(pipeline.statistics().frames.captured, 0U);
+  for (int round = 0; round < 10; ++round) {
+    pipeline.start();
+    if (round % 3 == 1) std::this_thread::sleep_for(1ms);
+    if (round % 3 == 2) wait_for_end(pipeline);
+    pipeline.stop();
+    pipeline.stop();
+    EXPECT_FALSE(pipeline.running());
+    const LiveStatistics statistics = pipeline.statistics();
+    // What was captured is finished.
+    const std::uint64_t captured = statistics.frames.captured;
+    EXPECT_EQ(statistics.clouds, captured < 4 ? 0 : captured - 3);
+    if (round % 3 == 2) EXPECT_EQ(captured, 50U);
+  }
+  pipeline.start();  // and is left to the destructor
+}
+
+TEST(LivePipeline, stops_at_once_while_the_source_is_silent) {
+  LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(four_steps), 0.001),
+                        scan_of(four_steps));
+  pipeline.start();
+  std::this_thread::sleep_for(5ms);
+  EXPECT_TRUE(pipeline.running());
+  pipeline.stop();
+  EXPECT_EQ(pipeline.statistics().frames.captured, 0U);
+}
+
+TEST(LivePipeline, what_a_stage_throws_ends_it_and_can_be_asked_for) {
+  const auto pictures = frames_of(four_steps);
+  const auto message_of = [](const std::exception_ptr& failure) -> std::string {
+    try {
+      if (failure) std::rethrow_exception(failure);
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "";
+  };
+  {
+    LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
+                          {.on_cloud = [](const Pooled<LiveCloud>&) {
+                            throw std::runtime_error("the consumer has had enough");
+                          }});
+    pipeline.start();
+    wait_for_end(pipeline);
+    EXPECT_EQ(message_of(pipeline.failure()), "the consumer has had enough");
+    pipeline.start();
+    pipeline.stop();
+  }
+  auto source = std::make_unique<ScriptedSource>(pictures, in_a_row(20));
+  source->before_step = [](std::size_t step) {
+    if (step == 10) throw WorldError("the bus is broken");
+  };
+  LivePipeline pipeline(std::move(source), scan_of(four_steps));
+  pipeline.start();
+  wait_for_end(pipeline);
+  EXPECT_EQ(message_of(pipeline.failure()), "the bus is broken");
+}
+
+TEST(LivePipeline, scan_is_changed_while_it_runs) {
+  // Dark frames, of which any number is as good as another.
+  const auto pictures = frames_of(with_marker({.shape = {}}), {.cycles = 4});
+  std::atomic<std::size_t> window = 0;
+  std::atomic<std::size_t> dark = 0;
+  LivePipeline pipeline(
+      std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
+      {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+         window = cloud->frames.size();
+         dark = static_cast<std::size_t>(std::count(
+             cloud->cloud.validity.begin(), cloud->cloud.validity.end(), Validity::too_dark));
+       }});
+  pipeline.start();
+  while (window != 4) std::this_thread::sleep_for(1ms);
+  EXPECT_GT(dark, 1000U);
+  LiveScan scan = scan_of(four_steps);
+  scan.settings.minimum_modulation = 0;
+  pipeline.change(scan);
+  while (dark != 0) std::this_thread::sleep_for(1ms);
+  pipeline.change(scan_of(PhaseMeasuring{.steps = 16, .frequency = 1}));
+  while (window != 16) std::this_thread::sleep_for(1ms);
+  EXPECT_THROW(pipeline.change(scan_of(four_steps, {32, 24})), Error);
+  pipeline.change(scan_of(DualFrequency{.steps = 3}));
+  while (window != 6) std::this_thread::sleep_for(1ms);
+  pipeline.stop();
+  EXPECT_EQ(pipeline.failure(), nullptr);
+}
+
+TEST(LivePipeline, refuses_what_does_not_fit_the_frames) {
+  const auto pictures = frames_of(four_steps);
+  const auto make = [&](const LiveScan& scan) {
+    LivePipeline(std::make_unique<VirtualCamera>(pictures), scan);
+  };
+  EXPECT_THROW(make(scan_of(four_steps, {32, 24})), Error);
+  EXPECT_THROW(make(scan_of(PhaseMeasuring{.steps = 4, .frequency = 3})), Error);
+  EXPECT_THROW(make(scan_of(PhaseMeasuring{.steps = 2, .frequency = 1})), Error);
+}
+
+TEST(LivePipeline, tells_what_its_stages_did) {
+  const auto pictures = frames_of(four_steps);
+  LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
+                        {.most_frames = 500});
+  pipeline.start();
+  wait_for_end(pipeline);
+  const LiveStatistics statistics = pipeline.statistics();
+  ASSERT_EQ(statistics.stages.size(), 4U);
+  const std::vector<std::string> names{"capture", "window", "reconstruct", "show"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    const StageStatistics& stage = statistics.stages[i];
+    EXPECT_EQ(stage.name, names[i]);
+    EXPECT_EQ(stage.done, i == 0 ? 500U : 497U);
+    EXPECT_EQ(stage.waiting, 0U);
+    EXPECT_GT(stage.latency.p50, 0);
+    EXPECT_LE(stage.latency.p50, stage.latency.p99);
+    EXPECT_LE(stage.latency.p99, stage.latency.max);
+  }
+  EXPECT_GE(statistics.latency.p50, statistics.stages[0].latency.p50);
+  EXPECT_GT(statistics.seconds, 0);
+  EXPECT_NEAR(statistics.clouds_per_second, 497 / statistics.seconds, 1e-6);
+}
+
+}  // namespace
+}  // namespace slipstream

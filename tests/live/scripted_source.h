@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slipstream/capture/frame_source.h"
+
+namespace slipstream {
+
+/// What a scripted source does when it is asked for the next frame.
+struct ScriptedStep {
+  Arrival arrival = Arrival::frame;
+  int frame = 0;  ///< of the source's pictures, all around
+  std::uint64_t sequence = 0;
+  std::optional<int> pattern_index = {};
+  std::string state = {};  ///< from here on
+};
+
+/// Gives frames as a script says, then no more.
+class ScriptedSource : public FrameSource {
+ public:
+  ScriptedSource(std::vector<Frame> pictures, std::vector<ScriptedStep> script, bool paced = false)
+      : pictures_(std::move(pictures)), script_(std::move(script)), paced_(paced) {}
+
+  /// Called before each step, with its number.
+  std::function<void(std::size_t)> before_step = [](std::size_t) {};
+
+  [[nodiscard]] FrameFormat format() const override { return pictures_.front().format(); }
+  [[nodiscard]] bool has_own_pace() const override { return paced_; }
+  void start() override { step_ = 0; }
+  void stop() override {}
+  [[nodiscard]] SourceCounters counters() const override { return {}; }
+  [[nodiscard]] std::string state() const override {
+    const std::lock_guard lock(mutex_);
+    return state_;
+  }
+
+  Arrival next(Frame& frame, std::chrono::milliseconds) override {
+    if (step_ == script_.size()) return Arrival::ended;
+    before_step(step_);
+    const ScriptedStep& step = script_[step_++];
+    {
+      const std::lock_guard lock(mutex_);
+      state_ = step.state;
+    }
+    if (step.arrival != Arrival::frame) return step.arrival;
+    frame = pictures_[static_cast<std::size_t>(step.frame) % pictures_.size()];
+    frame.stamp = {.sequence = step.sequence,
+                   .pattern_index = step.pattern_index,
+                   .host_time = std::chrono::steady_clock::now()};
+    return Arrival::frame;
+  }
+
+ private:
+  std::vector<Frame> pictures_;
+  std::vector<ScriptedStep> script_;
+  bool paced_;
+  std::size_t step_ = 0;
+  mutable std::mutex mutex_;
+  std::string state_;
+};
+
+}  // namespace slipstream

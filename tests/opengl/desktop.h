@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <string>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace slipstream {
+
+/// The desktop that is there, or one of Xvfb for as long as this lives, where that is installed.
+class Desktop {
+ public:
+  Desktop() {
+    if (std::getenv("DISPLAY") != nullptr) return;
+    std::array<int, 2> ends{};
+    if (::pipe(ends.data()) != 0) return;
+    server_ = ::fork();
+    if (server_ == 0) {
+      const std::string end = std::to_string(ends[1]);
+      ::execlp("Xvfb", "Xvfb", "-displayfd", end.c_str(), "-screen", "0", "1280x800x24",
+               static_cast<char*>(nullptr));
+      ::_exit(127);
+    }
+    ::close(ends[1]);
+    std::string number;
+    char letter = 0;
+    while (::read(ends[0], &letter, 1) == 1 && letter != '\n') number += letter;
+    ::close(ends[0]);
+    if (!number.empty()) ::setenv("DISPLAY", (":" + number).c_str(), 1);
+  }
+  Desktop(const Desktop&) = delete;
+  Desktop& operator=(const Desktop&) = delete;
+  ~Desktop() {
+    if (server_ <= 0) return;
+    ::kill(server_, SIGTERM);
+    ::waitpid(server_, nullptr, 0);
+    ::unsetenv("DISPLAY");
+  }
+
+ private:
+  pid_t server_ = -1;
+};
+
+}  // namespace slipstream

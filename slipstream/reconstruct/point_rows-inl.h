@@ -390,8 +390,7 @@ HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts
 /// Vectors of which every pixel that is not dark has its point, as at the edges of shadows.
 template <std::size_t count>
 HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
-                                     const Several<count>& z,
-                                     const Several<count, Ints>& flags) {
+                                     const Several<count>& z, const Several<count, Ints>& flags) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
   static_assert(static_cast<int>(Validity::valid) == 0 &&
                 static_cast<int>(Validity::too_dark) == PixelFlag::dark);

@@ -79,7 +79,8 @@ nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
 void tell_table(const TimedRows& rows, const std::vector<int>& steps, Output& output) {
   std::vector<std::string> names;
   for (const TimedRow& timed : rows) {
-    if (std::find(names.begin(), names.end(), timed.row.name) == names.end()) {
+    const bool listed = std::find(names.begin(), names.end(), timed.row.name) != names.end();
+    if (!listed && !timed.row.name.starts_with("pcmp")) {
       names.push_back(timed.row.name);
     }
   }
@@ -98,6 +99,16 @@ void tell_table(const TimedRows& rows, const std::vector<int>& steps, Output& ou
                                 1e3 / timed->timing.median);
     }
     output.say("{}", line);
+  }
+}
+
+void tell_multiplexed(const TimedRows& rows, Output& output) {
+  const TimedRow* three = find(rows, "fused", 3);
+  output.say("\nphase channel multiplexing          ms      fps   of fused, N = 3");
+  for (const TimedRow& timed : rows) {
+    if (!timed.row.name.starts_with("pcmp")) continue;
+    output.say("{:<18} {:>8} {:>10.3f} {:>8.0f} {:>10.2f}", timed.row.name, "", timed.timing.median,
+               1e3 / timed.timing.median, timed.timing.median / three->timing.median);
   }
 }
 
@@ -128,6 +139,11 @@ nlohmann::json ratios_of(const TimedRows& rows) {
   for (const char* other : {"fused-corrected", "fused-dual"}) {
     if (const TimedRow* row = find(rows, other, 3)) {
       ratios[other] = row->timing.median / fused->timing.median;
+    }
+  }
+  for (const TimedRow& timed : rows) {
+    if (timed.row.name.starts_with("pcmp")) {
+      ratios[timed.row.name] = timed.timing.median / fused->timing.median;
     }
   }
   const TimedRow* largest = fused;
@@ -185,6 +201,7 @@ void bench(const BenchFlags& flags, int threads, Output& output) {
   for (std::size_t i = 0; i < rows.size(); ++i) table.push_back({rows[i], timings[i]});
   const nlohmann::json ratios = ratios_of(table);
   tell_table(table, settings.steps, output);
+  tell_multiplexed(table, output);
   tell_sizes(table, bandwidth, output);
   tell_ratios(ratios, output);
   output.say("\npublished, frames to cloud, 640x480, N = 3:");

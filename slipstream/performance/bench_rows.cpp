@@ -159,6 +159,14 @@ void add_dual(std::vector<BenchRow>& rows, int steps) {
   rows.push_back(fused_row(scan, strategy, "fused-dual", steps));
 }
 
+void add_multiplexed(std::vector<BenchRow>& rows, int steps) {
+  const Strategy strategy = make_strategy("pcmp", {{"steps", steps}});
+  ReconstructSettings settings;
+  settings.cue.ambient = bench_ambient;
+  const auto scan = std::make_shared<const BenchScan>(bench_scan(strategy));
+  rows.push_back(fused_row(scan, strategy, "pcmp-" + std::to_string(steps), steps, settings));
+}
+
 }  // namespace
 
 std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
@@ -172,6 +180,7 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
     add_steps(rows, steps, steps == 3 ? three_steps : scan_of(steps));
   }
   for (const int steps : settings.steps) add_dual(rows, steps);
+  for (const int steps : {3, 4, 5}) add_multiplexed(rows, steps);
   const Strategy three = PhaseMeasuring{.steps = 3, .frequency = 1};
   for (const int k : settings.enlargements) {
     const auto scan =

@@ -13,8 +13,8 @@ struct BenchSettings {
 };
 
 /// Every row of `slipstream bench`, ready to run: Table 2.2 for each N, the fused pass with a phase
-/// correction and for two frequencies, its sizes on one thread and on all, and OpenCV. What they
-/// need is built here; a row keeps alive what it shares with others.
+/// correction, for two frequencies and for PCMP, its sizes on one thread and on all, and OpenCV.
+/// What they need is built here; a row keeps alive what it shares with others.
 std::vector<BenchRow> bench_rows(const BenchSettings& settings);
 
 }  // namespace slipstream

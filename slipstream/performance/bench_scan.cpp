@@ -25,7 +25,7 @@ BenchScan bench_scan(const Strategy& strategy) {
   const Scanner scanner = example_scanner({640, 480});
   return {scanner,
           take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x),
-                    {.ambient = 5, .noise_variance = 1.55, .bits = 8})
+                    {.ambient = bench_ambient, .noise_variance = 1.55, .bits = 8})
               .frames};
 }
 

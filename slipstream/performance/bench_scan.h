@@ -12,6 +12,9 @@ struct BenchScan {
   FrameSet frames;
 };
 
+/// Ambient light of the scans, grey levels.
+inline constexpr double bench_ambient = 5;
+
 /// What the virtual scanner sees of a statue before a wall, 640x480, with ambient light and noise,
 /// stripes along x.
 BenchScan bench_scan(const Strategy& strategy);

@@ -1,5 +1,6 @@
 #include "slipstream/phase/neighbourhood_fringe_order.h"
 
+#include <cstddef>
 #include <limits>
 #include <numbers>
 
@@ -18,9 +19,20 @@ class ImageField {
     if (!inside || lit_(column, row) == 0) return std::numeric_limits<double>::quiet_NaN();
     return phase_(column, row) / (2 * std::numbers::pi) + own_(column, row);
   }
-  [[nodiscard]] double cost(int column, int row, int shift) const {
-    return cost_(column, row, own_(column, row) + shift);
+  void periods_around(int column, int row, PhaseWindow& window) const {
+    for (int r = 0; r < 9; ++r) {
+      for (int c = 0; c < 9; ++c) {
+        window[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] =
+            periods(column + c - 4, row + r - 4);
+      }
+    }
   }
+  using Evidence = PixelPlace;
+  [[nodiscard]] static Evidence evidence(int column, int row) { return {row, column}; }
+  [[nodiscard]] double cost(Evidence at, int shift) const {
+    return cost_(at.column, at.row, own_(at.column, at.row) + shift);
+  }
+  [[nodiscard]] static bool own_order_costs_least() { return false; }
   [[nodiscard]] int shift(int column, int row) const { return shift_(column, row); }
   void set_shift(int column, int row, int shift) { shift_(column, row) = shift; }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <compare>
 #include <cstddef>
-#include <cstdlib>
+#include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "slipstream/image/parallel_rows.h"
@@ -44,12 +46,18 @@ struct NeighbourhoodVoteLists {
   std::vector<PixelPlace> ever_moved;  ///< in any
 };
 
+/// Phases in periods around a pixel, [row][column], the pixel in the middle.
+using PhaseWindow = std::array<std::array<double, 9>, 9>;
+
 /// Chooses fringe orders by the neighbourhood, see choose_with_neighbours, and looks at no pixel
-/// but those in doubt and their neighbours. `Field` says, for any pixel and a few places past the
+/// but those in doubt and their neighbours. `Field` says, for any pixel and four places past the
 /// ends of the picture:
 ///   double periods(int column, int row)  the phase unwrapped by the pixel's own order, in periods;
 ///                                        NaN where it means nothing and outside the picture
-///   double cost(int column, int row, int shift)  FringeOrderCost of a shifted order
+///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel
+///   Evidence evidence(int column, int row)        what it knows of a pixel, and
+///   double cost(const Evidence&, int shift)       FringeOrderCost of a shifted order
+///   bool own_order_costs_least()  whether no shift costs a pixel less than none
 ///   int shift(int column, int row), void set_shift(int column, int row, int shift)
 template <class Field>
 class NeighbourhoodVote {
@@ -67,17 +75,18 @@ class NeighbourhoodVote {
     });
   }
 
-  /// `lists.open` holds, in any order, at least the pixels that disagree; the field's shifts are 0
-  /// and are then those chosen. `lists.ever_moved` holds all pixels that have one.
+  /// `lists.open` holds, in any order but once, at least the pixels that disagree; the field's
+  /// shifts are 0 and are then those chosen. `lists.ever_moved` holds all pixels that have one.
   void operator()(NeighbourhoodVoteLists& lists) {
     lists.ever_moved.clear();
     for (int pass = 0; pass < settings_.passes && !lists.open.empty(); ++pass) {
-      keep_those_that_disagree(lists.open);
       choose(lists);
       open_around_the_moved(lists);
     }
     sort_once(lists.ever_moved);
-    for (int pass = 0; pass < settings_.passes; ++pass) restore_at_hidden_edges(lists);
+    for (int pass = 0; pass < settings_.passes; ++pass) {
+      if (!restore_at_hidden_edges(lists)) break;
+    }
     std::erase_if(lists.ever_moved,
                   [&](PixelPlace at) { return field_.shift(at.column, at.row) == 0; });
   }
@@ -85,108 +94,228 @@ class NeighbourhoodVote {
  private:
   static constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
-  /// A pixel on the same surface, and its shift less that of the middle where both agree.
-  struct Neighbour {
-    int column, row, shift_step;
-  };
-
-  /// The middle comes first.
-  struct Surface {
-    std::array<Neighbour, 25> pixels;
-    std::size_t count = 0;
-
-    [[nodiscard]] const Neighbour* begin() const { return pixels.data(); }
-    [[nodiscard]] const Neighbour* end() const { return pixels.data() + count; }
-  };
-
+  static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
   static double nearest_whole(double periods) {
     constexpr double rounding = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds
     return (periods + rounding) - rounding;
   }
   static double part(double periods) { return periods - nearest_whole(periods); }
 
+  /// Shift at the next pixel less shift here, where they agree.
   [[nodiscard]] int shift_step(int column, int row, int dx, int dy) const {
-    return static_cast<int>(
-        nearest_whole(field_.periods(column, row) - field_.periods(column + dx, row + dy)));
+    return -static_cast<int>(
+        nearest_whole(field_.periods(column + dx, row + dy) - field_.periods(column, row)));
   }
 
-  /// Whether the surface goes on from a pixel to the next along (dx, dy), dx + dy = +-1: an edge
-  /// differs from the steps on either side of it.
-  [[nodiscard]] bool linked(int column, int row, int dx, int dy) const {
-    const double at = field_.periods(column, row);
-    const double next = field_.periods(column + dx, row + dy);
-    const double step = part(next - at);
+  /// Whether the surface goes on across a step, given those before and after it, all less whole
+  /// periods: an edge differs from the steps on either side of it.
+  [[nodiscard]] bool goes_on(double before, double step, double after) const {
     if (!(std::abs(step) <= settings_.steepest)) return false;
-    const double before = part(at - field_.periods(column - dx, row - dy));
-    const double after = part(field_.periods(column + 2 * dx, row + 2 * dy) - next);
     if (std::isnan(before) && std::isnan(after)) return true;
     return std::abs(step - before) <= settings_.roughest ||
            std::abs(step - after) <= settings_.roughest;
   }
 
-  /// All that are reached from the middle within the window.
-  [[nodiscard]] Surface same_surface(PixelPlace middle, int radius) const {
-    Surface found;
-    std::array<bool, 25> reached{};
-    const auto reach = [&](int column, int row, int shift_step) {
-      const int index = (row - middle.row + 2) * 5 + column - middle.column + 2;
-      reached[static_cast<std::size_t>(index)] = true;
-      found.pixels[found.count++] = {column, row, shift_step};
-    };
-    const auto is_open = [&](int column, int row) {
-      const int dx = column - middle.column, dy = row - middle.row;
-      return std::abs(dx) <= radius && std::abs(dy) <= radius &&
-             !reached[static_cast<std::size_t>((dy + 2) * 5 + dx + 2)];
-    };
-    reach(middle.column, middle.row, 0);
-    for (std::size_t next = 0; next < found.count; ++next) {
-      const auto [column, row, step] = found.pixels[next];
-      for (const auto& [dx, dy] : directions) {
-        if (!is_open(column + dx, row + dy) || !linked(column, row, dx, dy)) continue;
-        reach(column + dx, row + dy, step + shift_step(column, row, dx, dy));
+  /// From a pixel to the next along (dx, dy), dx + dy = +-1.
+  [[nodiscard]] bool linked(int column, int row, int dx, int dy) const {
+    const double at = field_.periods(column, row);
+    const double next = field_.periods(column + dx, row + dy);
+    return goes_on(part(at - field_.periods(column - dx, row - dy)), part(next - at),
+                   part(field_.periods(column + 2 * dx, row + 2 * dy) - next));
+  }
+
+  // The window of 5 x 5 is numbered by rows; sets of its pixels are bits of a number.
+  static constexpr int side = 5, middle = 12, cells = side * side;
+  using Cells = std::uint32_t;
+  static constexpr Cells bit(int cell) { return Cells{1} << cell; }
+  static constexpr Cells whole_window = bit(cells) - 1;
+  static constexpr Cells inner_window = 0b00000'01110'01110'01110'00000;
+
+  /// Between the pixels of a window and those right of and below them.
+  struct Links {
+    Cells right = 0, down = 0;
+    std::array<int, cells> right_step, down_step;  ///< shift_step, where they are linked
+  };
+
+  [[nodiscard]] Links links_around(PixelPlace at) const {
+    PhaseWindow window;
+    field_.periods_around(at.column, at.row, window);
+    Links links;
+    std::array<double, 8> steps, whole;
+    for (int i = 0; i < side; ++i) {
+      const auto add = [&](const auto& phase, Cells& linked, auto& shift_steps, auto cell) {
+        for (std::size_t j = 0; j < steps.size(); ++j) {
+          const double step = phase(j + 1) - phase(j);
+          whole[j] = nearest_whole(step);
+          steps[j] = step - whole[j];
+        }
+        for (int j = 0; j < side - 1; ++j) {
+          const std::size_t k = index(j + 2);
+          if (!goes_on(steps[k - 1], steps[k], steps[k + 1])) continue;
+          linked |= bit(cell(j));
+          shift_steps[index(cell(j))] = -static_cast<int>(whole[k]);
+        }
+      };
+      const std::size_t line = index(i + 2);
+      add([&](std::size_t j) { return window[line][j]; }, links.right, links.right_step,
+          [i](int j) { return side * i + j; });
+      add([&](std::size_t j) { return window[j][line]; }, links.down, links.down_step,
+          [i](int j) { return side * j + i; });
+    }
+    return links;
+  }
+
+  /// Pixels on the surface of the middle, reached through the window, and their shifts less that of
+  /// the middle where they agree with it.
+  struct Surface {
+    Cells pixels = bit(middle);
+    std::array<int, cells> shift_step{};
+  };
+
+  [[nodiscard]] static Surface same_surface(const Links& links, Cells window) {
+    Surface surface;
+    for (Cells front = bit(middle); front != 0;) {
+      Cells reached = 0;
+      const auto reach = [&](Cells from, int distance, const auto& steps, int sign) {
+        Cells to = (distance > 0 ? from << distance : from >> -distance) & window &
+                   ~surface.pixels & ~reached;
+        reached |= to;
+        for (; to != 0; to &= to - 1) {
+          const int cell = std::countr_zero(to), parent = cell - distance;
+          // A link is numbered by the first of its pixels.
+          const int link = sign > 0 ? parent : cell;
+          surface.shift_step[index(cell)] =
+              surface.shift_step[index(parent)] + sign * steps[index(link)];
+        }
+      };
+      reach(front & links.right, 1, links.right_step, 1);
+      reach(front & (links.right << 1), -1, links.right_step, -1);
+      reach(front & links.down, side, links.down_step, 1);
+      reach(front & (links.down << side), -side, links.down_step, -1);
+      surface.pixels |= reached;
+      front = reached;
+    }
+    return surface;
+  }
+
+  static PixelPlace place(PixelPlace at, int cell) {
+    return {at.row + cell / side - 2, at.column + cell % side - 2};
+  }
+  template <class Visit>
+  static void for_each_cell(Cells set, const Visit& visit) {
+    for (; set != 0; set &= set - 1) visit(std::countr_zero(set));
+  }
+
+  /// A pixel and all that have a say in its choice.
+  class Ballot {
+   public:
+    Ballot(const NeighbourhoodVote& vote, PixelPlace at, const Surface& surface)
+        : vote_(vote), at_(at), surface_(surface) {
+      for_each_cell(surface.pixels, [&](int cell) {
+        const PixelPlace neighbour = place(at, cell);
+        shift_[index(cell)] = vote.field_.shift(neighbour.column, neighbour.row);
+      });
+    }
+
+    /// The shift of the middle that costs least, among its own and those that neighbours imply;
+    /// first come those that most of them do.
+    [[nodiscard]] int least_cost_shift() {
+      struct Candidate {
+        int shift = 0, votes = 0;
+      };
+      std::array<Candidate, cells> candidates;
+      auto end = candidates.begin();
+      for_each_cell(surface_.pixels, [&](int cell) {
+        const int implied = shift_[index(cell)] - surface_.shift_step[index(cell)];
+        auto known = std::find_if(candidates.begin(), end,
+                                  [implied](const auto& c) { return c.shift == implied; });
+        if (known == end) *end++ = {implied, 0};
+        ++known->votes;
+      });
+      std::sort(candidates.begin(), end, [](const auto& a, const auto& b) {
+        return a.votes != b.votes ? a.votes > b.votes : a.shift < b.shift;
+      });
+      int best = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (auto candidate = candidates.begin(); candidate != end; ++candidate) {
+        const double here = total(candidate->shift, least);
+        if (!(here < least)) continue;
+        best = candidate->shift;
+        least = here;
       }
+      return best;
     }
-    return found;
-  }
 
-  /// The cost of a shift of the middle to the whole surface.
-  [[nodiscard]] double total(const Surface& surface, int shift) const {
-    const Neighbour& middle = *surface.begin();
-    double sum = field_.cost(middle.column, middle.row, shift);
-    for (const Neighbour* n = surface.begin() + 1; n != surface.end(); ++n) {
-      const int implied = shift + n->shift_step;
-      if (implied != 0) {
-        const double against =
-            field_.cost(n->column, n->row, implied) - field_.cost(n->column, n->row, 0);
-        sum += std::min(against, settings_.most_evidence);
+   private:
+    /// The cost of a shift of the middle to the whole surface; or, where nobody's share can be
+    /// negative, a part of it that is not below `enough`.
+    [[nodiscard]] double total(int shift, double enough) {
+      if (!vote_.field_.own_order_costs_least()) enough = std::numeric_limits<double>::infinity();
+      const NeighbourhoodChoice& settings = vote_.settings_;
+      double sum = cost(middle, shift) - cost(middle, 0);
+      for (Cells rest = surface_.pixels & ~bit(middle); rest != 0 && sum < enough;
+           rest &= rest - 1) {
+        const int cell = std::countr_zero(rest);
+        const int implied = shift + surface_.shift_step[index(cell)];
+        if (shift_[index(cell)] != implied) sum += settings.disagreement;
+        if (implied == 0) continue;
+        const double against = cost(cell, implied) - cost(cell, 0);
+        sum += std::min(against, settings.most_evidence);
       }
-      if (field_.shift(n->column, n->row) != implied) sum += settings_.disagreement;
+      return sum;
     }
-    return sum;
+
+    [[nodiscard]] double cost(int cell, int shift) {
+      if ((known_ & bit(cell)) == 0) {
+        const PixelPlace neighbour = place(at_, cell);
+        evidence_[index(cell)] = vote_.field_.evidence(neighbour.column, neighbour.row);
+        own_cost_[index(cell)] = vote_.field_.cost(evidence_[index(cell)], 0);
+        known_ |= bit(cell);
+      }
+      return shift == 0 ? own_cost_[index(cell)] : vote_.field_.cost(evidence_[index(cell)], shift);
+    }
+
+    const NeighbourhoodVote& vote_;
+    PixelPlace at_;
+    const Surface& surface_;
+    std::array<int, cells> shift_;
+    Cells known_ = 0;
+    std::array<typename Field::Evidence, cells> evidence_;
+    std::array<double, cells> own_cost_;
+  };
+
+  /// Whether one of the four neighbours implies another order.
+  [[nodiscard]] bool disagrees(PixelPlace at, const Links& links) const {
+    const int own = field_.shift(at.column, at.row);
+    const auto implies_another = [&](int dx, int dy, const auto& linked, const auto& steps,
+                                     int link, int sign) {
+      return (linked & bit(link)) != 0 &&
+             field_.shift(at.column + dx, at.row + dy) != own + sign * steps[index(link)];
+    };
+    return implies_another(1, 0, links.right, links.right_step, middle, 1) ||
+           implies_another(-1, 0, links.right, links.right_step, middle - 1, -1) ||
+           implies_another(0, 1, links.down, links.down_step, middle, 1) ||
+           implies_another(0, -1, links.down, links.down_step, middle - side, -1);
   }
 
-  /// The shift of the middle that costs least, among its own and those that neighbours imply.
-  [[nodiscard]] int least_cost_shift(PixelPlace middle) const {
-    const Surface surface = same_surface(middle, settings_.radius);
-    std::array<int, 25> candidates{};
-    std::size_t count = 0;
-    int best = 0;
-    double least = 0;
-    for (const auto& [column, row, shift_step] : surface) {
-      const int implied = field_.shift(column, row) - shift_step;
-      const auto known_end = candidates.begin() + static_cast<std::ptrdiff_t>(count);
-      if (std::find(candidates.begin(), known_end, implied) != known_end) continue;
-      candidates[count++] = implied;
-      const double here = total(surface, implied);
-      if (count > 1 && !(here < least)) continue;
-      best = implied;
-      least = here;
-    }
-    return best;
+  /// False only where no neighbour can disagree, whatever is an edge.
+  [[nodiscard]] bool may_disagree(PixelPlace at) const {
+    const double own = field_.periods(at.column, at.row);
+    const int shift = field_.shift(at.column, at.row);
+    return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
+      const int column = at.column + direction[0], row = at.row + direction[1];
+      const double step = field_.periods(column, row) - own;
+      const double nearest = nearest_whole(step);
+      return std::abs(step - nearest) <= settings_.steepest &&
+             field_.shift(column, row) != shift - static_cast<int>(nearest);
+    });
   }
 
-  void keep_those_that_disagree(std::vector<PixelPlace>& open) const {
-    std::erase_if(open, [&](PixelPlace at) { return !disagrees(at.column, at.row); });
+  [[nodiscard]] int chosen_shift(PixelPlace at) const {
+    const Links links = links_around(at);
+    if (!disagrees(at, links)) return field_.shift(at.column, at.row);
+    const Surface surface = same_surface(links, settings_.radius > 1 ? whole_window : inner_window);
+    return Ballot(*this, at, surface).least_cost_shift();
   }
 
   /// One pass: all choose by what stood before it.
@@ -200,7 +329,7 @@ class NeighbourhoodVote {
         const std::size_t first = static_cast<std::size_t>(part) * share;
         const std::size_t last = std::min(first + share, lists.open.size());
         for (std::size_t i = first; i < last; ++i) {
-          lists.choices[i] = {lists.open[i], vote.least_cost_shift(lists.open[i])};
+          lists.choices[i] = {lists.open[i], vote.chosen_shift(lists.open[i])};
         }
       }
     };
@@ -231,8 +360,8 @@ class NeighbourhoodVote {
     for (const auto& [row, column] : lists.moved) {
       for (int dy = -settings_.radius; dy <= settings_.radius; ++dy) {
         for (int dx = -settings_.radius; dx <= settings_.radius; ++dx) {
-          if (std::isnan(field_.periods(column + dx, row + dy))) continue;
-          lists.open.push_back({row + dy, column + dx});
+          const PixelPlace seeing{row + dy, column + dx};
+          if (may_disagree(seeing)) lists.open.push_back(seeing);
         }
       }
     }
@@ -245,19 +374,22 @@ class NeighbourhoodVote {
   }
 
   /// One pass over the moved pixels: back to what the pixel said alone where enough of its eight
-  /// neighbours, those on the same surface, agree with that.
-  void restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
+  /// neighbours, those on the same surface, agree with that. Whether there was one.
+  bool restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
     lists.choices.clear();
     for (const PixelPlace at : lists.ever_moved) {
       if (field_.shift(at.column, at.row) == 0) continue;
-      const Surface surface = same_surface(at, 1);
-      const auto supporters =
-          std::count_if(surface.begin() + 1, surface.end(), [&](const Neighbour& neighbour) {
-            return field_.shift(neighbour.column, neighbour.row) == neighbour.shift_step;
-          });
+      const Surface surface = same_surface(links_around(at), inner_window);
+      int supporters = 0;
+      for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
+        const PixelPlace neighbour = place(at, cell);
+        const int shift = field_.shift(neighbour.column, neighbour.row);
+        supporters += shift == surface.shift_step[index(cell)] ? 1 : 0;
+      });
       if (supporters >= settings_.hidden_edge) lists.choices.push_back({at, 0});
     }
     for (const auto& [at, shift] : lists.choices) field_.set_shift(at.column, at.row, shift);
+    return !lists.choices.empty();
   }
 
   Field& field_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -46,7 +47,7 @@ Reconstruction DoubleReconstructor::operator()(const FrameSet& frames) const {
                             frames.size().width, frames.size().height, camera.width,
                             camera.height));
   }
-  DecodedScan decoded = decode_(frames);
+  DecodedScan decoded = decode_(frames, least_neighbour_modulation(settings_, frames.full_scale()));
   Cloud cloud = triangulated(decoded, measured(decoded, frames));
   const double grey_level = frames.full_scale() / 255;
   std::transform(decoded.mean.begin(), decoded.mean.end(), cloud.intensity.begin(),
@@ -60,10 +61,15 @@ Image<Validity> DoubleReconstructor::measured(const DecodedScan& decoded,
   const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
   const Image<std::uint8_t> saturated = saturation_mask(frames);
   const bool one_frequency = decoded.fringe_order_doubt.empty();
+  const bool multiplexed = std::holds_alternative<PhaseChannelMultiplexing>(strategy_);
+  const Image<std::uint8_t> asked =
+      multiplexed ? modulation_mask(decoded.modulation,
+                                    least_neighbour_modulation(settings_, frames.full_scale()))
+                  : lit;
   const Image<std::uint8_t> unconfirmed =
       one_frequency ? Image<std::uint8_t>(frames.size())
-                    : unconfirmed_fringe_orders(decoded.coordinate, decoded.fringe_order_doubt, lit,
-                                                highest_frequency_, settings_.fringe_order);
+                    : unconfirmed_fringe_orders(decoded.coordinate, decoded.fringe_order_doubt,
+                                                asked, highest_frequency_, settings_.fringe_order);
   Image<Validity> validity(frames.size());
   for_each_row(frames.size().height, [&](int row) {
     for (int column = 0; column < frames.size().width; ++column) {

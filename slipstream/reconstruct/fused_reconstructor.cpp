@@ -37,7 +37,6 @@ void prepare(FusedScratch& scratch, int width, int frames) {
     for (Image<float>* row : {&scratch.turn, &scratch.low_turn, &scratch.mean}) {
       prepare(*row, {width, 1});
     }
-    scratch.unused_flags.resize(index(width));
   }
   std::apply([&](auto&... rows) { (rows.resize(index(frames)), ...); }, scratch.frames);
 }
@@ -150,36 +149,28 @@ void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
   }
 }
 
-/// Rows whose neighbours confirm them: the coordinates of each are kept until those below it are
-/// known. `fill(row, kept)` gives a row its coordinates and flags.
-template <class Output, class Fill>
-void confirmed_rows(const FusedStages& stages, const ConsensusStage& consensus, int first, int last,
-                    FusedScratch& scratch, Output& output, const Fill& fill) {
-  const Size size = output.z.size();
-  const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
-  const auto fill_if_there = [&](int row) {
-    if (row < 0 || row >= size.height) return prepare(kept(row), size.width);
-    fill(row, kept(row));
-  };
-  fill_if_there(first - 1);
-  fill_if_there(first);
-  for (int row = first; row < last; ++row) {
-    fill_if_there(row + 1);
-    PointRow points = point_output(stages, output, row);
-    points.flags = kept(row).flags.begin();
-    points.above = coordinates(kept(row - 1));
-    points.coordinate = coordinates(kept(row));
-    points.below = coordinates(kept(row + 1));
-    point_row(stages.point, consensus, points);
-  }
+/// Points of a row whose neighbours confirm it; `coordinates(row)` are padded on both sides.
+template <class Output, class Coordinates>
+void confirmed_row(const FusedStages& stages, const ConsensusStage& consensus, int row,
+                   const std::int32_t* flags, const Coordinates& coordinates, Output& output) {
+  PointRow points = point_output(stages, output, row);
+  points.flags = flags;
+  points.above = coordinates(row - 1);
+  points.coordinate = coordinates(row);
+  points.below = coordinates(row + 1);
+  point_row(stages.point, consensus, points);
 }
 
+/// The coordinates of each row are kept until those below it are known, for its neighbours confirm
+/// them.
 template <class Pixel, class Output>
 void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
                      Output& output) {
-  const auto decode = [&](int row, FusedScratch::Row& kept) {
+  const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
+  const auto decode = [&](int row) {
+    if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
     const bool ours = row >= first && row < last;
-    std::int32_t* flags = kept.flags.begin();
+    std::int32_t* flags = kept(row).flags.begin();
     pass.decode(
         row, scratch,
         {.width = pass.width(),
@@ -190,9 +181,16 @@ void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch&
          .only_lit = true});
     unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.begin(),
                scratch.low_turn.begin(), PixelFlag::dark,
-               {.coordinate = coordinates(kept), .flags = flags});
+               {.coordinate = coordinates(kept(row)), .flags = flags});
   };
-  confirmed_rows(pass.stages, pass.stages.low->consensus, first, last, scratch, output, decode);
+  decode(first - 1);
+  decode(first);
+  for (int row = first; row < last; ++row) {
+    decode(row + 1);
+    confirmed_row(
+        pass.stages, pass.stages.low->consensus, row, kept(row).flags.begin(),
+        [&](int near) { return coordinates(kept(near)); }, output);
+  }
 }
 
 /// Where the row of a multiplexed scan goes beside the picture.
@@ -210,43 +208,20 @@ MultiplexedRow multiplexed_output(FusedDecoding& output, int row, FusedScratch& 
           .unhidden_coordinate = output.coordinate.row(row)};
 }
 
-/// Frames to coordinates by each pixel alone, and the pixels with whom a neighbour may disagree:
-/// each row is asked when the one below it is known. A row past the band is another's, and decoded
-/// for itself.
+/// Frames to coordinates by each pixel alone. A row past the band is another's, and decoded for the
+/// vote only.
 template <class Pixel, class Output>
-void decode_multiplexed_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
-                             Output& output) {
-  const FusedStages::Cue& cue = *pass.stages.cue;
-  const auto is_ours = [&](int row) { return row >= first && row < last; };
-  const auto place = [&](int row) {
-    if (is_ours(row) || row < 0 || row >= pass.height()) return output.between.coordinates(row);
-    return coordinates(scratch.rows[row < first ? 0 : 1]);
-  };
-  const auto decode = [&](int row) {
-    if (row < 0 || row >= pass.height()) return;
-    MultiplexedRow to{.mean = scratch.mean.begin()};
-    if (is_ours(row)) to = multiplexed_output(output, row, scratch);
-    to.width = pass.width();
-    to.coordinate = place(row);
-    to.flags = is_ours(row) ? output.between.flags(row) : scratch.unused_flags.data();
-    decode_row(pass.stages.sinusoid, cue.stage, pass.limits, pass.cue_limits,
-               pass.frame_rows(row, scratch), to);
-    if constexpr (std::is_same_v<Output, FusedDecoding>) {
-      if (is_ours(row)) phase_row(to.width, to.turn, output.wrapped_phase.row(row));
-    }
-  };
-  scratch.disagreeing.clear();
-  decode(first - 1);
-  decode(first);
-  for (int row = first; row < last; ++row) {
-    decode(row + 1);
-    find_disagreeing(cue.stage,
-                     {.width = pass.width(),
-                      .row = row,
-                      .above = place(row - 1),
-                      .here = place(row),
-                      .below = place(row + 1)},
-                     scratch.disagreeing);
+void decode_multiplexed(const Pass<Pixel>& pass, int row, bool ours, FusedScratch& scratch,
+                        Output& output) {
+  MultiplexedRow to{.mean = scratch.mean.begin()};
+  if (ours) to = multiplexed_output(output, row, scratch);
+  to.width = pass.width();
+  to.coordinate = scratch.block.coordinates(row);
+  to.flags = scratch.block.flags(row);
+  decode_row(pass.stages.sinusoid, pass.stages.cue->stage, pass.limits, pass.cue_limits,
+             pass.frame_rows(row, scratch), to);
+  if constexpr (std::is_same_v<Output, FusedDecoding>) {
+    if (ours) phase_row(to.width, to.turn, output.wrapped_phase.row(row));
   }
 }
 
@@ -269,48 +244,75 @@ void set(FusedDecoding& decoding, PixelPlace at, const MovedPixel& pixel, double
   decoding.mean(at.column, at.row) += static_cast<float>(grey_level * pixel.brighter);
 }
 
-/// The neighbourhood's vote, and what follows from it for the pixels that it moves.
+/// The neighbourhood's vote on the rows from `first` to `last`, and what follows from it for the
+/// pixels that it moves.
 template <class Pixel, class Output>
-void vote(const Pass<Pixel>& pass, int bands, Output& output) {
+void vote(const Pass<Pixel>& pass, int first, int last, MultiplexedBlock& block, Output& output) {
   const FusedStages::Cue& cue = *pass.stages.cue;
-  MultiplexedPicture& picture = output.between;
-  picture.lists.open.clear();
-  for (int band = 0; band < bands; ++band) {
-    const auto& found = output.scratch[index(band)].disagreeing;
-    picture.lists.open.insert(picture.lists.open.end(), found.begin(), found.end());
-  }
-  MultiplexedField field(cue, pass.frames, pass.full_scale, picture);
-  NeighbourhoodVote(field, {})(picture.lists);
-  for (const PixelPlace at : picture.lists.ever_moved) {
-    float& coordinate = picture.coordinates(at.row)[at.column];
-    const double before = coordinate, y = before + picture.shift(at) / cue.f_h;
+  const bool some_dim = pass.cue_limits.lit_square > pass.cue_limits.voting_square;
+  MultiplexedField field(cue, pass.frames, pass.full_scale, some_dim, block);
+  block.lists.open.assign(block.disagreeing.begin(), block.disagreeing.end());
+  NeighbourhoodVote(field, {})(block.lists);
+  for (const PixelPlace at : block.lists.ever_moved) {
+    float& coordinate = block.coordinates(at.row)[at.column];
+    std::int32_t& flags = block.flags(at.row)[at.column];
+    block.moved.push_back({at, coordinate, flags});
+    const double before = coordinate, y = before + block.shift(at) / cue.f_h;
     const MultiplexedPixel pixel = field.pixel(at.column, at.row);
     const double doubt = cue.exact.doubt(pixel, y);
     coordinate = static_cast<float>(y);
-    std::uint8_t& flags = picture.flags(at.row)[at.column];
-    const auto others = static_cast<std::uint8_t>(flags & ~PixelFlag::doubtful_order);
-    const bool doubtful = doubt > cue.stage.largest_doubt;
-    flags = doubtful ? static_cast<std::uint8_t>(others | PixelFlag::doubtful_order) : others;
-    picture.shift(at) = 0;
+    flags &= ~PixelFlag::doubtful_order;
+    if (doubt > cue.stage.largest_doubt) flags |= PixelFlag::doubtful_order;
+    block.shift(at) = 0;
+    if (at.row < first || at.row >= last) continue;
     const double brighter = cue.exact.shade(pixel, before) - cue.exact.shade(pixel, y);
     set(output, at, {.coordinate = y, .doubt = doubt, .brighter = brighter}, pass.full_scale / 255);
   }
 }
 
-/// Points of a picture whose coordinates are known.
-template <class Output>
-void multiplexed_points(const FusedStages& stages, int first, int last, FusedScratch& scratch,
-                        Output& output) {
-  const MultiplexedPicture& picture = output.between;
-  confirmed_rows(stages, stages.cue->consensus, first, last, scratch, output,
-                 [&](int row, FusedScratch::Row& kept) {
-                   take_row(output.z.width(), picture.coordinates(row), picture.flags(row),
-                            coordinates(kept), kept.flags.begin());
-                 });
+/// Block by block: what the vote needs to see is decoded, then it is held, then come the points.
+template <class Pixel, class Output>
+void multiplexed_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
+                      Output& output) {
+  using Block = MultiplexedBlock;
+  Block& block = scratch.block;
+  const CueStage& cue = pass.stages.cue->stage;
+  const auto within = [&](int row) { return std::clamp(row, 0, pass.height()); };
+  block.prepare(pass.width());
+  int decoded = within(first - Block::seen), asked = within(first - Block::voters);
+  block.clear(decoded - Block::looks_past, decoded);
+  for (int begin = first, end = first; begin < last; begin = end) {
+    end = std::min(begin + Block::most_rows, last);
+    block.forget_vote();
+    for (; decoded < within(end + Block::seen); ++decoded) {
+      decode_multiplexed(pass, decoded, decoded >= first && decoded < last, scratch, output);
+    }
+    block.clear(decoded, decoded + Block::looks_past);
+    std::erase_if(block.disagreeing,
+                  [begin](PixelPlace at) { return at.row < begin - Block::voters; });
+    for (; asked < within(end + Block::voters); ++asked) {
+      find_disagreeing(cue,
+                       {.width = pass.width(),
+                        .row = asked,
+                        .above = block.coordinates(asked - 1),
+                        .here = block.coordinates(asked),
+                        .below = block.coordinates(asked + 1)},
+                       block.disagreeing);
+    }
+    vote(pass, begin, end, block, output);
+    if constexpr (!std::is_same_v<Output, FusedDecoding>) {
+      for (int row = begin; row < end; ++row) {
+        confirmed_row(
+            pass.stages, pass.stages.cue->consensus, row, block.flags(row),
+            [&](int near) { return block.coordinates(near); }, output);
+      }
+    }
+  }
 }
 
 template <class Pixel, class Output>
 void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch, Output& output) {
+  if (pass.stages.cue) return multiplexed_band(pass, first, last, scratch, output);
   if (pass.stages.low) return two_frequencies(pass, first, last, scratch, output);
   one_frequency(pass, first, last, scratch, output);
 }
@@ -318,6 +320,7 @@ void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratc
 template <class Pixel>
 void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
               FusedDecoding& output) {
+  if (pass.stages.cue) return multiplexed_band(pass, first, last, scratch, output);
   const int width = pass.width();
   const float* turn = scratch.turn.begin();
   std::int32_t* flags = scratch.rows[0].flags.begin();
@@ -342,8 +345,9 @@ void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratc
 
 /// Bands so high that the rows decoded twice at their borders do not matter, and several for each
 /// thread so that none waits long.
-int band_count(int height) {
-  constexpr int fewest_rows = 32, bands_per_thread = 4;
+int band_count(int height, bool multiplexed) {
+  constexpr int bands_per_thread = 4;
+  const int fewest_rows = multiplexed ? 4 * 2 * MultiplexedBlock::seen : 32;
   const int threads = parallel_threads();
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
@@ -390,40 +394,29 @@ void FusedReconstructor::run(const Frames<Pixel>& frames, double full_scale, Out
   if (stages_.low) {
     pass.low_limits = sinusoid_limits(stages_.low->sinusoid, settings_, full_scale, mean_of);
   }
-  if (stages_.cue) pass.cue_limits = cue_limits(stages_, full_scale);
+  if (stages_.cue) pass.cue_limits = cue_limits(stages_, settings_, full_scale);
   prepare(output, size, stages_.low || stages_.cue);
-  const int bands = band_count(size.height);
+  const int bands = band_count(size.height, stages_.cue.has_value());
   if (output.scratch.size() < index(bands)) output.scratch.resize(index(bands));
-  const auto in_bands = [&](const auto& work) {
-    const auto on_band = [&](int band) {
-      FusedScratch& scratch = output.scratch[index(band)];
-      prepare(scratch, size.width, stages_.frame_count());
-      const auto border = [&](int i) {
-        return static_cast<int>(std::int64_t{size.height} * i / bands);
-      };
-      work(border(band), border(band + 1), scratch);
-      flush_past_cache();
-    };
-    if (bands == 1) return on_band(0);
-    // One captured reference: std::function then allocates nothing.
-    for_each_row(bands, [&on_band](int band) { on_band(band); });
-  };
 
-  if (!stages_.cue) {
-    return in_bands([&](int first, int last, FusedScratch& scratch) {
-      run_band(pass, first, last, scratch, output);
-    });
-  }
-  output.between.prepare(size);
-  in_bands([&](int first, int last, FusedScratch& scratch) {
-    decode_multiplexed_band(pass, first, last, scratch, output);
-  });
-  vote(pass, bands, output);
-  if constexpr (!decoding) {
-    in_bands([&](int first, int last, FusedScratch& scratch) {
-      multiplexed_points(stages_, first, last, scratch, output);
-    });
-  }
+  // One captured reference: std::function then allocates nothing.
+  struct Work {
+    const Pass<Pixel>& pass;
+    Output& output;
+    int bands;
+    void operator()(int band) const {
+      FusedScratch& scratch = output.scratch[index(band)];
+      prepare(scratch, pass.width(), static_cast<int>(pass.frames.size()));
+      const auto border = [&](int i) {
+        return static_cast<int>(std::int64_t{pass.height()} * i / bands);
+      };
+      run_band(pass, border(band), border(band + 1), scratch, output);
+      flush_past_cache();
+    }
+  };
+  const Work work{pass, output, bands};
+  if (bands == 1) return work(0);
+  for_each_row(bands, [&work](int band) { work(band); });
 }
 
 void FusedReconstructor::operator()(const Frames<std::uint8_t>& frames, FusedCloud& cloud) const {

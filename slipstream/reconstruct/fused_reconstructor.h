@@ -8,7 +8,7 @@
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/reconstruct/fused_stages.h"
-#include "slipstream/reconstruct/multiplexed_picture.h"
+#include "slipstream/reconstruct/multiplexed_block.h"
 
 namespace slipstream {
 
@@ -21,8 +21,7 @@ struct FusedScratch {
   std::array<Row, 3> rows;            ///< a row and its neighbours, in turns
   Image<float> turn, low_turn, mean;  ///< images for their alignment
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
-  std::vector<std::uint8_t> unused_flags;
-  std::vector<PixelPlace> disagreeing;
+  MultiplexedBlock block;
 };
 
 /// An organised cloud in single precision, as the fused pass writes it. Made once and handed in for
@@ -32,7 +31,6 @@ struct FusedCloud {
   Image<float> intensity;  ///< the mean A^c, grey levels of an 8-bit camera
   Image<Validity> validity;
   std::vector<FusedScratch> scratch;  ///< nothing to read in it
-  MultiplexedPicture between;         ///< nor in it
 };
 
 /// The same in double precision, as files are written from it.
@@ -43,7 +41,6 @@ struct FusedDepth {
   Image<float> z;  ///< mm; NaN where not valid
   Image<Validity> validity;
   std::vector<FusedScratch> scratch;
-  MultiplexedPicture between;
 };
 
 /// Before geometry: as DecodedScan, in single precision. Coordinates are not confirmed by their
@@ -51,11 +48,9 @@ struct FusedDepth {
 struct FusedDecoding {
   Image<float> mean, modulation, wrapped_phase, fringe_order_doubt, coordinate;
   std::vector<FusedScratch> scratch;
-  MultiplexedPicture between;
 };
 
-/// Frames to cloud in one pass over the pixels, two where the neighbourhood has a vote on the
-/// fringe orders (PCMP): no intermediate image, vectors of floats, rows
+/// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, rows
 /// shared among threads in bands, no allocation once the output has been used. Thread-safe with an
 /// output for each thread.
 ///

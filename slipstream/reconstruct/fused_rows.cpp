@@ -20,7 +20,6 @@ HWY_EXPORT(DecodeRow16);
 HWY_EXPORT(DecodeMultiplexedRow8);
 HWY_EXPORT(DecodeMultiplexedRow16);
 HWY_EXPORT(FindDisagreeing);
-HWY_EXPORT(TakeRow);
 HWY_EXPORT(PlaceRow);
 HWY_EXPORT(UnwrapRow);
 HWY_EXPORT(PhaseRow);
@@ -52,11 +51,6 @@ void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidL
 void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
                       std::vector<PixelPlace>& found) {
   HWY_DYNAMIC_DISPATCH(FindDisagreeing)(cue, rows, found);
-}
-
-void take_row(int width, const float* coordinates, const std::uint8_t* flags, float* taken,
-              std::int32_t* taken_flags) {
-  HWY_DYNAMIC_DISPATCH(TakeRow)(width, coordinates, flags, taken, taken_flags);
 }
 
 void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {

@@ -22,15 +22,15 @@ enum PixelFlag : std::int32_t {
   dark = 1,            ///< a modulation below the threshold
   saturated = 2,       ///< a frame at full scale, where such pixels are dropped
   doubtful_order = 4,  ///< low and high frequency disagree by more than the consensus lets pass
-  dim = 8,             ///< a modulation within the noise: nobody asks such a neighbour
+  dim = 8,  ///< a modulation within the noise: nobody asks such a neighbour for his order
 };
 
 /// How the N frames of one sinusoid become a phase. U = sum u_n I_n and V = sum v_n I_n stand for
 /// the cosine and sine sums of Liu 2010, Eqs. (1.5), (1.6): the integers of Eqs. (2.1)-(2.3) for
-/// N = 3, 4, 6, else the sums themselves, in double.
+/// N = 3, 4, 6, numbers a + b sqrt(5) of integers for N = 5, else the sums themselves, in double.
 struct SinusoidStage {
   int steps = 3;
-  std::vector<double> cosines{};  ///< 2/N cos(2 pi n / N); for N other than 3, 4, 6
+  std::vector<double> cosines{};  ///< 2/N cos(2 pi n / N); for N above 6
   std::vector<double> sines{};
   float sine_weight = 1;       ///< of V against U
   float sine_square = 1;       ///< its square

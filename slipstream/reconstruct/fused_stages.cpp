@@ -112,24 +112,22 @@ void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
   }
 }
 
-/// By sums in double.
-SinusoidStage general_stage(int steps, const PhaseCorrections& corrections) {
-  SinusoidStage stage{
-      .steps = steps, .cosines = channel_cosines(steps, 1), .sines = channel_sines(steps, 1)};
+SinusoidStage sinusoid_stage(int steps, const PhaseCorrections& corrections) {
+  SinusoidStage stage{.steps = steps};
   const auto correction = corrections.find(steps);
   if (correction != corrections.end()) add_correction(stage, correction->second);
-  return stage;
-}
-
-/// By the closed form where there is one.
-SinusoidStage sinusoid_stage(int steps, const PhaseCorrections& corrections) {
-  SinusoidStage stage = general_stage(steps, corrections);
+  const auto weigh = [&](double sine_square, double divisor) {
+    stage.sine_weight = static_cast<float>(std::sqrt(sine_square));
+    stage.sine_square = static_cast<float>(sine_square);
+    stage.modulation_scale = static_cast<float>(1 / divisor);
+  };
   if (const ClosedForm* form = closed_form(steps)) {
-    stage.sine_weight = static_cast<float>(std::sqrt(form->sine_square));
-    stage.sine_square = static_cast<float>(form->sine_square);
-    stage.modulation_scale = static_cast<float>(1 / form->divisor);
-    stage.cosines.clear();
-    stage.sines.clear();
+    weigh(form->sine_square, form->divisor);
+  } else if (steps == 5) {
+    weigh((5 + std::sqrt(5)) / 2, 10);  // (2 sin(2 pi / 5))^2
+  } else {
+    stage.cosines = channel_cosines(steps, 1);
+    stage.sines = channel_sines(steps, 1);
   }
   return stage;
 }
@@ -160,19 +158,20 @@ FusedStages::LowFrequency low_frequency(const Sinusoid& low, const Sinusoid& hig
 
 CueStage cue_stage(const PhaseChannelMultiplexing& pcmp, int length,
                    const ReconstructSettings& settings) {
-  const auto& [light, ambient, noise_variance, unwrapping] = settings.cue;
-  const double dc = pcmp.steps == 3 ? 1 + 2 * (light.beta_p + ambient) / light.alpha_p : 0;
-  using Channel = CueStage::Channel;
-  CueStage stage{.channel = pcmp.steps == 3   ? Channel::mean
-                            : pcmp.steps == 4 ? Channel::half_phase
-                                              : Channel::second,
-                 .gain = static_cast<float>(pcmp.c1() / pcmp.c2()),
+  const PatternLight& light = settings.cue.light;
+  const double dc =
+      pcmp.steps == 3 ? 1 + 2 * (light.beta_p + settings.cue.ambient) / light.alpha_p : 0;
+  CueStage stage{.gain = static_cast<float>(pcmp.c1() / pcmp.c2()),
                  .offset = static_cast<float>(dc / pcmp.c2()),
                  .shade = static_cast<float>(pcmp.c2() / pcmp.c1()),
                  .periods = static_cast<float>(pcmp.f_h()),
                  .largest_doubt = static_cast<float>(settings.fringe_order.largest_doubt),
                  .coordinate = coordinate_stage(pcmp.f_h(), 1, length)};
-  if (pcmp.steps >= 5) {
+  if (pcmp.steps == 5) {
+    stage.sine_weight = static_cast<float>(2 * std::sin(2 * std::numbers::pi / 5));
+  } else if (pcmp.steps == 6) {
+    stage.sine_weight = static_cast<float>(std::sqrt(3));
+  } else if (pcmp.steps > 6) {
     stage.cosines = channel_cosines(pcmp.steps, 2);
     stage.sines = channel_sines(pcmp.steps, 2);
   }
@@ -274,10 +273,7 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
   const auto& [first, low, pcmp] = *sinusoids;
   const int length = length_along(axis, scanner.projector.size);
   const double widest = low ? low->frequency : pcmp != nullptr ? 1 : first.frequency;
-  // Two channels share what sums in double cost.
-  const bool by_sums = pcmp != nullptr && pcmp->steps >= 5;
-  FusedStages stages{.sinusoid = by_sums ? general_stage(first.steps, settings.phase_corrections)
-                                         : sinusoid_stage(first.steps, settings.phase_corrections),
+  FusedStages stages{.sinusoid = sinusoid_stage(first.steps, settings.phase_corrections),
                      .low = {},
                      .cue = {},
                      .coordinate = coordinate_stage(first.frequency, widest, length),
@@ -294,24 +290,28 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
                                double full_scale, double mean_of) {
   const double least = least_modulation(settings, full_scale);
   SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
-  const ClosedForm* form = stage.cosines.empty() ? closed_form(stage.steps) : nullptr;
-  if (form != nullptr) {
+  if (const ClosedForm* form = closed_form(stage.steps)) {
     // The least integer whose root passes in double, so that the same pixels do.
     double square = std::max(std::floor(least * form->divisor * least * form->divisor) - 2, 0.0);
     while (std::sqrt(square) / form->divisor < least) ++square;
     limits.least_square = static_cast<float>(square);
   } else {
-    limits.least_square = static_cast<float>(least * least);
+    const double in_sums = least / stage.modulation_scale;
+    limits.least_square = static_cast<float>(in_sums * in_sums);
   }
   if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(full_scale);
   return limits;
 }
 
-CueLimits cue_limits(const FusedStages& stages, double full_scale) {
+CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
+                     double full_scale) {
   const double grey_level = full_scale / 255;
   const double dimmest = stages.cue->dimmest_lit * grey_level / stages.sinusoid.modulation_scale;
+  const double voting =
+      least_neighbour_modulation(settings, full_scale) / stages.sinusoid.modulation_scale;
   return {.ambient = static_cast<float>(stages.cue->ambient * grey_level),
-          .lit_square = static_cast<float>(dimmest * dimmest)};
+          .lit_square = static_cast<float>(dimmest * dimmest),
+          .voting_square = static_cast<float>(voting * voting)};
 }
 
 }  // namespace slipstream

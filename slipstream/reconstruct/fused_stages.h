@@ -60,6 +60,7 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
                                double full_scale, double mean_of);
 
 /// The limits of a cue likewise.
-CueLimits cue_limits(const FusedStages& stages, double full_scale);
+CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
+                     double full_scale);
 
 }  // namespace slipstream

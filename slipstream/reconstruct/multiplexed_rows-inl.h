@@ -22,15 +22,30 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
+/// The cue of N >= 5 is a sinusoid.
+template <int steps>
+constexpr bool is_circle = steps != 3 && steps != 4;
+
 /// What one vector of pixels says: the high frequency, and the channel of the cue times N, or its
-/// cosine and sine.
+/// cosine and sine up to a factor.
 struct MultiplexedSums {
   FrameSums high;
   Floats cue, cue_sine;
 };
 
-/// N >= 5. Frames n and N - n have the same cosine and opposite sines: their sum and their
-/// difference, exact in integers, serve both channels.
+/// N = 6: the second channel in integers; U is 6 C, V 6 S / sqrt(3).
+template <class Pixel>
+HWY_INLINE MultiplexedSums sixth_sums(const Pixel* const* frames, std::size_t i) {
+  const FloatTag d;
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+  const Ints rising = hn::Add(I(1), I(4)), falling = hn::Add(I(2), I(5));
+  const Ints U = hn::Sub(hn::ShiftLeft<1>(hn::Add(I(0), I(3))), hn::Add(rising, falling));
+  return {closed_form_sums<6>(frames, i), hn::ConvertTo(d, U),
+          hn::ConvertTo(d, hn::Sub(rising, falling))};
+}
+
+/// N above 6. Frames n and N - n have the same cosine and opposite sines: their sum and their
+/// difference serve both channels.
 template <class Pixel>
 HWY_INLINE MultiplexedSums two_channel_sums(const SinusoidStage& stage, const CueStage& cue,
                                             const Pixel* const* frames, std::size_t i) {
@@ -60,32 +75,39 @@ HWY_INLINE MultiplexedSums two_channel_sums(const SinusoidStage& stage, const Cu
   return {{sum, greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
 }
 
-template <CueStage::Channel channel, class Pixel>
+/// `steps`: N where its sums are compiled, else 0.
+template <int steps, class Pixel>
 HWY_INLINE MultiplexedSums multiplexed_sums(const SinusoidStage& stage, const CueStage& cue,
                                             const Pixel* const* frames, std::size_t i) {
   const FloatTag d;
-  if constexpr (channel == CueStage::Channel::mean) {
+  if constexpr (steps == 3) {
     const FrameSums sums = closed_form_sums<3>(frames, i);
     return {sums, hn::ConvertTo(d, sums.sum), hn::Zero(d)};
-  } else if constexpr (channel == CueStage::Channel::half_phase) {
-    const auto I = [&](std::size_t n) HWY_ATTR { return load_pixels(frames[n] + i); };
+  } else if constexpr (steps == 4) {
+    const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
     const Ints half_phase = hn::Sub(hn::Add(I(0), I(2)), hn::Add(I(1), I(3)));  // (3.70)
     return {closed_form_sums<4>(frames, i), hn::ConvertTo(d, half_phase), hn::Zero(d)};
+  } else if constexpr (steps == 5) {
+    const FifthSums sums = fifth_sums(frames, i);
+    return {sums.first, sums.U, sums.V};
+  } else if constexpr (steps == 6) {
+    return sixth_sums(frames, i);
   } else {
     return two_channel_sums(stage, cue, frames, i);
   }
 }
 
 /// MultiplexedCue::coordinate, in periods of the high frequency. `modulation`: B_1^c.
-template <CueStage::Channel channel>
+template <int steps>
 HWY_INLINE Floats cue_periods(const CueStage& cue, const CueLimits& limits,
                               const MultiplexedSums& sums, Floats modulation) {
   const FloatTag d;
   const Floats one = hn::Set(d, 1.0F), f_h = hn::Set(d, cue.periods);
-  if constexpr (channel == CueStage::Channel::second) {
-    return hn::Mul(f_h, angle_in_turns(sums.cue_sine, sums.cue));  // (3.88)
+  if constexpr (is_circle<steps>) {
+    const Floats sine = hn::Mul(hn::Set(d, cue.sine_weight), sums.cue_sine);
+    return hn::Mul(f_h, angle_in_turns(sine, sums.cue));  // (3.88)
   } else {
-    constexpr bool mean = channel == CueStage::Channel::mean;
+    constexpr bool mean = steps == 3;
     const Floats value =
         hn::MulSub(sums.cue, hn::Set(d, mean ? 1.0F / 3 : 1.0F / 4), hn::Set(d, limits.ambient));
     const auto has_light = hn::Gt(modulation, hn::Set(d, 1e-9F));
@@ -109,107 +131,126 @@ HWY_INLINE Floats within_a_turn(Floats turn) {
   return hn::IfThenElseZero(hn::Lt(part, hn::Set(FloatTag(), 1.0F)), part);
 }
 
-/// Everything of one row that does not change from vector to vector.
+/// What the kernel takes, without the lists.
 struct MultiplexedWork {
   const SinusoidStage& stage;
   const CueStage& cue;
-  const SinusoidLimits& limits;
-  const CueLimits& cue_limits;
-  const MultiplexedRow& row;
+  SinusoidLimits limits;
+  CueLimits cue_limits;
+  MultiplexedRow row;
 };
 
 /// MultiplexedCue::nearest_order.
-template <CueStage::Channel channel>
+template <int steps>
 HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
   const FloatTag d;
   const Floats k = hn::Round(periods);
-  if constexpr (channel == CueStage::Channel::second) return k;
+  if constexpr (is_circle<steps>) return k;
   return hn::Clamp(k, hn::Zero(d), hn::Set(d, cue.periods - 1));
 }
 
-/// The mean less the shade that the cue of 3 steps casts
-/// on it.
-template <CueStage::Channel channel>
-HWY_INLINE Floats mean_of(const MultiplexedWork& work, const FrameSums& sums, Floats modulation,
-                          Floats y) {
-  const FloatTag d;
-  Floats sum = hn::ConvertTo(d, sums.sum);
-  if constexpr (channel == CueStage::Channel::mean) {
-    const Floats one = hn::Set(d, 1.0F);
-    const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
-    const Floats scale = hn::Mul(modulation, hn::Set(d, 3 * work.cue.shade));
-    sum = hn::NegMulAdd(scale, R, sum);
-  }
-  return hn::Mul(sum, hn::Set(d, work.limits.mean_scale));
-}
-
-template <CueStage::Channel channel>
-HWY_INLINE void store_multiplexed(const MultiplexedWork& work, const FieldPlacer& in_field,
-                                  const MultiplexedSums& sums, std::size_t i) {
-  using Channel = CueStage::Channel;
-  const FloatTag d;
-  const IntTag di;
-  const auto& [stage, cue, limits, cue_limits, row] = work;
-  const Floats turn = within_a_turn(corrected_turn(stage, sums.high));
-  const Floats square = modulation_square(stage, sums.high);
-  const bool decoding = row.turn != nullptr;
-  Floats modulation = square;  // of no use where it is not asked for
-  if (channel != Channel::second || decoding) {
-    modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
+/// One row, vector by vector. Members are copies, which no store can change.
+template <int steps, class Pixel>
+class MultiplexedVectors {
+ public:
+  HWY_INLINE MultiplexedVectors(const MultiplexedWork& work, const Pixel* const* frames)
+      : stage_(work.stage),
+        cue_(work.cue),
+        limits_(work.limits),
+        cue_limits_(work.cue_limits),
+        row_(work.row),
+        all_frames_(frames),
+        in_field_(work.cue.coordinate) {
+    std::copy_n(frames, steps, frames_.begin());
   }
 
-  const Floats periods = hn::Sub(cue_periods<channel>(cue, cue_limits, sums, modulation), turn);
-  const Floats k = nearest_order<channel>(cue, periods);
-  Floats y = hn::Add(turn, k);
-  if constexpr (channel == Channel::second) {
-    y = in_field(y);
-  } else {
-    y = hn::Mul(y, hn::Set(d, cue.coordinate.scale));
+  HWY_INLINE void operator()(std::size_t i) const {
+    const FloatTag d;
+    const IntTag di;
+    const MultiplexedSums sums =
+        multiplexed_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
+    // On the circle a whole turn more or less leads to the same place.
+    Floats turn = corrected_turn(stage_, sums.high);
+    if constexpr (!is_circle<steps>) turn = within_a_turn(turn);
+    const Floats square = modulation_square(stage_, sums.high);
+    const bool decoding = row_.turn != nullptr;
+    Floats modulation = square;  // of no use where it is not asked for
+    if (!is_circle<steps> || decoding) {
+      modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage_.modulation_scale));
+    }
+    const Floats periods = hn::Sub(cue_periods<steps>(cue_, cue_limits_, sums, modulation), turn);
+    const Floats k = nearest_order<steps>(cue_, periods);
+    const Floats y = coordinate(hn::Add(turn, k));
+    Floats doubt = hn::Abs(hn::Sub(periods, k));
+    if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
+
+    const auto is_dim = hn::Le(square, hn::Set(d, cue_limits_.lit_square));
+    const auto is_doubtful = hn::Gt(doubt, hn::Set(d, cue_.largest_doubt));
+    const Ints flags =
+        hn::Or(exposure_flags(limits_, sums.high, square),
+               hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dim), hn::Set(di, PixelFlag::dim)),
+                      hn::IfThenElseZero(hn::RebindMask(di, is_doubtful),
+                                         hn::Set(di, PixelFlag::doubtful_order))));
+    hn::StoreU(flags, di, row_.flags + i);
+    store(mean(sums.high, modulation, y), row_.mean + i, row_.past_cache);
+    if (HWY_UNLIKELY(decoding)) {
+      hn::StoreU(turn, d, row_.turn + i);
+      hn::StoreU(modulation, d, row_.modulation + i);
+      hn::StoreU(doubt, d, row_.doubt + i);
+      hn::StoreU(y, d, row_.unhidden_coordinate + i);
+    }
+    const auto is_nobody = hn::Lt(square, hn::Set(d, cue_limits_.voting_square));
+    const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+    hn::StoreU(hn::IfThenElse(is_nobody, nan, y), d, row_.coordinate + i);
   }
-  const Floats doubt = hn::Min(hn::Abs(hn::Sub(periods, k)), hn::Set(d, 0.5F));
 
-  const Ints exposure = exposure_flags(limits, sums.high, square);
-  const auto flag_where = [di](auto mask, PixelFlag flag) HWY_ATTR {
-    return hn::IfThenElseZero(hn::RebindMask(di, mask), hn::Set(di, flag));
-  };
-  const auto is_dim = hn::Le(square, hn::Set(d, cue_limits.lit_square));
-  const auto is_doubtful = hn::Gt(doubt, hn::Set(d, cue.largest_doubt));
-  const Ints flags = hn::Or(exposure, hn::Or(flag_where(is_dim, PixelFlag::dim),
-                                             flag_where(is_doubtful, PixelFlag::doubtful_order)));
-  const hn::Rebind<std::uint8_t, IntTag> bytes;
-  hn::StoreU(hn::DemoteTo(bytes, flags), bytes, row.flags + i);
-
-  store(mean_of<channel>(work, sums.high, modulation, y), row.mean + i, row.past_cache);
-  if (decoding) {
-    hn::StoreU(turn, d, row.turn + i);
-    hn::StoreU(modulation, d, row.modulation + i);
-    hn::StoreU(doubt, d, row.doubt + i);
-    hn::StoreU(y, d, row.unhidden_coordinate + i);
+ private:
+  HWY_INLINE Floats coordinate(Floats turns) const {
+    if constexpr (is_circle<steps>) return in_field_(turns);
+    return hn::Mul(turns, hn::Set(FloatTag(), cue_.coordinate.scale));
   }
-  const Ints both = hn::Set(di, PixelFlag::dark | PixelFlag::dim);
-  const auto hidden = hn::RebindMask(d, hn::Eq(hn::And(flags, both), both));
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  hn::StoreU(hn::IfThenElse(hidden, nan, y), d, row.coordinate + i);
-}
 
-template <CueStage::Channel channel, class Pixel>
-HWY_INLINE void decode_channel(const MultiplexedWork& work, const Pixel* const* frames) {
-  const FieldPlacer in_field(work.cue.coordinate);
-  for_each_vector(work.row.width, [&](std::size_t i) HWY_ATTR {
-    store_multiplexed<channel>(work, in_field,
-                               multiplexed_sums<channel>(work.stage, work.cue, frames, i), i);
-  });
+  /// Less the shade that the cue of 3 steps casts on it.
+  HWY_INLINE Floats mean(const FrameSums& sums, Floats modulation, Floats y) const {
+    const FloatTag d;
+    Floats sum = hn::ConvertTo(d, sums.sum);
+    if constexpr (steps == 3) {
+      const Floats one = hn::Set(d, 1.0F);
+      const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
+      sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, 3 * cue_.shade)), R, sum);
+    }
+    return hn::Mul(sum, hn::Set(d, limits_.mean_scale));
+  }
+
+  const SinusoidStage& stage_;
+  const CueStage& cue_;
+  SinusoidLimits limits_;
+  CueLimits cue_limits_;
+  MultiplexedRow row_;
+  const Pixel* const* all_frames_;
+  std::array<const Pixel*, std::max(steps, 1)> frames_{};
+  FieldPlacer in_field_;
+};
+
+template <int steps, class Pixel>
+HWY_INLINE void decode_steps(const MultiplexedWork& work, const Pixel* const* frames) {
+  const MultiplexedVectors<steps, Pixel> vectors(work, frames);
+  for_each_vector(work.row.width, vectors);
 }
 
 template <class Pixel>
 HWY_INLINE void decode_multiplexed(const MultiplexedWork& work, const Pixel* const* frames) {
-  switch (work.cue.channel) {
-    case CueStage::Channel::mean:
-      return decode_channel<CueStage::Channel::mean>(work, frames);
-    case CueStage::Channel::half_phase:
-      return decode_channel<CueStage::Channel::half_phase>(work, frames);
-    case CueStage::Channel::second:
-      return decode_channel<CueStage::Channel::second>(work, frames);
+  switch (work.stage.steps) {
+    case 3:
+      return decode_steps<3>(work, frames);
+    case 4:
+      return decode_steps<4>(work, frames);
+    case 5:
+      return decode_steps<5>(work, frames);
+    case 6:
+      return decode_steps<6>(work, frames);
+    default:
+      return decode_steps<0>(work, frames);
   }
 }
 
@@ -236,14 +277,14 @@ void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
   for (int next = 0; next < rows.width; next += lanes) {
     const int i = std::min(next, rows.width - lanes);
     const Floats y = hn::LoadU(d, rows.here + i);
-    const auto far = [&](const float* other) HWY_ATTR {
+    const auto far = [&](const float* other) SLIPSTREAM_STEP {
       return hn::Gt(hn::Abs(hn::Sub(hn::LoadU(d, other + i), y)), half_period);
     };
     const auto any = hn::Or(hn::Or(far(rows.here - 1), far(rows.here + 1)),
                             hn::Or(far(rows.above), far(rows.below)));
     if (HWY_LIKELY(hn::AllFalse(d, any))) continue;
     // A step of whole periods, but for one that may be the surface's own.
-    const auto disagrees = [&](const float* other) HWY_ATTR {
+    const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
       const Floats periods = hn::Mul(hn::Sub(hn::LoadU(d, other + i), y), f_h);
       const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
       return hn::And(far(other), hn::Le(part, steepest));
@@ -258,20 +299,6 @@ void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
       if (lane[static_cast<std::size_t>(j)] != 0) found.push_back({rows.row, i + j});
     }
   }
-}
-
-void TakeRow(int width, const float* coordinates, const std::uint8_t* flags, float* taken,
-             std::int32_t* taken_flags) {
-  const FloatTag d;
-  const IntTag di;
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  for_each_vector(width, [&](std::size_t i) HWY_ATTR {
-    const Ints flag = load_pixels(flags + i);
-    const auto is_dark = hn::Ne(hn::And(flag, hn::Set(di, PixelFlag::dark)), hn::Zero(di));
-    hn::StoreU(hn::IfThenElse(hn::RebindMask(d, is_dark), nan, hn::LoadU(d, coordinates + i)), d,
-               taken + i);
-    hn::StoreU(flag, di, taken_flags + i);
-  });
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

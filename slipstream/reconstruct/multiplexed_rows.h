@@ -10,16 +10,13 @@
 // fused_rows.h.
 namespace slipstream {
 
-/// Where the cue of PCMP is, and how it becomes a coordinate: Liu 2010, Section 3.2.
+/// How the cue of PCMP becomes a coordinate, Liu 2010, Section 3.2: for N = 3 and 4 a reference in
+/// the mean and in the half phase channel, R = 2 y - 1 (3.53) and R = cos(pi y) (3.68), for N >= 5
+/// one period in the second full phase channel (3.83).
 struct CueStage {
-  enum class Channel {
-    mean,        ///< N = 3: R = 2 y - 1, (3.53)
-    half_phase,  ///< N = 4: R = cos(pi y), (3.68)
-    second,      ///< N >= 5: one period, (3.83)
-  };
-  Channel channel = Channel::second;
-  std::vector<double> cosines{};  ///< of the second channel, (3.86), (3.85); else empty
+  std::vector<double> cosines{};  ///< of the second channel, (3.86), (3.85); for N above 6
   std::vector<double> sines{};
+  float sine_weight = 1;  ///< of the second channel's sine against its cosine, as the sums stand
   /// R = gain (channel - ambient) / B_1 - offset, (3.58), (3.74).
   float gain = 1;
   float offset = 0;
@@ -31,17 +28,18 @@ struct CueStage {
 
 /// What else depends on the camera's bits.
 struct CueLimits {
-  float ambient = 0;     ///< beta, grey levels of the frames
-  float lit_square = 0;  ///< of U^2 + sine_square V^2: below it a pixel is `dim`
+  float ambient = 0;        ///< beta, grey levels of the frames
+  float lit_square = 0;     ///< of U^2 + sine_square V^2: up to it a pixel is `dim`
+  float voting_square = 0;  ///< below it a pixel is nobody's neighbour
 };
 
 /// Where a row of such frames goes. The last four are null where only points are wanted.
 struct MultiplexedRow {
   int width = 0;
-  /// By each pixel alone; NaN where it is both dark and dim.
+  /// By each pixel alone; NaN where it is nobody's neighbour.
   float* coordinate = nullptr;
   float* mean = nullptr;
-  std::uint8_t* flags = nullptr;  ///< PixelFlag
+  std::int32_t* flags = nullptr;  ///< PixelFlag
   bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
   float* turn = nullptr;
   float* modulation = nullptr;
@@ -70,10 +68,5 @@ struct CoordinateRows {
 /// them: see NeighbourhoodVote::disagrees, of which no pixel is left out.
 void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
                       std::vector<PixelPlace>& found);
-
-/// Coordinates and flags of a whole picture to those that PointRow takes: a dark pixel's coordinate
-/// is NaN, so that it confirms no neighbour.
-void take_row(int width, const float* coordinates, const std::uint8_t* flags, float* taken,
-              std::int32_t* taken_flags);
 
 }  // namespace slipstream

@@ -45,4 +45,8 @@ double least_modulation(const ReconstructSettings& settings, double full_scale) 
   return settings.minimum_modulation.value_or(15 * full_scale / 255);
 }
 
+double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale) {
+  return 0.6 * least_modulation(settings, full_scale);
+}
+
 }  // namespace slipstream

@@ -43,4 +43,8 @@ void require_reconstructible(const Scanner& scanner, const Strategy& strategy, A
 /// The modulation threshold, grey levels of frames whose largest is `full_scale`.
 double least_modulation(const ReconstructSettings& settings, double full_scale);
 
+/// Where the fringe order comes from a cue in the same frames: the threshold from which a pixel is
+/// asked for its neighbours' orders, though it may be too dark for a point.
+double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale);
+
 }  // namespace slipstream

@@ -317,6 +317,47 @@ class DoubleSums {
   Doubles low_, high_;
 };
 
+/// a + b sqrt(5), of integers below 2^19, to a unit in the last place or two whatever cancels. It
+/// is what the cosines and sines of fifths of a circle leave of the sums of Eqs. (1.5), (1.6).
+HWY_INLINE Floats with_root_of_five(Ints a, Ints b) {
+#if HWY_NATIVE_FMA
+  const FloatTag d;
+  const Floats B = hn::ConvertTo(d, b);
+  // 2.25 and what is missing, in two parts: the first sum is exact, the next two are rounded once.
+  const Floats exact = hn::MulAdd(B, hn::Set(d, 2.25F), hn::ConvertTo(d, a));
+  const Floats most = hn::MulAdd(B, hn::Set(d, -0.01393202227F), exact);
+  return hn::MulAdd(B, hn::Set(d, -2.341203874e-10F), most);
+#else
+  DoubleSums sum;
+  sum.add(a, 1);
+  sum.add(b, 2.23606797749978969);
+  return sum.sum();
+#endif
+}
+
+/// N = 5, in both full phase channels: U is 10 C, and V 5 S / sin(2 pi / 5). Frames n and N - n
+/// have the same cosine and opposite sines.
+struct FifthSums {
+  FrameSums first;
+  Floats U, V;  ///< of the second channel
+};
+
+template <class Pixel>
+HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+  const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
+  const Ints I0 = I(0), I1 = I(1), I2 = I(2), I3 = I(3), I4 = I(4);
+  const Ints outer = hn::Add(I1, I4), inner = hn::Add(I2, I3), others = hn::Add(outer, inner);
+  const Ints rise = hn::Sub(I1, I4), inner_rise = hn::Sub(I2, I3);
+  const Ints whole = hn::Sub(hn::ShiftLeft<2>(I0), others);
+  const Ints root = hn::Sub(outer, inner);
+  return {{hn::Add(I0, others), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
+           with_root_of_five(whole, root),
+           with_root_of_five(hn::Sub(twice(rise), inner_rise), inner_rise)},
+          with_root_of_five(whole, hn::Neg(root)),
+          with_root_of_five(hn::Neg(hn::Add(rise, twice(inner_rise))), rise)};
+}
+
 template <class Pixel>
 HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const* frames,
                                   std::size_t i) {
@@ -486,6 +527,16 @@ HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const SinusoidLim
 }
 
 template <class Pixel>
+HWY_INLINE void decode_fifths(const SinusoidStage& stage, const SinusoidLimits& limits,
+                              const Pixel* const* frames, const SinusoidRow& row) {
+  std::array<const Pixel*, 5> rows;
+  std::copy_n(frames, rows.size(), rows.begin());
+  decode_with<0>(stage, limits, row, [rows](std::size_t i) SLIPSTREAM_STEP {
+    return fifth_sums(rows.data(), i).first;
+  });
+}
+
+template <class Pixel>
 HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
                               const Pixel* const* frames, const SinusoidRow& row) {
   // A copy that stays in registers: what is written cannot change it.
@@ -495,6 +546,8 @@ HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& 
       return decode_closed_form<3>(stage, limits, frames, local);
     case 4:
       return decode_closed_form<4>(stage, limits, frames, local);
+    case 5:
+      return decode_fifths(stage, limits, frames, local);
     case 6:
       return decode_closed_form<6>(stage, limits, frames, local);
     default:

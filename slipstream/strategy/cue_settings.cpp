@@ -43,6 +43,10 @@ void require_valid(const CueSettings& settings) {
   if (!(settings.noise_variance > 0 && std::isfinite(settings.noise_variance))) {
     throw Error(fmt::format("noise variance {} is out of range; above 0", settings.noise_variance));
   }
+  if (!(settings.least_modulation >= 0)) {
+    throw Error(fmt::format("least modulation {} is out of range; 0 grey levels or more",
+                            settings.least_modulation));
+  }
 }
 
 }  // namespace slipstream

@@ -26,6 +26,7 @@ struct CueSettings {
   double ambient = 0;           ///< beta of Eq. (3.2); only a cue in the DC channel needs it
   double noise_variance = 1.6;  ///< sigma_w^2, > 0: how much the evidence of a pixel is worth
   Unwrapping unwrapping = Unwrapping::consensus;
+  double least_modulation = 0;  ///< B^c, >= 0: a darker pixel has no say in its neighbours' orders
 };
 
 /// Throws Error for settings outside their ranges.

@@ -1,5 +1,6 @@
 #include "slipstream/strategy/decoder.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -18,13 +19,16 @@ Decoder::Decoder(Strategy strategy, int length, Backend backend, PhaseCorrection
   require_valid(cue_);
 }
 
-DecodedScan Decoder::operator()(const FrameSet& frames) const {
+DecodedScan Decoder::operator()(const FrameSet& frames, double least_modulation) const {
   if (frames.count() != frame_count(strategy_)) {
     throw Error(fmt::format("{} frames given; {} takes {}", frames.count(), name_of(strategy_),
                             frame_count(strategy_)));
   }
-  return std::visit(
-      [&](const auto& chosen) { return chosen.decode(frames, phase_, length_, cue_); }, strategy_);
+  CueSettings cue = cue_;
+  const double grey_level = frames.full_scale() / 255;
+  cue.least_modulation = std::max(cue.least_modulation, least_modulation / grey_level);
+  return std::visit([&](const auto& chosen) { return chosen.decode(frames, phase_, length_, cue); },
+                    strategy_);
 }
 
 std::string Decoder::backend_for(const FrameSet& frames) const {

@@ -20,8 +20,10 @@ class Decoder {
   Decoder(Strategy strategy, int length, Backend backend, PhaseCorrections corrections = {},
           const CueSettings& cue = {});
 
-  /// Throws Error when there are not as many frames as the strategy has patterns.
-  [[nodiscard]] DecodedScan operator()(const FrameSet& frames) const;
+  /// `least_modulation`: grey levels of the frames; darker pixels are decoded by themselves and not
+  /// asked by their neighbours. Throws Error when there are not as many frames as the strategy has
+  /// patterns.
+  [[nodiscard]] DecodedScan operator()(const FrameSet& frames, double least_modulation = 0) const;
 
   /// The backend that decodes such frames, one word for each sinusoid that differs: "lut",
   /// "equation", or "lut, equation" where one of two step counts has no table; "equation" for a

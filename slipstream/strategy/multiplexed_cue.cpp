@@ -23,7 +23,8 @@ MultiplexedCue::MultiplexedCue(const PhaseChannelMultiplexing& strategy,
 
 bool MultiplexedCue::lit(const MultiplexedPixel& pixel) const {
   const double variance = 2 * settings_.noise_variance / strategy_.steps;
-  return pixel.modulation * pixel.modulation > 16 * variance;
+  return pixel.modulation * pixel.modulation > 16 * variance &&
+         pixel.modulation >= settings_.least_modulation;
 }
 
 double MultiplexedCue::coordinate(const MultiplexedPixel& pixel) const {

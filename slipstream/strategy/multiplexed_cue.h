@@ -18,7 +18,8 @@ class MultiplexedCue {
  public:
   MultiplexedCue(const PhaseChannelMultiplexing& strategy, const CueSettings& settings);
 
-  /// Whether the modulation stands out of the noise by four standard deviations.
+  /// Whether the modulation stands out of the noise by four standard deviations, and is not below
+  /// the least that the settings ask for.
   [[nodiscard]] bool lit(const MultiplexedPixel& pixel) const;
 
   /// phi_u / (2 pi), in [0, 1].

@@ -141,7 +141,8 @@ TEST(FusedMultiplexed, DecodesToTheImagesOfTheEquations) {
     (*fused)(frames, made);
     const Decoder decode(pcmp(steps), scanner.projector.size.width, Backend::equation, {},
                          settings().cue);
-    const DecodedScan exact = decode(frames);
+    const DecodedScan exact =
+        decode(frames, least_neighbour_modulation(settings(), frames.full_scale()));
     std::size_t other_order = 0;
     for (std::size_t i = 0; i < exact.coordinate.pixel_count(); ++i) {
       if (exact.modulation.begin()[i] < 16) continue;  // of 4095

@@ -130,7 +130,7 @@ void draw_newest(LiveSession& session, bool screenshot_too, Output& output) {
   const auto draw = [&](const char* name, const std::string& path, view::Surround surround) {
     if (path.empty()) return;
     if (!session.pipeline.newest()) {
-      throw Error(fmt::format("{}: no cloud to be drawn; none came", path));
+      throw WorldError(fmt::format("{}: no cloud came that could be drawn", path));
     }
     write_picture(name, path,
                   view::render_screen(source, view_settings_from(session.view),

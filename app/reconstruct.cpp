@@ -40,6 +40,10 @@ struct OutputFiles {
              {"mean", mean},
              {"preview", preview}}};
   }
+  /// What the cloud does not hold.
+  [[nodiscard]] bool any_map() const {
+    return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty());
+  }
 };
 
 struct ReconstructFlags {
@@ -257,8 +261,12 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry);
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
-  const Reconstruction result =
-      two_cameras ? match_cameras(scan, loaded.frames, flags, output) : reconstruct(loaded.frames);
+  const auto reconstructed = [&]() -> Reconstruction {
+    if (two_cameras) return match_cameras(scan, loaded.frames, flags, output);
+    if (flags.files.any_map() || flags.uncertainty) return reconstruct(loaded.frames);
+    return {reconstruct.cloud(loaded.frames), {}};
+  };
+  const Reconstruction result = reconstructed();
   const double computed = watch.lap();
   const std::optional<Uncertainty> uncertainty =
       flags.uncertainty ? std::optional(reconstruct.uncertainty(result, loaded.frames))

@@ -112,7 +112,7 @@ class StillScan {
 
   void look_for(const LiveScan& scan) {
     newest_ =
-        still(Reconstructor(scan.scanner, scan.strategy, scan.axis, scan.settings)(frames_).cloud,
+        still(Reconstructor(scan.scanner, scan.strategy, scan.axis, scan.settings).cloud(frames_),
               shares_);
   }
 

@@ -1,12 +1,11 @@
 #include "slipstream/performance/bench_rows.h"
 
-#include <cmath>
 #include <cstddef>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <utility>
 
+#include "slipstream/gamma/correction.h"
 #include "slipstream/performance/bench_scan.h"
 #include "slipstream/performance/opencv_peers.h"
 #include "slipstream/performance/published.h"
@@ -93,6 +92,7 @@ class StageByStage {
                 {.width = width,
                  .E_x = stages_.rays.E_x.row(row),
                  .E_y = stages_.rays.E_y.row(row),
+                 .blocks = stages_.blocks ? stages_.blocks->at(row) : RayBlocks::Row{},
                  .flags = flags_.row(row),
                  .coordinate = turn_.row(row),
                  .x = x_.row(row),
@@ -111,17 +111,6 @@ class StageByStage {
   Image<Validity> validity_;
   std::vector<const std::uint8_t*> frame_rows_;
 };
-
-/// What a projector of gamma near 2.2 needs, to its first two harmonics.
-PhaseCorrections example_corrections(int steps) {
-  PhaseCorrection correction{steps, {}};
-  constexpr int entries = 256;
-  for (int i = 0; i < entries; ++i) {
-    const double angle = 2 * std::numbers::pi * i / entries;
-    correction.added.push_back(0.2 * std::sin(angle) - 0.02 * std::sin(2 * angle));
-  }
-  return {{steps, correction}};
-}
 
 BenchRow fused_row(const std::shared_ptr<const BenchScan>& scan, const Strategy& strategy,
                    std::string name, int steps, const ReconstructSettings& settings = {}) {
@@ -151,7 +140,7 @@ void add_steps(std::vector<BenchRow>& rows, int steps,
                          [scan, staged] { (*staged)(); }));
   rows.push_back(fused_row(scan, strategy, "fused", steps));
   ReconstructSettings corrected;
-  corrected.phase_corrections = example_corrections(steps);
+  corrected.phase_corrections = {{steps, phase_correction(PowerLaw{2.2}, steps)}};
   rows.push_back(fused_row(scan, strategy, "fused-corrected", steps, corrected));
   if (steps == 3) {
     if (auto psp = opencv_psp(frames)) {

@@ -19,26 +19,27 @@ constexpr std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Before the first and after the last pixel stands NaN, which confirms no neighbour.
-void prepare(FusedScratch::Row& row, int width) {
-  row.coordinate.assign(index(width + 2 * padding), std::numeric_limits<float>::quiet_NaN());
-  row.flags.resize(index(width));
-}
-
-void prepare(FusedScratch& scratch, int width, int frames) {
-  if (scratch.turn.size() != index(width)) {
-    for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
-    scratch.turn.resize(index(width));
-    scratch.low_turn.resize(index(width));
-    scratch.mean.resize(index(width));
-    scratch.unused_flags.resize(index(width));
-  }
-  std::apply([&](auto&... rows) { (rows.resize(index(frames)), ...); }, scratch.frames);
-}
-
 template <class Pixel>
 void prepare(Image<Pixel>& image, Size size) {
   if (image.size() != size) image = Image<Pixel>(size);
+}
+
+/// Before the first and after the last pixel stands NaN, which confirms no neighbour.
+void prepare(FusedScratch::Row& row, int width) {
+  prepare(row.coordinate, {width + 2 * padding, 1});
+  std::fill(row.coordinate.begin(), row.coordinate.end(), std::numeric_limits<float>::quiet_NaN());
+  prepare(row.flags, {width, 1});
+}
+
+void prepare(FusedScratch& scratch, int width, int frames) {
+  if (scratch.turn.width() != width) {
+    for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
+    for (Image<float>* row : {&scratch.turn, &scratch.low_turn, &scratch.mean}) {
+      prepare(*row, {width, 1});
+    }
+    scratch.unused_flags.resize(index(width));
+  }
+  std::apply([&](auto&... rows) { (rows.resize(index(frames)), ...); }, scratch.frames);
 }
 
 void prepare(FusedCloud& cloud, Size size, bool) {
@@ -87,14 +88,15 @@ struct Pass {
     decode_row(stages.sinusoid, limits, rows, kept);
     if (!stages.low) return;
     SinusoidRow low = kept;
-    low.turn = scratch.low_turn.data();
+    low.turn = scratch.low_turn.begin();
     low.another = true;
+    low.only_lit = kept.modulation == nullptr;
     decode_row(stages.low->sinusoid, low_limits, rows + stages.sinusoid.steps, low);
   }
 };
 
 float* coordinates(FusedScratch::Row& row) {
-  return row.coordinate.data() + padding;
+  return row.coordinate.begin() + padding;
 }
 
 /// Where what is written would push out of the cache what is read, and rows start at whole vectors
@@ -111,7 +113,7 @@ constexpr bool keeps_intensity = std::is_same_v<Output, FusedCloud>;
 template <class Output>
 float* intensity_row(Output& output, int row, FusedScratch& scratch) {
   if constexpr (keeps_intensity<Output>) return output.intensity.row(row);
-  return scratch.mean.data();
+  return scratch.mean.begin();
 }
 
 template <class Output>
@@ -132,8 +134,8 @@ PointRow point_output(const FusedStages& stages, Output& output, int row) {
 template <class Pixel, class Output>
 void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
                    Output& output) {
-  float* turn = scratch.turn.data();
-  std::int32_t* flags = scratch.rows[0].flags.data();
+  float* turn = scratch.turn.begin();
+  std::int32_t* flags = scratch.rows[0].flags.begin();
   for (int row = first; row < last; ++row) {
     pass.decode(row, scratch,
                 {.width = pass.width(),
@@ -164,7 +166,7 @@ void confirmed_rows(const FusedStages& stages, const ConsensusStage& consensus, 
   for (int row = first; row < last; ++row) {
     fill_if_there(row + 1);
     PointRow points = point_output(stages, output, row);
-    points.flags = kept(row).flags.data();
+    points.flags = kept(row).flags.begin();
     points.above = coordinates(kept(row - 1));
     points.coordinate = coordinates(kept(row));
     points.below = coordinates(kept(row + 1));
@@ -177,16 +179,17 @@ void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch&
                      Output& output) {
   const auto decode = [&](int row, FusedScratch::Row& kept) {
     const bool ours = row >= first && row < last;
-    std::int32_t* flags = kept.flags.data();
+    std::int32_t* flags = kept.flags.begin();
     pass.decode(
         row, scratch,
         {.width = pass.width(),
-         .turn = scratch.turn.data(),
-         .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.data(),
+         .turn = scratch.turn.begin(),
+         .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.begin(),
          .flags = flags,
          .past_cache = ours && keeps_intensity<Output> && written_past_cache(output.z.size())});
-    unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.data(), scratch.low_turn.data(),
-               PixelFlag::dark, {.coordinate = coordinates(kept), .flags = flags});
+    unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.begin(),
+               scratch.low_turn.begin(), PixelFlag::dark,
+               {.coordinate = coordinates(kept), .flags = flags});
   };
   confirmed_rows(pass.stages, pass.stages.low->consensus, first, last, scratch, output, decode);
 }
@@ -200,7 +203,7 @@ MultiplexedRow multiplexed_output(Output& output, int row, FusedScratch& scratch
 
 MultiplexedRow multiplexed_output(FusedDecoding& output, int row, FusedScratch& scratch) {
   return {.mean = output.mean.row(row),
-          .turn = scratch.turn.data(),
+          .turn = scratch.turn.begin(),
           .modulation = output.modulation.row(row),
           .doubt = output.fringe_order_doubt.row(row),
           .unhidden_coordinate = output.coordinate.row(row)};
@@ -220,7 +223,7 @@ void decode_multiplexed_band(const Pass<Pixel>& pass, int first, int last, Fused
   };
   const auto decode = [&](int row) {
     if (row < 0 || row >= pass.height()) return;
-    MultiplexedRow to{.mean = scratch.mean.data()};
+    MultiplexedRow to{.mean = scratch.mean.begin()};
     if (is_ours(row)) to = multiplexed_output(output, row, scratch);
     to.width = pass.width();
     to.coordinate = place(row);
@@ -301,7 +304,7 @@ void multiplexed_points(const FusedStages& stages, int first, int last, FusedScr
   confirmed_rows(stages, stages.cue->consensus, first, last, scratch, output,
                  [&](int row, FusedScratch::Row& kept) {
                    take_row(output.z.width(), picture.coordinates(row), picture.flags(row),
-                            coordinates(kept), kept.flags.data());
+                            coordinates(kept), kept.flags.begin());
                  });
 }
 
@@ -315,18 +318,18 @@ template <class Pixel>
 void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch,
               FusedDecoding& output) {
   const int width = pass.width();
-  const float* turn = scratch.turn.data();
-  std::int32_t* flags = scratch.rows[0].flags.data();
+  const float* turn = scratch.turn.begin();
+  std::int32_t* flags = scratch.rows[0].flags.begin();
   for (int row = first; row < last; ++row) {
     pass.decode(row, scratch,
                 {.width = width,
-                 .turn = scratch.turn.data(),
+                 .turn = scratch.turn.begin(),
                  .mean = output.mean.row(row),
                  .modulation = output.modulation.row(row),
                  .flags = flags});
     phase_row(width, turn, output.wrapped_phase.row(row));
     if (pass.stages.low) {
-      unwrap_row(pass.stages.low->unwrap, width, turn, scratch.low_turn.data(), 0,
+      unwrap_row(pass.stages.low->unwrap, width, turn, scratch.low_turn.begin(), 0,
                  {.coordinate = output.coordinate.row(row),
                   .flags = flags,
                   .doubt = output.fringe_order_doubt.row(row)});

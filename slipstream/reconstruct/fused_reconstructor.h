@@ -15,11 +15,11 @@ namespace slipstream {
 /// What the fused pass keeps of a few rows between its stages, for each band of rows.
 struct FusedScratch {
   struct Row {
-    std::vector<float> coordinate;  ///< padded on both sides
-    std::vector<std::int32_t> flags;
+    Image<float> coordinate;  ///< padded on both sides
+    Image<std::int32_t> flags;
   };
-  std::array<Row, 3> rows;  ///< a row and its neighbours, in turns
-  std::vector<float> turn, low_turn, mean;
+  std::array<Row, 3> rows;            ///< a row and its neighbours, in turns
+  Image<float> turn, low_turn, mean;  ///< images for their alignment
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
   std::vector<std::uint8_t> unused_flags;
   std::vector<PixelPlace> disagreeing;

@@ -8,6 +8,7 @@
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/geometry/ray_blocks.h"
+#include "slipstream/reconstruct/folded_phase.h"
 
 // The stages of the fused pass, a row of pixels at a time, in float, compiled once for each vector
 // target and chosen at run time. They check nothing: rows are at least `least_row_width` wide.
@@ -34,9 +35,10 @@ struct SinusoidStage {
   float sine_weight = 1;       ///< of V against U
   float sine_square = 1;       ///< its square
   float modulation_scale = 1;  ///< from the root of U^2 + sine_square V^2 to grey levels
+  FoldedPhase folded{};        ///< the corrected phase; empty where there is none or no such form
   /// A PhaseCorrection in turns, as an odd polynomial of r, how far N turns are from a whole one:
-  /// the coefficients of r^19, r^17, ..., r. A gamma's correction is one. Empty where there is no
-  /// correction, or only the table below says it.
+  /// the coefficients of r^19, r^17, ..., r. The correction of a small gamma is one. Empty where
+  /// there is no correction, or only the table below says it.
   static constexpr std::size_t wave_terms = 10;
   std::vector<float> correction_wave{};
   /// The table itself, all around the circle and an entry further: what is added at the turn
@@ -63,6 +65,8 @@ struct SinusoidRow {
   bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
   bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
                          ///< mean left alone
+  bool only_lit =
+      false;  ///< where it is `another`, turns of pixels that are dark already may be left
 };
 
 void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,

@@ -97,6 +97,7 @@ std::vector<float> wave_of(const PhaseCorrection& correction) {
 
 /// The table's N periods one after another, and the first entry once more for a turn of 1.
 void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
+  stage.folded = folded_phase(correction);
   stage.correction_wave = wave_of(correction);
   if (!stage.correction_wave.empty()) return;
   const std::size_t count = correction.added.size();

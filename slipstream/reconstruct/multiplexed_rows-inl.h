@@ -143,14 +143,14 @@ HWY_INLINE Floats mean_of(const MultiplexedWork& work, const FrameSums& sums, Fl
   return hn::Mul(sum, hn::Set(d, work.limits.mean_scale));
 }
 
-template <CueStage::Channel channel, Correction correction>
+template <CueStage::Channel channel>
 HWY_INLINE void store_multiplexed(const MultiplexedWork& work, const FieldPlacer& in_field,
                                   const MultiplexedSums& sums, std::size_t i) {
   using Channel = CueStage::Channel;
   const FloatTag d;
   const IntTag di;
   const auto& [stage, cue, limits, cue_limits, row] = work;
-  const Floats turn = within_a_turn(corrected_turn<correction>(stage, sums.high));
+  const Floats turn = within_a_turn(corrected_turn(stage, sums.high));
   const Floats square = modulation_square(stage, sums.high);
   const bool decoding = row.turn != nullptr;
   Floats modulation = square;  // of no use where it is not asked for
@@ -195,13 +195,10 @@ HWY_INLINE void store_multiplexed(const MultiplexedWork& work, const FieldPlacer
 template <CueStage::Channel channel, class Pixel>
 HWY_INLINE void decode_channel(const MultiplexedWork& work, const Pixel* const* frames) {
   const FieldPlacer in_field(work.cue.coordinate);
-  const auto decode = [&]<Correction correction>() HWY_ATTR {
-    for_each_vector(work.row.width, [&](std::size_t i) HWY_ATTR {
-      store_multiplexed<channel, correction>(
-          work, in_field, multiplexed_sums<channel>(work.stage, work.cue, frames, i), i);
-    });
-  };
-  with_correction(work.stage, decode);
+  for_each_vector(work.row.width, [&](std::size_t i) HWY_ATTR {
+    store_multiplexed<channel>(work, in_field,
+                               multiplexed_sums<channel>(work.stage, work.cue, frames, i), i);
+  });
 }
 
 template <class Pixel>

@@ -21,8 +21,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-using FloatMask = hn::Mask<FloatTag>;
-
 HWY_INLINE Floats linear(const PointStage::Linear& c, Floats E_x, Floats E_y) {
   const FloatTag d;
   return hn::MulAdd(hn::Set(d, c[0]), E_x, hn::MulAdd(hn::Set(d, c[1]), E_y, hn::Set(d, c[2])));
@@ -197,11 +195,10 @@ HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
 }
 
 /// With `past_cache` in place of that of the row, so that it need not be asked for each vector.
-template <bool only_depth>
 HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i, Floats E_x,
                              Floats E_y, Floats z) {
   store(z, row.z + i, past_cache);
-  if constexpr (!only_depth) {
+  if (row.x != nullptr) {
     store(hn::Mul(E_x, z), row.x + i, past_cache);
     store(hn::Mul(E_y, z), row.y + i, past_cache);
   }
@@ -211,7 +208,7 @@ HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i
 HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags) {
   const FloatTag d;
   const IntTag di;
-  const auto without = [&](PixelFlag flag) HWY_ATTR {
+  const auto without = [&](PixelFlag flag) SLIPSTREAM_STEP {
     return hn::RebindMask(d, hn::Eq(hn::And(flags, hn::Set(di, flag)), hn::Zero(di)));
   };
   Ints reason = hn::Zero(di);
@@ -223,29 +220,21 @@ HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags
   return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
 }
 
-HWY_INLINE FloatMask is_dark(Ints flags) {
-  const IntTag di;
-  return hn::RebindMask(FloatTag(),
-                        hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
-}
-
 /// A vector of pixels that are all dark.
-template <bool only_depth>
 HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
-  store_points<only_depth>(row, row.past_cache, i, nan, nan, nan);
+  store_points(row, row.past_cache, i, nan, nan, nan);
   store_validity(hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark)),
                  row.validity + i);
 }
 
 /// The points of a vector of pixels, some of which may have none.
-template <bool only_depth>
 HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints& points,
                              FloatMask good, FloatMask confirmed, Ints flags) {
   const FloatTag d;
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   const Floats z = hn::IfThenElse(good, points.z, nan);
-  store_points<only_depth>(row, row.past_cache, i, points.E_x, points.E_y, z);
+  store_points(row, row.past_cache, i, points.E_x, points.E_y, z);
   if (hn::AllTrue(d, good)) return store_validity(hn::Zero(IntTag()), row.validity + i);
   store_validity(reasons(points, confirmed, flags), row.validity + i);
 }
@@ -256,51 +245,42 @@ HWY_INLINE FloatMask is_unflagged(Ints flags) {
   return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
 }
 
-/// Calls `work` compiled for that degree of PointStage::lens.
-template <class Work>
-HWY_INLINE void with_lens_degree(int degree, const Work& work) {
-  switch (degree) {
+/// One vector without its block.
+template <int lens_degree>
+HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
+                                 Floats y, FloatMask confirmed, Ints flags) {
+  const RayPoints points = points_on_rays<lens_degree>(stage, row, i, y);
+  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
+                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
+  store_vector(row, i, points, good, confirmed, flags);
+}
+
+using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
+                              Ints);
+
+/// For the degree of PointStage::lens.
+HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
+  switch (lens_degree) {
     case 0:
-      return work.template operator()<0>();
+      return vector_on_rays<0>;
     case 3:
-      return work.template operator()<3>();
+      return vector_on_rays<3>;
     case 5:
-      return work.template operator()<5>();
+      return vector_on_rays<5>;
     case 7:
-      return work.template operator()<7>();
+      return vector_on_rays<7>;
     default:
-      return work.template operator()<9>();
+      return vector_on_rays<9>;
   }
 }
 
-/// One vector without its block.
-template <int lens_degree, bool only_depth, class Source>
-HWY_INLINE void vector_on_rays(const PointStage& stage, const Source& source, const PointRow& row,
-                               std::size_t i, FloatMask confirmed, Ints flags) {
-  if (hn::AllTrue(FloatTag(), is_dark(flags))) return store_dark<only_depth>(row, i);
-  const RayPoints points = points_on_rays<lens_degree>(stage, row, i, source.coordinate(i));
-  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
-                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
-  store_vector<only_depth>(row, i, points, good, confirmed, flags);
-}
-
-/// For the few that their blocks do not describe.
-template <bool only_depth, class Source>
-HWY_NOINLINE void rare_vector_on_rays(const PointStage& stage, const Source& source,
-                                      const PointRow& row, std::size_t i, FloatMask confirmed,
-                                      Ints flags) {
-  with_lens_degree(stage.lens_degree, [&]<int degree>() HWY_ATTR {
-    vector_on_rays<degree, only_depth>(stage, source, row, i, confirmed, flags);
-  });
-}
-
-template <bool only_depth, class Source>
+template <class Source>
 HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const PointRow& row) {
-  with_lens_degree(stage.lens_degree, [&]<int degree>() HWY_ATTR {
-    for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
-      const Ints flags = hn::LoadU(IntTag(), row.flags + i);
-      vector_on_rays<degree, only_depth>(stage, source, row, i, source.confirms(i, flags), flags);
-    });
+  const VectorOnRays vector = vector_on_rays_for(stage.lens_degree);
+  for_each_vector(row.width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Ints flags = hn::LoadU(IntTag(), row.flags + i);
+    if (hn::AllTrue(FloatTag(), is_dark(flags))) return store_dark(row, i);
+    vector(stage, row, i, source.coordinate(i), source.confirms(i, flags), flags);
   });
 }
 
@@ -316,8 +296,9 @@ class MixedBlocks {
     const Floats w0 = hn::Set(d, blocks.weights[0]), w1 = hn::Set(d, blocks.weights[1]),
                  w2 = hn::Set(d, blocks.weights[2]);
     for (std::size_t b = 0; b < count; ++b) {
-      const auto knot = [&](std::size_t k)
-                            HWY_ATTR { return blocks.knots[k][first + b].coefficients.data(); };
+      const auto knot = [&](std::size_t k) SLIPSTREAM_STEP {
+        return blocks.knots[k][first + b].coefficients.data();
+      };
       for (std::size_t i = 0; i < terms; i += hn::Lanes(d)) {
         Floats sum = hn::Mul(w0, hn::Load(d, knot(0) + i));
         sum = hn::MulAdd(w1, hn::Load(d, knot(1) + i), sum);
@@ -349,6 +330,8 @@ struct BlockParts {
   std::array<BlockPart, count> part;
   Several<count> t;
 
+  HWY_INLINE BlockParts() {}
+
   [[nodiscard]] HWY_INLINE Floats coefficient(std::size_t k, std::size_t i) const {
     return hn::Set(FloatTag(), part[k].coefficients[i]);
   }
@@ -359,9 +342,10 @@ struct BlockParts {
 template <std::size_t first, std::size_t terms, std::size_t count>
 HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Several<count>& p) {
   Several<count> sum;
-  each<count>([&](std::size_t k) HWY_ATTR { sum[k] = parts.coefficient(k, first + terms - 1); });
-  each<terms - 1>([&](std::size_t i) HWY_ATTR {
-    each<count>([&](std::size_t k) HWY_ATTR {
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { sum[k] = parts.coefficient(k, first + terms - 1); });
+  each<terms - 1>([&](std::size_t i) SLIPSTREAM_STEP {
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       sum[k] = hn::MulAdd(sum[k], p[k], parts.coefficient(k, first + terms - 2 - i));
     });
   });
@@ -377,9 +361,9 @@ HWY_INLINE Several<count> inverse_depths(const BlockParts<count>& parts, const S
   Several<count> slope = polynomials<slopes, Blocks::slopes>(parts, p);
   Several<count> inverse = polynomials<0, Blocks::constants>(parts, p);
   each<count>([&](std::size_t k)
-                  HWY_ATTR { slope[k] = hn::MulAdd(bend[k], parts.t[k], slope[k]); });
+                  SLIPSTREAM_STEP { slope[k] = hn::MulAdd(bend[k], parts.t[k], slope[k]); });
   each<count>([&](std::size_t k)
-                  HWY_ATTR { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
+                  SLIPSTREAM_STEP { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
   return inverse;
 }
 
@@ -392,36 +376,53 @@ HWY_INLINE Floats ray_direction(const BlockParts<count>& parts, std::size_t k, s
 }
 
 /// Vectors of which every pixel has its point.
-template <bool only_depth, std::size_t count>
+template <std::size_t count>
 HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts<count>& parts,
                           const Several<count>& z) {
-  each<count>([&](std::size_t k) HWY_ATTR {
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const std::size_t i = parts.part[k].pixel;
-    store_points<only_depth>(row, past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
-                             ray_direction(parts, k, RayBlocks::Block::E_y), z[k]);
+    store_points(row, past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
+                 ray_direction(parts, k, RayBlocks::Block::E_y), z[k]);
     store_validity(hn::Zero(IntTag()), row.validity + i);
   });
 }
 
+/// Vectors of which every pixel that is not dark has its point, as at the edges of shadows.
+template <std::size_t count>
+HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
+                                     const Several<count>& z,
+                                     const Several<count, Ints>& flags) {
+  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+  static_assert(static_cast<int>(Validity::valid) == 0 &&
+                static_cast<int>(Validity::too_dark) == PixelFlag::dark);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const std::size_t i = parts.part[k].pixel;
+    store_points(row, row.past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
+                 ray_direction(parts, k, RayBlocks::Block::E_y),
+                 hn::IfThenElse(is_dark(flags[k]), nan, z[k]));
+    store_validity(hn::And(flags[k], hn::Set(IntTag(), PixelFlag::dark)), row.validity + i);
+  });
+}
+
 /// Some vectors together: those without a fault by their blocks, the others one by one.
-template <bool only_depth, std::size_t count, class Source>
+template <std::size_t count, class Source>
 HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row,
                               const BlockParts<count>& parts) {
   const FloatTag d;
   const IntTag di;
-  std::array<Ints, count> flags;
+  Several<count, Ints> flags;
   Ints common = hn::Set(di, PixelFlag::dark);
-  each<count>([&](std::size_t k) HWY_ATTR {
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     flags[k] = hn::LoadU(di, row.flags + parts.part[k].pixel);
     common = hn::And(common, flags[k]);
   });
   if (hn::AllTrue(d, is_dark(common))) {
     return each<count>([&](std::size_t k)
-                           HWY_ATTR { store_dark<only_depth>(row, parts.part[k].pixel); });
+                           SLIPSTREAM_STEP { store_dark(row, parts.part[k].pixel); });
   }
   Several<count> p, z;
-  std::array<FloatMask, count> described, confirmed, in_range, good;
-  each<count>([&](std::size_t k) HWY_ATTR {
+  Several<count, FloatMask> described, confirmed, in_range, good;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const BlockPart& part = parts.part[k];
     p[k] = source.unit_coordinate(part.pixel);
     confirmed[k] = source.confirms(part.pixel, flags[k]);
@@ -429,30 +430,33 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
                            hn::Le(p[k], hn::Set(d, part.described.largest)));
   });
   const Several<count> inverse = inverse_depths<count>(parts, p);
-  each<count>([&](std::size_t k) HWY_ATTR { z[k] = reciprocal(inverse[k]); });
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = reciprocal(inverse[k]); });
 
-  FloatMask all = hn::FirstN(d, hn::Lanes(d));
-  each<count>([&](std::size_t k) HWY_ATTR {
+  FloatMask all = hn::FirstN(d, hn::Lanes(d)), all_good_or_dark = all;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     in_range[k] =
         hn::And(hn::Ge(z[k], hn::Set(d, stage.nearest)), hn::Le(z[k], hn::Set(d, stage.farthest)));
     good[k] =
         hn::And(hn::And(is_unflagged(flags[k]), confirmed[k]), hn::And(described[k], in_range[k]));
     all = hn::And(all, good[k]);
+    all_good_or_dark = hn::And(all_good_or_dark, hn::Or(good[k], is_dark(flags[k])));
   });
   if (HWY_LIKELY(hn::AllTrue(d, all))) {
-    if (row.past_cache) return store_all<only_depth>(row, true, parts, z);
-    return store_all<only_depth>(row, false, parts, z);
+    if (row.past_cache) return store_all(row, true, parts, z);
+    return store_all(row, false, parts, z);
   }
-  each<count>([&](std::size_t k) HWY_ATTR {
+  if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark))) {
+    return store_where_not_dark(row, parts, z, flags);
+  }
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const std::size_t i = parts.part[k].pixel;
     if (!hn::AllTrue(d, hn::Or(described[k], is_dark(flags[k])))) {
-      // Copies: the originals stay in registers if nobody else sees them.
-      const Source to_see = source;
-      const PointRow row_to_see = row;
-      return rare_vector_on_rays<only_depth>(stage, to_see, row_to_see, i, confirmed[k], flags[k]);
+      const PointRow seen = row;  // the original stays in registers if nobody else sees it
+      return vector_on_rays_for(stage.lens_degree)(stage, seen, i, source.coordinate(i),
+                                                   confirmed[k], flags[k]);
     }
     const FloatMask exists = hn::Gt(inverse[k], hn::Zero(d));
-    store_vector<only_depth>(
+    store_vector(
         row, i,
         {ray_direction(parts, k, RayBlocks::Block::E_x),
          ray_direction(parts, k, RayBlocks::Block::E_y), z[k], exists, described[k], in_range[k]},
@@ -476,7 +480,7 @@ class RowPart {
   [[nodiscard]] HWY_INLINE BlockParts<count> at(std::size_t next) const {
     const FloatTag d;
     BlockParts<count> parts;
-    each<count>([&](std::size_t k) HWY_ATTR {
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const std::size_t block = (next + k) / vectors_of_block;
       const std::size_t start = (next + k) % vectors_of_block * hn::Lanes(d);
       const int b = first_ + static_cast<int>(block);
@@ -498,48 +502,42 @@ class RowPart {
   Floats first_t_;
 };
 
-template <bool only_depth, class Source>
+template <class Source>
 HWY_INLINE void point_part(const PointStage& stage, const Source& source, const PointRow& row,
                            const RowPart& part) {
   std::size_t next = 0;
   for (; next + at_once <= part.vectors(); next += at_once) {
-    point_vectors<only_depth>(stage, source, row, part.template at<at_once>(next));
+    point_vectors(stage, source, row, part.template at<at_once>(next));
   }
   for (; next < part.vectors(); ++next) {
-    point_vectors<only_depth>(stage, source, row, part.template at<1>(next));
+    point_vectors(stage, source, row, part.template at<1>(next));
   }
 }
 
-template <bool only_depth, class Source>
+template <class Source>
 HWY_INLINE void point_row(const PointStage& stage, const Source& source, const PointRow& row) {
   if (row.blocks.described == nullptr) {
-    return row_on_rays<only_depth>(stage, source, row);
+    return row_on_rays(stage, source, row);
   }
   const int blocks = (row.width + RayBlocks::width - 1) / RayBlocks::width;
   MixedBlocks mixed;
   for (int first = 0; first < blocks; first += static_cast<int>(MixedBlocks::most)) {
     const std::size_t count = std::min(MixedBlocks::most, static_cast<std::size_t>(blocks - first));
     mixed.mix(row.blocks, static_cast<std::size_t>(first), count);
-    point_part<only_depth>(stage, source, row, RowPart(row, mixed, first, count));
+    point_part(stage, source, row, RowPart(row, mixed, first, count));
   }
-}
-
-template <class Source>
-HWY_INLINE void point_row_with(const PointStage& stage, const Source& source, const PointRow& row) {
-  if (row.x == nullptr) return point_row<true>(stage, source, row);
-  point_row<false>(stage, source, row);
 }
 
 void PointRowAlone(const PointStage& stage, const CoordinateStage& coordinate,
                    const PointRow& row) {
   const PointRow local = row;
-  point_row_with(stage, Alone(stage, coordinate, row), local);
+  point_row(stage, Alone(stage, coordinate, row), local);
 }
 
 void PointRowConfirmed(const PointStage& stage, const ConsensusStage& consensus,
                        const PointRow& row) {
   const PointRow local = row;
-  point_row_with(stage, Neighbourhood(stage, consensus, row), local);
+  point_row(stage, Neighbourhood(stage, consensus, row), local);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

@@ -28,8 +28,7 @@ struct ReconstructSettings {
   /// point may lie.
   double field_margin = 0.02;
   /// What is added to each sinusoid's phase, by its N, so that the projector's response does not
-  /// show; none where empty. Costs no time where phase is looked up; the fused pass adds it to each
-  /// pixel.
+  /// show; none where empty. Costs no time where phase is looked up, and little in the fused pass.
   PhaseCorrections phase_corrections;
   double nearest = 0;                                         ///< mm, least depth
   double farthest = std::numeric_limits<double>::infinity();  ///< mm, largest depth

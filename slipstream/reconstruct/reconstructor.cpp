@@ -15,12 +15,16 @@ Image<double> widened(const Image<float>& image) {
   return wide;
 }
 
+Cloud fused_cloud(const FusedReconstructor& reconstruct, const FrameSet& frames) {
+  FusedCloud points;
+  reconstruct(frames, points);
+  return cloud_of(points);
+}
+
 Reconstruction reconstruct_fused(const FusedReconstructor& reconstruct, const FrameSet& frames) {
   FusedDecoding decoding;
   reconstruct(frames, decoding);
-  FusedCloud points;
-  reconstruct(frames, points);
-  return {cloud_of(points),
+  return {fused_cloud(reconstruct, frames),
           {.mean = widened(decoding.mean),
            .modulation = widened(decoding.modulation),
            .wrapped_phase = widened(decoding.wrapped_phase),
@@ -77,6 +81,10 @@ bool Reconstructor::is_fused(const FrameSet& frames) const {
 
 Reconstruction Reconstructor::operator()(const FrameSet& frames) const {
   return is_fused(frames) ? reconstruct_fused(*fused_, frames) : (*in_double_)()(frames);
+}
+
+Cloud Reconstructor::cloud(const FrameSet& frames) const {
+  return is_fused(frames) ? fused_cloud(*fused_, frames) : (*in_double_)()(frames).cloud;
 }
 
 Uncertainty Reconstructor::uncertainty(const Reconstruction& scan, const FrameSet& frames) const {

@@ -28,6 +28,9 @@ class Reconstructor {
   /// Throws Error when the frames are not of the camera's size or not as many as the strategy's.
   [[nodiscard]] Reconstruction operator()(const FrameSet& frames) const;
 
+  /// The cloud alone, for which the fused pass makes no map.
+  [[nodiscard]] Cloud cloud(const FrameSet& frames) const;
+
   /// How sure each point of a scan is under noise of settings.cue.noise_variance on each frame:
   /// sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the derivative of the point.
   /// `frames` are those that the scan was made from.

@@ -10,10 +10,16 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <hwy/highway.h>
 
 #include "slipstream/reconstruct/fused_rows.h"
+
+/// For lambdas: of the target's instructions, and always written out where they are called.
+#ifndef SLIPSTREAM_STEP
+#define SLIPSTREAM_STEP HWY_ATTR __attribute__((always_inline))
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
@@ -23,6 +29,7 @@ using FloatTag = hn::ScalableTag<float>;
 using IntTag = hn::RebindToSigned<FloatTag>;
 using Floats = hn::Vec<FloatTag>;
 using Ints = hn::Vec<IntTag>;
+using FloatMask = hn::Mask<FloatTag>;
 
 /// Calls `body(i)` for the vectors of a row; the last overlaps the one before it where the width is
 /// no multiple.
@@ -42,8 +49,17 @@ inline constexpr std::size_t at_once = 4;
 inline constexpr std::size_t at_once = 2;
 #endif
 
-template <std::size_t count>
-using Several = std::array<Floats, count>;
+/// An array of them; that of the standard library is not compiled for each target.
+template <std::size_t count, class Vector = Floats>
+class Several {
+ public:
+  HWY_INLINE Several() {}
+  HWY_INLINE Vector& operator[](std::size_t k) { return vectors_[k]; }
+  HWY_INLINE const Vector& operator[](std::size_t k) const { return vectors_[k]; }
+
+ private:
+  Vector vectors_[count];  // NOLINT(modernize-avoid-c-arrays)
+};
 
 /// One step of the work on each of them, written out so that all stay in registers.
 template <std::size_t count, class Step>
@@ -89,29 +105,132 @@ HWY_INLINE Floats reciprocal(Floats b) {
 #endif
 }
 
-/// atan2(S, C) / (2 pi) in [0, 1], where 1 stands for 0; 0 where both are 0. To 4e-7 rad.
-HWY_INLINE Floats angle_in_turns(Floats S, Floats C) {
+/// a / b of each.
+template <std::size_t count>
+HWY_INLINE Several<count> quotients(const Several<count>& a, const Several<count>& b) {
+  Several<count> q;
+#if HWY_ARCH_X86
+  Several<count> r;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { r[k] = hn::ApproximateReciprocal(b[k]); });
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { q[k] = hn::Mul(a[k], r[k]); });
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    q[k] = hn::MulAdd(r[k], hn::NegMulAdd(b[k], q[k], a[k]), q[k]);
+  });
+#else
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { q[k] = hn::Div(a[k], b[k]); });
+#endif
+  return q;
+}
+
+/// sum = sum x + c of each.
+template <std::size_t count>
+HWY_INLINE void add_term(Several<count>& sum, const Several<count>& x, float c) {
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { sum[k] = hn::MulAdd(sum[k], x[k], hn::Set(FloatTag(), c)); });
+}
+
+/// From the first half quadrant.
+HWY_INLINE Floats unfolded(Floats eighth, Floats S, Floats C) {
+  const FloatTag d;
+  const Floats zero = hn::Zero(d);
+  const Floats quarter =
+      hn::IfThenElse(hn::Gt(hn::Abs(S), hn::Abs(C)), hn::Sub(hn::Set(d, 0.25F), eighth), eighth);
+  const Floats half = hn::IfThenElse(hn::Lt(C, zero), hn::Sub(hn::Set(d, 0.5F), quarter), quarter);
+  return hn::IfThenElse(hn::Lt(S, zero), hn::Sub(hn::Set(d, 1.0F), half), half);
+}
+
+/// atan2(S, C) / (2 pi) of each in [0, 1], where 1 stands for 0; 0 where both are 0. To 4e-7 rad.
+template <std::size_t count>
+HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several<count>& C) {
   const FloatTag d;
   // The angle of the smaller to the greater is an eighth of the circle at most; it is taken from
   // its middle, pi/8, where |q| <= tan(pi/8), so that four terms of the odd polynomial suffice
   // (minimax, 1.1e-7 rad).
   const Floats tangent = hn::Set(d, 0.41421356237F);
-  const Floats sine = hn::Abs(S), cosine = hn::Abs(C);
-  const Floats smaller = hn::Min(sine, cosine);
-  const Floats greater = hn::Max(hn::Max(sine, cosine), hn::Set(d, 1e-30F));
-  const Floats q =
-      quotient(hn::NegMulAdd(tangent, greater, smaller), hn::MulAdd(tangent, smaller, greater));
-  const Floats q2 = hn::Mul(q, q);
-  Floats slope = hn::Set(d, -0.01715644503710709F);
-  slope = hn::MulAdd(slope, q2, hn::Set(d, 0.03116408851608355F));
-  slope = hn::MulAdd(slope, q2, hn::Set(d, -0.05302114738541977F));
-  slope = hn::MulAdd(slope, q2, hn::Set(d, 0.15915456249778778F));
-  const Floats zero = hn::Zero(d);
-  const Floats eighth = hn::Max(hn::MulAdd(slope, q, hn::Set(d, 0.0625F)), zero);
-  const Floats quarter =
-      hn::IfThenElse(hn::Gt(sine, cosine), hn::Sub(hn::Set(d, 0.25F), eighth), eighth);
-  const Floats half = hn::IfThenElse(hn::Lt(C, zero), hn::Sub(hn::Set(d, 0.5F), quarter), quarter);
-  return hn::IfThenElse(hn::Lt(S, zero), hn::Sub(hn::Set(d, 1.0F), half), half);
+  Several<count> numerator, denominator;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const Floats sine = hn::Abs(S[k]), cosine = hn::Abs(C[k]);
+    const Floats smaller = hn::Min(sine, cosine);
+    const Floats greater = hn::Max(hn::Max(sine, cosine), hn::Set(d, 1e-30F));
+    numerator[k] = hn::NegMulAdd(tangent, greater, smaller);
+    denominator[k] = hn::MulAdd(tangent, smaller, greater);
+  });
+  const Several<count> q = quotients<count>(numerator, denominator);
+  Several<count> q2, turn;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    q2[k] = hn::Mul(q[k], q[k]);
+    turn[k] = hn::Set(d, -0.01715644503710709F);
+  });
+  add_term<count>(turn, q2, 0.03116408851608355F);
+  add_term<count>(turn, q2, -0.05302114738541977F);
+  add_term<count>(turn, q2, 0.15915456249778778F);
+  add_term<count>(turn, q, 0.0625F);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    turn[k] = unfolded(hn::Max(turn[k], hn::Zero(d)), S[k], C[k]);
+  });
+  return turn;
+}
+
+HWY_INLINE Floats angle_in_turns(Floats S, Floats C) {
+  Several<1> sine, cosine;
+  sine[0] = S;
+  cosine[0] = C;
+  return angles_in_turns<1>(sine, cosine)[0];
+}
+
+/// How N = 4 folds the circle to FoldedPhase's part of it: over the axes and their bisectors.
+struct FoldOfFour {
+  Floats U, V;
+
+  HWY_INLINE Floats folded_U() const { return hn::Max(hn::Abs(U), hn::Abs(V)); }
+  HWY_INLINE Floats folded_V() const { return hn::Min(hn::Abs(U), hn::Abs(V)); }
+  HWY_INLINE Floats unfolded(Floats turn) const {
+    return slipstream::HWY_NAMESPACE::unfolded(turn, V, U);
+  }
+};
+
+/// How N = 3 and 6 do: over the axis of V = 0, then a phase past 60 degrees goes to 120 degrees
+/// less itself, which past 120 degrees is turned back over 0.
+struct FoldOfThree {
+  Floats U, V;
+
+  HWY_INLINE Floats folded_U() const {
+    const Floats v = hn::Abs(V);
+    return hn::IfThenElse(hn::Gt(v, U), hn::MulSub(hn::Set(FloatTag(), 3.0F), v, U), U);
+  }
+  HWY_INLINE Floats folded_V() const {
+    const Floats v = hn::Abs(V);
+    return hn::IfThenElse(hn::Gt(v, U), hn::Abs(hn::Add(U, v)), v);
+  }
+  HWY_INLINE Floats unfolded(Floats turn) const {
+    const FloatTag d;
+    const Floats v = hn::Abs(V);
+    const Floats back = hn::Sub(hn::Set(d, 1.0F / 3), hn::CopySign(turn, hn::Add(U, v)));
+    const Floats half = hn::IfThenElse(hn::Gt(v, U), back, turn);
+    return hn::IfThenElse(hn::Lt(V, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0F), half), half);
+  }
+};
+
+/// FoldedPhase of each, in turns.
+template <class Fold, std::size_t count>
+HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<count>& V,
+                                       const Several<count>& U) {
+  const FloatTag d;
+  Several<count> numerator, denominator;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const Fold fold{U[k], V[k]};
+    const Floats u = hn::Max(fold.folded_U(), hn::Set(d, 1e-30F)), v = fold.folded_V();
+    numerator[k] = hn::MulAdd(hn::Set(d, -2 - folded.b), v, u);
+    denominator[k] = hn::MulAdd(hn::Set(d, folded.b), v, u);
+  });
+  const Several<count> x = quotients<count>(numerator, denominator);
+  Several<count> turn;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = hn::Set(d, folded.coefficients[0]); });
+  for (std::size_t i = 1; i < folded.coefficients.size(); ++i) {
+    add_term<count>(turn, x, folded.coefficients[i]);
+  }
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = Fold{U[k], V[k]}.unfolded(turn[k]); });
+  return turn;
 }
 
 template <class Pixel>
@@ -129,8 +248,8 @@ struct FrameSums {
 /// of 16 bits.
 template <int N, class Pixel>
 HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i) {
-  const auto I = [&](std::size_t n) HWY_ATTR { return load_pixels(frames[n] + i); };
-  const auto twice = [](Ints v) HWY_ATTR { return hn::ShiftLeft<1>(v); };
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+  const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
   const Ints I0 = I(0), I1 = I(1), I2 = I(2);
   const IntTag di;
   const FloatTag d;
@@ -213,10 +332,6 @@ HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const
   return {sum, greatest, C.sum(), S.sum()};
 }
 
-/// How the phase is corrected, see SinusoidStage. A wave costs a few multiplications; looking two
-/// entries up for each lane costs as much as all else that is done to a frame set's row.
-enum class Correction { none, wave, table };
-
 /// corrected_phase, in turns; past either end of [0, 1] by what was added.
 HWY_INLINE Floats corrected_by_wave(const SinusoidStage& stage, Floats turn) {
   const FloatTag d;
@@ -245,20 +360,32 @@ HWY_INLINE Floats corrected_by_table(const SinusoidStage& stage, Floats turn) {
   return hn::Add(turn, hn::MulAdd(part, rise, added));
 }
 
-/// Wrapped phase in turns.
-template <Correction correction>
+/// corrected_phase, where it is not folded: a wave costs a few multiplications; looking two entries
+/// up for each lane costs as much as all else that is done to a row of frames.
+HWY_INLINE Floats corrected_after(const SinusoidStage& stage, Floats turn) {
+  if (stage.correction_wave.empty() && stage.correction.empty()) return turn;
+  if (!stage.correction_wave.empty()) turn = corrected_by_wave(stage, turn);
+  if (!stage.correction.empty()) turn = corrected_by_table(stage, turn);
+  // It may have led past either end.
+  return hn::Sub(turn, hn::Floor(turn));
+}
+
+/// Wrapped phase in turns, of a single vector.
 HWY_INLINE Floats corrected_turn(const SinusoidStage& stage, const FrameSums& sums) {
   const Floats V = hn::Mul(hn::Set(FloatTag(), stage.sine_weight), sums.V);
-  const Floats turn = angle_in_turns(V, sums.U);
-  if constexpr (correction == Correction::wave) return corrected_by_wave(stage, turn);
-  if constexpr (correction == Correction::table) return corrected_by_table(stage, turn);
-  return turn;
+  return corrected_after(stage, angle_in_turns(V, sums.U));
 }
 
 /// U^2 + sine_square V^2: V^2 of integers is exact, the square of its rounded multiple is not.
 HWY_INLINE Floats modulation_square(const SinusoidStage& stage, const FrameSums& sums) {
   const Floats weight = hn::Set(FloatTag(), stage.sine_square);
   return hn::MulAdd(hn::Mul(weight, sums.V), sums.V, hn::Mul(sums.U, sums.U));
+}
+
+HWY_INLINE FloatMask is_dark(Ints flags) {
+  const IntTag di;
+  return hn::RebindMask(FloatTag(),
+                        hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
 }
 
 /// `dark` and `saturated`.
@@ -271,79 +398,102 @@ HWY_INLINE Ints exposure_flags(const SinusoidLimits& limits, const FrameSums& su
                 hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
 }
 
-/// What one row of a sinusoid is to give: each kind is compiled on its own.
-template <bool another, bool with_modulation, Correction correction>
-HWY_INLINE void store_sinusoid(const SinusoidStage& stage, const SinusoidLimits& limits,
-                               const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
+/// What the row keeps of a vector besides its turns.
+HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits,
+                             const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
-  hn::StoreU(corrected_turn<correction>(stage, sums), d, row.turn + i);
   const Floats square = modulation_square(stage, sums);
   Ints flags = exposure_flags(limits, sums, square);
-  if constexpr (another) flags = hn::Or(flags, hn::LoadU(di, row.flags + i));
+  if (row.another) flags = hn::Or(flags, hn::LoadU(di, row.flags + i));
   hn::StoreU(flags, di, row.flags + i);
 
-  if constexpr (!another) {
+  if (!row.another) {
     store(hn::Mul(hn::ConvertTo(d, sums.sum), hn::Set(d, limits.mean_scale)), row.mean + i,
           row.past_cache);
   }
-  if constexpr (with_modulation) {
+  if (row.modulation != nullptr) {
     Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
-    if constexpr (another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
+    if (row.another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
     hn::StoreU(modulation, d, row.modulation + i);
   }
 }
 
-/// Calls `decode` compiled for how this stage is corrected.
-template <class Decode>
-HWY_INLINE void with_correction(const SinusoidStage& stage, const Decode& decode) {
-  if (!stage.correction_wave.empty()) return decode.template operator()<Correction::wave>();
-  if (!stage.correction.empty()) return decode.template operator()<Correction::table>();
-  decode.template operator()<Correction::none>();
-}
-
-template <bool another, bool with_modulation, class Sums>
+/// Vectors from pixel `i` on. `N`: 3, 4 or 6, where the phase is folded; else 0.
+template <int N, std::size_t count, class Sums>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
-                               const SinusoidRow& row, const Sums& sums) {
-  const auto decode = [&]<Correction correction>() HWY_ATTR {
-    for_each_vector(row.width, [&](std::size_t i) HWY_ATTR {
-      store_sinusoid<another, with_modulation, correction>(stage, limits, sums(i), row, i);
+                               const Sums& sums, const SinusoidRow& row, std::size_t i) {
+  const FloatTag d;
+  if (row.only_lit) {
+    const IntTag di;
+    Ints common = hn::Set(di, PixelFlag::dark);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      common = hn::And(common, hn::LoadU(di, row.flags + i + k * hn::Lanes(d)));
     });
-  };
-  with_correction(stage, decode);
+    if (hn::AllTrue(d, is_dark(common))) return;
+  }
+  Several<count> U, V, turn;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const FrameSums sum = sums(i + k * hn::Lanes(d));
+    U[k] = sum.U;
+    V[k] = sum.V;
+    store_levels(stage, limits, sum, row, i + k * hn::Lanes(d));
+  });
+  if constexpr (N != 0) {
+    turn = folded_turns<std::conditional_t<N == 4, FoldOfFour, FoldOfThree>, count>(stage.folded, V,
+                                                                                    U);
+  } else {
+    each<count>([&](std::size_t k)
+                    SLIPSTREAM_STEP { V[k] = hn::Mul(hn::Set(d, stage.sine_weight), V[k]); });
+    turn = angles_in_turns<count>(V, U);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
+  }
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { hn::StoreU(turn[k], d, row.turn + i + k * hn::Lanes(d)); });
 }
 
-template <class Sums>
+/// The last vectors overlap those before them where the width is no multiple.
+template <int N, class Sums>
 HWY_INLINE void decode_with(const SinusoidStage& stage, const SinusoidLimits& limits,
                             const SinusoidRow& row, const Sums& sums) {
-  const bool with_modulation = row.modulation != nullptr;
-  if (row.another) {
-    if (with_modulation) return decode_vectors<true, true>(stage, limits, row, sums);
-    return decode_vectors<true, false>(stage, limits, row, sums);
+  const auto width = static_cast<std::size_t>(row.width);
+  const std::size_t lanes = hn::Lanes(FloatTag()), together = at_once * lanes;
+  std::size_t i = 0;
+  for (; i + together <= width; i += together) {
+    decode_vectors<N, at_once>(stage, limits, sums, row, i);
   }
-  if (with_modulation) return decode_vectors<false, true>(stage, limits, row, sums);
-  return decode_vectors<false, false>(stage, limits, row, sums);
+  for (; i < width; i += lanes) {
+    decode_vectors<N, 1>(stage, limits, sums, row, std::min(i, width - lanes));
+  }
+}
+
+template <int N, class Pixel>
+HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const SinusoidLimits& limits,
+                                   const Pixel* const* frames, const SinusoidRow& row) {
+  std::array<const Pixel*, N> rows;
+  std::copy_n(frames, N, rows.begin());
+  const auto sums = [rows](std::size_t i)
+                        SLIPSTREAM_STEP { return closed_form_sums<N>(rows.data(), i); };
+  if (!stage.folded.empty()) return decode_with<N>(stage, limits, row, sums);
+  decode_with<0>(stage, limits, row, sums);
 }
 
 template <class Pixel>
 HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
                               const Pixel* const* frames, const SinusoidRow& row) {
-  const auto closed_form = [&]<int N>(std::integral_constant<int, N>) HWY_ATTR {
-    std::array<const Pixel*, N> rows;
-    std::copy_n(frames, N, rows.begin());
-    decode_with(stage, limits, row,
-                [rows](std::size_t i) HWY_ATTR { return closed_form_sums<N>(rows.data(), i); });
-  };
+  // A copy that stays in registers: what is written cannot change it.
+  const SinusoidRow local = row;
   switch (stage.steps) {
     case 3:
-      return closed_form(std::integral_constant<int, 3>());
+      return decode_closed_form<3>(stage, limits, frames, local);
     case 4:
-      return closed_form(std::integral_constant<int, 4>());
+      return decode_closed_form<4>(stage, limits, frames, local);
     case 6:
-      return closed_form(std::integral_constant<int, 6>());
+      return decode_closed_form<6>(stage, limits, frames, local);
     default:
-      return decode_with(stage, limits, row,
-                         [&](std::size_t i) HWY_ATTR { return general_sums(stage, frames, i); });
+      return decode_with<0>(stage, limits, local, [&](std::size_t i) SLIPSTREAM_STEP {
+        return general_sums(stage, frames, i);
+      });
   }
 }
 
@@ -378,7 +528,7 @@ class FieldPlacer {
 void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
   const FloatTag d;
   const FieldPlacer in_field(stage);
-  for_each_vector(width, [&](std::size_t i) HWY_ATTR {
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     hn::StoreU(in_field(hn::LoadU(d, turn + i)), d, coordinate + i);
   });
 }
@@ -391,7 +541,7 @@ void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, cons
   const Floats ratio = hn::Set(d, stage.ratio);
   const Floats largest_doubt = hn::Set(d, stage.largest_doubt);
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  for_each_vector(width, [&](std::size_t i) HWY_ATTR {
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Floats high = hn::LoadU(d, high_turn + i);
     const Floats periods = hn::MulSub(hn::LoadU(d, low_turn + i), ratio, high);
     const Floats k = hn::Round(periods);  // (1.17)
@@ -413,7 +563,7 @@ void PhaseRow(int width, const float* turn, float* phase) {
   const FloatTag d;
   // The float below 2 pi; a whole turn is none.
   const Floats two_pi = hn::Set(d, 6.2831850F);
-  for_each_vector(width, [&](std::size_t i) HWY_ATTR {
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Floats t = hn::LoadU(d, turn + i);
     Floats part = hn::Sub(t, hn::Floor(t));
     part = hn::IfThenElseZero(hn::Lt(part, hn::Set(d, 1.0F)), part);

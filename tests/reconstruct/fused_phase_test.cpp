@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/gamma/correction.h"
 #include "slipstream/phase/equations.h"
 #include "slipstream/phase/phase_correction.h"
 #include "slipstream/phase/temporal_unwrapping.h"
@@ -197,7 +198,9 @@ TEST_P(FusedPhase, IsCorrected) {
   const Size size{33, 24};
   for (const PhaseCorrection& correction :
        {gamma_correction(3, 0.28), gamma_correction(4, 0.1), gamma_correction(5, 0.6),
-        wavy_correction(3), wavy_correction(6)}) {
+        wavy_correction(3), wavy_correction(6), phase_correction(PowerLaw{2.2}, 3),
+        phase_correction(PowerLaw{0.8}, 3), phase_correction(PowerLaw{3.4}, 4),
+        phase_correction(PowerLaw{1.3}, 6), phase_correction(PowerLaw{2.2}, 9)}) {
     const int steps = correction.steps;
     const auto frames = hard_frames<std::uint8_t>(steps, size, 8, 11);
     ReconstructSettings settings;

@@ -17,6 +17,8 @@ namespace {
 
 class Skull : public testing::TestWithParam<Backend> {};
 
+const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
+
 TEST_P(Skull, AgreesWithTheReferenceDepth) {
   const std::filesystem::path folder = shared_data() / "skull";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
@@ -25,7 +27,6 @@ TEST_P(Skull, AgreesWithTheReferenceDepth) {
   const Image<std::uint16_t> reference =
       read_grey_image(folder / "reference" / "dual-frequency-depth.png");
 
-  const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
   const Reconstructor reconstruct(scanner, strategy, Axis::x,
                                   {.backend = GetParam(), .minimum_modulation = 15});
   EXPECT_EQ(reconstruct.backend_for(loaded.frames), name_of(GetParam()));
@@ -45,6 +46,29 @@ TEST_P(Skull, AgreesWithTheReferenceDepth) {
   EXPECT_EQ(extra, 0);
   EXPECT_GE(agreeing, 0.995 * valid);
   RecordProperty("agreeing_percent", std::to_string(100.0 * agreeing / valid));
+}
+
+TEST(SkullFused, HasThePointsOfTheEquations) {
+  const std::filesystem::path folder = shared_data() / "skull";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const Scanner scanner = read_scanner(folder / "calibration.xml");
+  const FrameSet frames = read_frames(images_in_folder(folder / "dual-frequency")).frames;
+  const auto cloud = [&](Backend backend) {
+    return Reconstructor(scanner, strategy, Axis::x, {.backend = backend, .minimum_modulation = 15})
+        .cloud(frames);
+  };
+  const Cloud exact = cloud(Backend::equation), fused = cloud(Backend::fused);
+  int valid = 0, agreeing = 0, other_validity = 0;
+  for (std::size_t i = 0; i < exact.z.pixel_count(); ++i) {
+    const double z = exact.z.begin()[i];
+    if (exact.validity.begin()[i] != fused.validity.begin()[i]) ++other_validity;
+    if (!std::isfinite(z)) continue;
+    ++valid;
+    if (std::abs(fused.z.begin()[i] - z) <= 0.002) ++agreeing;
+  }
+  EXPECT_GT(valid, 300000);
+  EXPECT_GE(agreeing, 0.999 * valid);
+  EXPECT_LE(other_validity, 0.001 * valid);
 }
 
 INSTANTIATE_TEST_SUITE_P(Backend, Skull,

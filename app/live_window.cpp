@@ -120,7 +120,6 @@ void show_in_window(LiveSession& session, Output& output) {
   settings.view = view_settings_from(session.view);
   settings.size = size_from(session.view);
   settings.ends = session.is_over;
-  settings.gives_way = true;  // the pipeline's threads run already
   settings.keep_last = !session.view.screenshot.empty();
   const auto last = view::run_viewer(source, settings);
   if (last) write_picture("screenshot", session.view.screenshot, *last, output);

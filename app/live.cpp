@@ -44,7 +44,12 @@ LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, Output& out
     throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
                             flags.source.source));
   }
-  const PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
+  PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
+  if (flags.source.source == "virtual") {
+    const Photometry& light = flags.source.virtual_scanner.photometry;
+    known.ambient = light.ambient;
+    if (light.noise_variance > 0) known.noise_variance = light.noise_variance;
+  }
   require_known_light(opened.scan.strategy, known, file);
   const GammaChoice gamma = choose_gamma(flags.gamma, response_from(opened.scanner, file),
                                          step_counts(opened.scan.strategy));
@@ -156,6 +161,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   tell(statistics, output);
   output.document.update(json_of(statistics));
   output.document["source"] = flags.source.source;
+  if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline.newest();
     if (!last)
@@ -208,7 +214,6 @@ void live(LiveFlags flags, Output& output) {
   pipeline.stop();
 
   write_results(session, flags, output);
-  if (const auto failure = pipeline.failure()) std::rethrow_exception(failure);
   if (!flags.record.empty()) {
     recorder.finish_recording();
     output.document["files"]["recording"] = flags.record;

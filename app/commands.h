@@ -31,5 +31,7 @@ void add_live(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_view(CLI::App& program, SharedFlags& shared, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_reproduce(CLI::App& program, SharedFlags& shared, Command& chosen);
 void add_bench(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_record(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_camera(CLI::App& program, SharedFlags& shared, Command& chosen);
 
 }  // namespace slipstream::app

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/genicam.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/replay_source.h"
@@ -87,6 +89,39 @@ OpenedSource open_replay(const std::string& path, const SourceRequest& request) 
   return opened;
 }
 
+/// Of a camera, which does not say what is projected.
+OpenedSource open_camera(const SourceRequest& request, const auto& open) {
+  if (!request.scan.strategy) {
+    throw Error(fmt::format(
+        "{}: a camera does not say what patterns it sees; say so with --strategy", request.source));
+  }
+  OpenedSource opened;
+  opened.scan = scan_from(request.scan, {});
+  opened.frames = open(frame_count(opened.scan.strategy) +
+                       (request.indexing == PatternIndexing::marker ? 1 : 0));
+  set_scanner(opened, request, {}, request.source);
+  return opened;
+}
+
+OpenedSource open_aravis(const std::string& name, const SourceRequest& request) {
+  return open_camera(request, [&](int cycle) {
+    return open_genicam_camera(name, request.camera, pace_from(request.rate), cycle);
+  });
+}
+
+OpenedSource open_v4l2(const std::string& text, const SourceRequest& request) {
+  int number = -1;
+  const char* const end = text.data() + text.size();
+  const auto [rest, bad] = std::from_chars(text.data(), end, number);
+  if (bad != std::errc() || rest != end || number < 0) {
+    throw Error(fmt::format("source v4l2:{}: a number is wanted, as v4l2:0 for /dev/video0", text));
+  }
+  return open_camera(request, [&](int cycle) {
+    return std::make_unique<V4l2Source>(
+        number, v4l2_settings(request.camera, pace_from(request.rate), cycle));
+  });
+}
+
 struct Scheme {
   std::string_view name;
   std::string_view form;
@@ -96,6 +131,8 @@ struct Scheme {
 constexpr std::array schemes{
     Scheme{"virtual", "virtual", open_virtual},
     Scheme{"replay", "replay:PATH", open_replay},
+    Scheme{"aravis", "aravis:NAME", open_aravis},
+    Scheme{"v4l2", "v4l2:NUMBER", open_v4l2},
 };
 
 }  // namespace
@@ -120,11 +157,7 @@ OpenedSource open_source(const SourceRequest& request) {
     throw Error(
         fmt::format("--rate {} is out of range; 0 (as fast as it goes) to 1e6 Hz", *request.rate));
   }
-  OpenedSource opened = scheme->open(what, request);
-  if (opened.scanner.empty()) {
-    throw Error(fmt::format("{}: no scanner; name its file with --scanner", request.source));
-  }
-  return opened;
+  return scheme->open(what, request);
 }
 
 }  // namespace slipstream::app

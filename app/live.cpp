@@ -11,6 +11,7 @@
 #include "app/frame_sources.h"
 #include "app/gamma_choice.h"
 #include "app/live_session.h"
+#include "app/scan_input.h"
 #include "app/stop_signal.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
@@ -37,40 +38,30 @@ struct LiveFlags {
   ViewFlags view;
 };
 
-/// The scanner, its sizes completed by what else is known.
-Scanner scanner_of(const OpenedSource& opened) {
-  Scanner scanner = scanner_from(opened.scanner, opened.scanner_name);
-  const auto complete = [](Size& known, Size said) {
-    if (known == Size{}) known = said;
-  };
-  complete(scanner.camera.size, opened.frames->format().size);
-  complete(scanner.projector.size, opened.scan.projector);
-  if (scanner.projector.size == Size{}) {
-    throw Error(
-        fmt::format("{}: says no projector size; give it with --projector", opened.scanner_name));
-  }
-  return scanner;
-}
-
 LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, Output& output) {
-  LiveScan scan{.scanner = scanner_of(opened),
-                .strategy = opened.scan.strategy,
-                .axis = opened.scan.axis,
-                .settings = flags.settings};
-  const PhotometricCalibration known =
-      photometric_calibration_from(opened.scanner, opened.scanner_name);
-  ReconstructSettings& settings = scan.settings;
+  const std::string& file = opened.scanner_name;
+  if (opened.scanner.empty()) {
+    throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
+                            flags.source.source));
+  }
+  PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
+  if (flags.source.source == "virtual") {
+    const Photometry& light = flags.source.virtual_scanner.photometry;
+    known.ambient = light.ambient;
+    if (light.noise_variance > 0) known.noise_variance = light.noise_variance;
+  }
+  require_known_light(opened.scan.strategy, known, file);
+  const GammaChoice gamma = choose_gamma(flags.gamma, response_from(opened.scanner, file),
+                                         step_counts(opened.scan.strategy));
+  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
+  ReconstructSettings settings = flags.settings;
   settings.backend = Backend::fused;
   settings.drop_saturated = !flags.keep_saturated;
-  settings.cue.light = opened.scan.light;
-  settings.cue.ambient = known.ambient.value_or(settings.cue.ambient);
-  settings.cue.noise_variance = known.noise_variance.value_or(settings.cue.noise_variance);
-  const GammaChoice gamma =
-      choose_gamma(flags.gamma, response_from(opened.scanner, opened.scanner_name),
-                   step_counts(opened.scan.strategy));
-  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
-  settings.phase_corrections = gamma.corrections;
-  return scan;
+  return {.scanner = completed(scanner_from(opened.scanner, file), file,
+                               opened.frames->format().size, opened.scan.projector),
+          .strategy = opened.scan.strategy,
+          .axis = opened.scan.axis,
+          .settings = settings_for(settings, opened.scan, gamma, known)};
 }
 
 nlohmann::json json_of(const Latency& latency) {
@@ -170,9 +161,11 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   tell(statistics, output);
   output.document.update(json_of(statistics));
   output.document["source"] = flags.source.source;
+  if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline.newest();
-    if (!last) throw Error(fmt::format("{}: no cloud to be written; none came", flags.output));
+    if (!last)
+      throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
     write_cloud(flags.output, cloud_of(last->cloud));
     output.document["files"]["cloud"] = flags.output;
   }
@@ -208,7 +201,11 @@ void live(LiveFlags flags, Output& output) {
   LiveSession session{pipeline,
                       recorder,
                       scan,
-                      [&] { return !pipeline.running() || stop.raised() || Clock::now() >= end; },
+                      [&] {
+                        const bool at_end = flags.headless || flags.frames;
+                        return stop.raised() || Clock::now() >= end || pipeline.failure() ||
+                               (at_end && !pipeline.running());
+                      },
                       flags.source.source,
                       scheme != "virtual" && scheme != "replay",
                       flags.view};
@@ -217,7 +214,6 @@ void live(LiveFlags flags, Output& output) {
   pipeline.stop();
 
   write_results(session, flags, output);
-  if (const auto failure = pipeline.failure()) std::rethrow_exception(failure);
   if (!flags.record.empty()) {
     recorder.finish_recording();
     output.document["files"]["recording"] = flags.record;
@@ -268,6 +264,7 @@ void add_live(CLI::App& program, SharedFlags& shared, Command& chosen) {
 #endif
   add_scan_flags(*command, flags->source.scan);
   add_virtual_flags(*command, flags->source.virtual_scanner, "--virtual-gamma");
+  add_camera_flags(*command, flags->source.camera);
   add_shared_flags(*command, shared);
   command->footer(
       "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "

@@ -120,7 +120,6 @@ void show_in_window(LiveSession& session, Output& output) {
   settings.view = view_settings_from(session.view);
   settings.size = size_from(session.view);
   settings.ends = session.is_over;
-  settings.gives_way = true;  // the pipeline's threads run already
   settings.keep_last = !session.view.screenshot.empty();
   const auto last = view::run_viewer(source, settings);
   if (last) write_picture("screenshot", session.view.screenshot, *last, output);
@@ -131,7 +130,7 @@ void draw_newest(LiveSession& session, bool screenshot_too, Output& output) {
   const auto draw = [&](const char* name, const std::string& path, view::Surround surround) {
     if (path.empty()) return;
     if (!session.pipeline.newest()) {
-      throw Error(fmt::format("{}: no cloud to be drawn; none came", path));
+      throw WorldError(fmt::format("{}: no cloud came that could be drawn", path));
     }
     write_picture(name, path,
                   view::render_screen(source, view_settings_from(session.view),

@@ -56,6 +56,8 @@ int run_program(int argc, char** argv) {
   add_project(program, shared, chosen);
   add_view(program, shared, chosen);
 #endif
+  add_record(program, shared, chosen);
+  add_camera(program, shared, chosen);
   add_reproduce(program, shared, chosen);
   add_bench(program, shared, chosen);
 

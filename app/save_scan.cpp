@@ -15,8 +15,8 @@
 #include "slipstream/io/preview.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/live/window_frames.h"
 #include "slipstream/reconstruct/reconstructor.h"
-#include "slipstream/view/frame_decoding.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
@@ -58,7 +58,7 @@ std::string save_scan(const LiveCloud& cloud, const LiveScan& scan, const fs::pa
   if (static_cast<int>(cloud.frames.size()) != frame_count(scan.strategy)) {
     throw Error("the frames shown are not of the strategy looked for");
   }
-  const FrameSet frames = view::frame_set_of(cloud);
+  const FrameSet frames = frame_set_of(cloud.frames);
   const Reconstruction result =
       Reconstructor(scan.scanner, scan.strategy, scan.axis, scan.settings)(frames);
   const fs::path folder = new_folder(parent);

@@ -62,40 +62,47 @@ ScanDescription describe(const fs::path& folder, const ScanInputFlags& flags) {
   return scan;
 }
 
-Scanner scanner_for(const ScanDescription& scan, Size camera) {
-  Scanner scanner = read_scanner(*scan.scanner);
+Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector) {
   const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
     if (known.width == 0 || known.height == 0) known = said;
     if (said != Size{} && known != said) {
-      throw Error(fmt::format("{}: its {} has {}, but {} {}; both must agree",
-                              scan.scanner->string(), device, text_of(known), by, text_of(said)));
+      throw Error(fmt::format("{}: its {} has {}, but {} {}; both must agree", file, device,
+                              text_of(known), by, text_of(said)));
     }
   };
   complete(scanner.camera.size, camera, "camera", "the frames are");
-  complete(scanner.projector.size, scan.projector, "projector", "the patterns are for");
+  complete(scanner.projector.size, projector, "projector", "the patterns are for");
   if (scanner.projector.size == Size{}) {
-    throw Error(fmt::format("{}: says no projector size; give it with --projector",
-                            scan.scanner->string()));
+    throw Error(fmt::format("{}: says no projector size; give it with --projector", file));
   }
   try {
     require_valid(scanner);
   } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", scan.scanner->string(), error.what()));
+    throw Error(fmt::format("{}: {}", file, error.what()));
   }
   return scanner;
+}
+
+Scanner scanner_for(const ScanDescription& scan, Size camera) {
+  return completed(read_scanner(*scan.scanner), scan.scanner->string(), camera, scan.projector);
+}
+
+void require_known_light(const Strategy& strategy, const PhotometricCalibration& known,
+                         const std::string& file) {
+  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&strategy);
+  if (pcmp != nullptr && pcmp->steps == 3 && !known.ambient) {
+    throw Error(
+        fmt::format("{}: no ambient light in it, which pcmp of 3 frames needs; measure it "
+                    "with slipstream calibrate ambient, or give --ambient",
+                    file));
+  }
 }
 
 PhotometricCalibration photometry_for(const ScanDescription& scan, const ScanInputFlags& flags) {
   PhotometricCalibration known = read_photometric_calibration(*scan.scanner);
   if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
   if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
-  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&scan.strategy);
-  if (pcmp != nullptr && pcmp->steps == 3 && !known.ambient) {
-    throw Error(
-        fmt::format("{}: no ambient light in it, which pcmp of 3 frames needs; measure it "
-                    "with slipstream calibrate ambient, or give --ambient",
-                    scan.scanner->string()));
-  }
+  require_known_light(scan.strategy, known, scan.scanner->string());
   return known;
 }
 

@@ -109,7 +109,10 @@ class AravisSource::Camera {
 
   Arrival take(ArvBuffer& buffer, Frame& frame) {
     resent_ = connection_->resent_packets();
-    if (arv_buffer_get_status(&buffer) != ARV_BUFFER_STATUS_SUCCESS) return Arrival::damaged;
+    if (arv_buffer_get_status(&buffer) != ARV_BUFFER_STATUS_SUCCESS) {
+      // The socket's buffer grows only when the first packet has come: that frame is seldom whole.
+      return first_frame_ ? Arrival::nothing : Arrival::damaged;
+    }
     const Size size{arv_buffer_get_image_width(&buffer), arv_buffer_get_image_height(&buffer)};
     std::size_t bytes = 0;
     const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(&buffer, &bytes));

@@ -16,8 +16,8 @@ class FrameCount {
 
   /// The camera begins: its frame `first` shows the first pattern.
   void begin(std::uint64_t first) {
-    if (expected_ > start_) start_ = (expected_ + cycle_) / cycle_ * cycle_;
-    expected_ = start_;
+    if (!none_yet_) start_ = (expected_ + cycle_) / cycle_ * cycle_;
+    none_yet_ = true;
     first_ = last_ = first;
     unwrapped_ = 0;
   }
@@ -31,6 +31,8 @@ class FrameCount {
     unwrapped_ += step_to(number);
     last_ = number;
     const std::uint64_t count = start_ + static_cast<std::uint64_t>(unwrapped_);
+    if (none_yet_) expected_ = count;
+    none_yet_ = false;
     if (count >= expected_) {
       missing_ += count - expected_;
       expected_ = count + 1;
@@ -38,7 +40,8 @@ class FrameCount {
     return count;
   }
 
-  /// Counts that were left out because their frames did not come, all in all.
+  /// Counts that were left out because their frames did not come, all in all; those before the
+  /// first one after begin() are not among them: the way from the camera is only being set up.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
   /// Numbers so far from one another are no loss of frames.
   static constexpr int far = 1000;
@@ -56,6 +59,7 @@ class FrameCount {
   std::uint64_t start_ = 0;     ///< the count of frame `first_`
   std::uint64_t expected_ = 0;  ///< one more than the largest count so far
   std::uint64_t missing_ = 0;
+  bool none_yet_ = true;  ///< since begin()
   std::uint64_t first_ = 0;
   std::uint64_t last_ = 0;
   std::int64_t unwrapped_ = 0;  ///< frames since begin()

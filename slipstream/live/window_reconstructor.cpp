@@ -6,24 +6,10 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/live/window_frames.h"
 
 namespace slipstream {
 namespace {
-
-template <class Pixel>
-std::vector<Image<Pixel>> copies(const std::vector<Pooled<Frame>>& window) {
-  std::vector<Image<Pixel>> images;
-  for (const Pooled<Frame>& frame : window) {
-    images.push_back(std::get<Image<Pixel>>(frame->pixels));
-  }
-  return images;
-}
-
-FrameSet frame_set(const std::vector<Pooled<Frame>>& window) {
-  const int bits = window.front()->bits;
-  if (bits == 8) return FrameSet(copies<std::uint8_t>(window));
-  return {copies<std::uint16_t>(window), bits};
-}
 
 Image<float> narrowed(const Image<double>& image) {
   Image<float> narrow(image.size());
@@ -61,7 +47,7 @@ void WindowReconstructor::operator()(const std::vector<Pooled<Frame>>& window, F
     if (bits == 8) return (*fused_)(view(window, views8_), cloud);
     return (*fused_)(view(window, views16_), (1 << bits) - 1, cloud);
   }
-  Reconstruction scan = (*in_double_)(frame_set(window));
+  Reconstruction scan = (*in_double_)(frame_set_of(window));
   cloud.x = narrowed(scan.cloud.x);
   cloud.y = narrowed(scan.cloud.y);
   cloud.z = narrowed(scan.cloud.z);

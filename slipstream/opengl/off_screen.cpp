@@ -33,7 +33,8 @@ class OffScreenContext::Egl {
       return nullptr;
     }
     auto egl = std::unique_ptr<Egl>(new Egl(display));
-    return egl->begin() ? std::move(egl) : nullptr;
+    if (!egl->begin()) egl.reset();
+    return egl;
   }
   Egl(const Egl&) = delete;
   Egl& operator=(const Egl&) = delete;

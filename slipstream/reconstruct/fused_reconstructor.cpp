@@ -89,7 +89,6 @@ struct Pass {
     SinusoidRow low = kept;
     low.turn = scratch.low_turn.begin();
     low.another = true;
-    low.only_lit = kept.modulation == nullptr;
     decode_row(stages.low->sinusoid, low_limits, rows + stages.sinusoid.steps, low);
   }
 };
@@ -141,7 +140,8 @@ void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
                  .turn = turn,
                  .mean = intensity_row(output, row, scratch),
                  .flags = flags,
-                 .past_cache = keeps_intensity<Output> && written_past_cache(output.z.size())});
+                 .past_cache = keeps_intensity<Output> && written_past_cache(output.z.size()),
+                 .only_lit = true});
     PointRow points = point_output(pass.stages, output, row);
     points.flags = flags;
     points.coordinate = turn;
@@ -177,7 +177,8 @@ void two_frequencies(const Pass<Pixel>& pass, int first, int last, FusedScratch&
          .turn = scratch.turn.begin(),
          .mean = ours ? intensity_row(output, row, scratch) : scratch.mean.begin(),
          .flags = flags,
-         .past_cache = ours && keeps_intensity<Output> && written_past_cache(output.z.size())});
+         .past_cache = ours && keeps_intensity<Output> && written_past_cache(output.z.size()),
+         .only_lit = true});
     unwrap_row(pass.stages.low->unwrap, pass.width(), scratch.turn.begin(),
                scratch.low_turn.begin(), PixelFlag::dark,
                {.coordinate = coordinates(kept(row)), .flags = flags});

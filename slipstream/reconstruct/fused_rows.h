@@ -65,8 +65,8 @@ struct SinusoidRow {
   bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
   bool another = false;  ///< the second sinusoid: flags are added, the least modulation kept, the
                          ///< mean left alone
-  bool only_lit =
-      false;  ///< where it is `another`, turns of pixels that are dark already may be left
+  /// Turns of dark pixels, and what else a second sinusoid says of them, may be left as they were.
+  bool only_lit = false;
 };
 
 void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,

@@ -445,8 +445,8 @@ HWY_INLINE Ints exposure_flags(const SinusoidLimits& limits, const FrameSums& su
                 hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
 }
 
-/// What the row keeps of a vector besides its turns.
-HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits,
+/// What the row keeps of a vector besides its turns. Returns its flags.
+HWY_INLINE Ints store_levels(const SinusoidStage& stage, const SinusoidLimits& limits,
                              const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
@@ -464,6 +464,7 @@ HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& l
     if (row.another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
     hn::StoreU(modulation, d, row.modulation + i);
   }
+  return flags;
 }
 
 /// Vectors from pixel `i` on. `N`: 3, 4 or 6, where the phase is folded; else 0.
@@ -471,21 +472,27 @@ template <int N, std::size_t count, class Sums>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
                                const Sums& sums, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
-  if (row.only_lit) {
-    const IntTag di;
+  const IntTag di;
+  const auto all_dark = [&](const auto& flags) SLIPSTREAM_STEP {
     Ints common = hn::Set(di, PixelFlag::dark);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      common = hn::And(common, hn::LoadU(di, row.flags + i + k * hn::Lanes(d)));
-    });
-    if (hn::AllTrue(d, is_dark(common))) return;
-  }
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { common = hn::And(common, flags(k)); });
+    return hn::AllTrue(d, is_dark(common));
+  };
+  const auto known = [&](std::size_t k) SLIPSTREAM_STEP {
+    return hn::LoadU(di, row.flags + i + k * hn::Lanes(d));
+  };
+  if (row.only_lit && row.another && all_dark(known)) return;
+
   Several<count> U, V, turn;
+  Several<count, Ints> flags;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const FrameSums sum = sums(i + k * hn::Lanes(d));
     U[k] = sum.U;
     V[k] = sum.V;
-    store_levels(stage, limits, sum, row, i + k * hn::Lanes(d));
+    flags[k] = store_levels(stage, limits, sum, row, i + k * hn::Lanes(d));
   });
+  if (row.only_lit && all_dark([&](std::size_t k) SLIPSTREAM_STEP { return flags[k]; })) return;
+
   if constexpr (N != 0) {
     turn = folded_turns<std::conditional_t<N == 4, FoldOfFour, FoldOfThree>, count>(stage.folded, V,
                                                                                     U);
@@ -601,6 +608,10 @@ void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, cons
   const Floats largest_doubt = hn::Set(d, stage.largest_doubt);
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Ints known = hn::LoadU(di, row.flags + i);
+    const auto is_hidden =
+        hn::RebindMask(d, hn::Ne(hn::And(known, hn::Set(di, hidden)), hn::Zero(di)));
+    if (hn::AllTrue(d, is_hidden)) return hn::StoreU(nan, d, row.coordinate + i);
     const Floats high = hn::LoadU(d, high_turn + i);
     const Floats periods = hn::MulSub(hn::LoadU(d, low_turn + i), ratio, high);
     const Floats k = hn::Round(periods);  // (1.17)
@@ -608,12 +619,9 @@ void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, cons
     const Floats apart = hn::Abs(hn::Sub(periods, k));
     if (row.doubt != nullptr) hn::StoreU(apart, d, row.doubt + i);
     const auto doubtful = hn::Gt(apart, largest_doubt);
-    const Ints known = hn::LoadU(di, row.flags + i);
     const Ints doubt =
         hn::IfThenElseZero(hn::RebindMask(di, doubtful), hn::Set(di, PixelFlag::doubtful_order));
     hn::StoreU(hn::Or(known, doubt), di, row.flags + i);
-    const auto is_hidden =
-        hn::RebindMask(d, hn::Ne(hn::And(known, hn::Set(di, hidden)), hn::Zero(di)));
     hn::StoreU(hn::IfThenElse(is_hidden, nan, y), d, row.coordinate + i);
   });
 }

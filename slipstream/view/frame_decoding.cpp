@@ -1,20 +1,11 @@
 #include "slipstream/view/frame_decoding.h"
 
 #include <algorithm>
-#include <variant>
-#include <vector>
+
+#include "slipstream/live/window_frames.h"
 
 namespace slipstream::view {
 namespace {
-
-template <class Pixel>
-std::vector<Image<Pixel>> images_of(const LiveCloud& cloud) {
-  std::vector<Image<Pixel>> images;
-  for (const Pooled<Frame>& frame : cloud.frames) {
-    images.push_back(std::get<Image<Pixel>>(frame->pixels));
-  }
-  return images;
-}
 
 Image<float> narrowed(const Image<double>& image) {
   Image<float> narrow(image.size());
@@ -32,15 +23,6 @@ FusedDecoding narrowed(const DecodedScan& decoded) {
 
 }  // namespace
 
-FrameSet frame_set_of(const LiveCloud& cloud) {
-  if (cloud.frames.empty()) return {};
-  const Frame& first = *cloud.frames.front();
-  if (std::holds_alternative<Image<std::uint8_t>>(first.pixels)) {
-    return FrameSet(images_of<std::uint8_t>(cloud));
-  }
-  return {images_of<std::uint16_t>(cloud), first.bits};
-}
-
 void FrameDecoding::look_for(const LiveScan& scan) {
   frames_ = frame_count(scan.strategy);
   in_double_.reset();
@@ -50,7 +32,7 @@ void FrameDecoding::look_for(const LiveScan& scan) {
 
 const FusedDecoding* FrameDecoding::operator()(const LiveCloud& cloud) {
   if (cloud.frames.empty() || static_cast<int>(cloud.frames.size()) != frames_) return nullptr;
-  const FrameSet frames = frame_set_of(cloud);
+  const FrameSet frames = frame_set_of(cloud.frames);
   if (fused_) {
     (*fused_)(frames, decoding_);
   } else {

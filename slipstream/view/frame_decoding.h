@@ -26,7 +26,4 @@ class FrameDecoding {
   FusedDecoding decoding_;
 };
 
-/// The frames as a set, copied. They are of one format.
-FrameSet frame_set_of(const LiveCloud& cloud);
-
 }  // namespace slipstream::view

@@ -1,6 +1,7 @@
 #include "slipstream/view/line_renderer.h"
 
 #include <array>
+#include <bit>
 #include <cstddef>
 
 #include <epoxy/gl.h>
@@ -91,7 +92,7 @@ LineRenderer::LineRenderer()
   glBindBuffer(GL_ARRAY_BUFFER, buffer_.number());
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
   glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(Vertex),
-                        reinterpret_cast<const void*>(offsetof(Vertex, colour)));
+                        std::bit_cast<const void*>(offsetof(Vertex, colour)));
   glEnableVertexAttribArray(0);
   glEnableVertexAttribArray(1);
   glBindVertexArray(0);

@@ -1,6 +1,7 @@
 #include "slipstream/view/panel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 
 #include <fmt/format.h>
@@ -244,7 +245,7 @@ void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3
       const float width = ImGui::GetContentRegionAvail().x;
       const float height = width * static_cast<float>(size.height) / static_cast<float>(size.width);
       // Dear ImGui hands a texture on as whatever its backend takes it for: here OpenGL's number.
-      ImGui::Image(reinterpret_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
+      ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
                    {width, height});
     }
   }

@@ -1,6 +1,7 @@
 #include "slipstream/view/point_renderer.h"
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <vector>
 
@@ -123,7 +124,7 @@ void PointRenderer::point_at(int every) const {
   const auto attribute = [&](GLuint location, std::size_t which, std::size_t first) {
     glBindBuffer(GL_ARRAY_BUFFER, buffers_[which].number());
     glVertexAttribPointer(location, 1, GL_FLOAT, GL_FALSE, stride,
-                          reinterpret_cast<const void*>(first * sizeof(float)));
+                          std::bit_cast<const void*>(first * sizeof(float)));
     glEnableVertexAttribArray(location);
   };
   for (std::size_t which = 0; which < 4; ++which) {

@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include <GLFW/glfw3.h>
-#include <sys/resource.h>
+#include <epoxy/gl.h>
 
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/opengl/window.h"
@@ -53,14 +53,15 @@ class Pace {
     const auto now = Clock::now();
     return now - last_event < milliseconds(300) || now - drawn_ > milliseconds(250);
   }
-  /// Then rests for what is left of the picture's share, and at least for a quarter of what it
-  /// took, so that drawing in software leaves the processor to the pipeline.
+  /// Draws and rests: for what is left of the picture's share, and at least as long as it took, so
+  /// that drawing in software leaves the processor to the pipeline half of the time.
   void draw(const std::function<void()>& picture) {
     const auto start = Clock::now();
     picture();
+    glFinish();
     drawn_ = Clock::now();
     const std::chrono::duration<double> took = drawn_ - start;
-    const std::chrono::duration<double> rest(std::max(least_ - took.count(), 0.25 * took.count()));
+    const std::chrono::duration<double> rest(std::max(least_ - took.count(), took.count()));
     next_ = drawn_ + std::chrono::duration_cast<Clock::duration>(rest);
   }
   [[nodiscard]] double seconds_to_next() const {
@@ -73,17 +74,9 @@ class Pace {
   Clock::time_point next_{};
 };
 
-/// Linux keeps a niceness for each thread, and those that a driver which draws in software starts
-/// take their maker's. Elsewhere, or where it is refused, all goes on as it was.
-void give_way() {
-  constexpr int niceness = 5;
-  static_cast<void>(::setpriority(PRIO_PROCESS, 0, niceness));
-}
-
 }  // namespace
 
 std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings) {
-  if (settings.gives_way) give_way();
   const opengl::WindowSystem system;
   const opengl::Window window(system, {.title = source.title, .size = settings.size});
   window.wait_for_refresh(true);
@@ -103,9 +96,9 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
         pace.draw([&] {
           live.draw(screen);
           if (!open && settings.keep_last) last = opengl::read_pixels(screen.framebuffer);
-          window.swap();
-          live.tell_shown();
         });
+        window.swap();
+        live.tell_shown();
       }
     }
     if (open) glfwWaitEventsTimeout(std::max(pace.seconds_to_next(), 0.004));

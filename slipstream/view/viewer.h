@@ -17,7 +17,6 @@ struct ViewerSettings {
   double most_per_second = 60;  ///< pictures; one that takes long is followed by a rest
   std::function<bool()> ends =
       {};                  ///< asked again and again: whether to close; the user alone if empty
-  bool gives_way = false;  ///< this thread and the driver's get less of the processor than others
   bool keep_last = false;  ///< the last picture is given back
 };
 

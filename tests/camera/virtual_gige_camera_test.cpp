@@ -136,7 +136,7 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
   }
   source.stop();
   EXPECT_EQ(source.counters().delivered, static_cast<std::uint64_t>(wanted));
-  EXPECT_EQ(source.counters().lost, first);
+  EXPECT_EQ(source.counters().lost, 0U);
   EXPECT_EQ(source.counters().reconnects, 0U);
   EXPECT_EQ(source.state(), "");
 }
@@ -149,6 +149,7 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   source.start();
   Frame frame(source.format());
   ASSERT_TRUE(wait_for_frame(source, frame));
+  const std::uint64_t first = frame.stamp.sequence;
   camera->set_packet_loss(0.02);
   std::uint64_t newest = 0, whole = 0;
   for (const auto end = steady_clock::now() + 1500ms; steady_clock::now() < end;) {
@@ -161,7 +162,7 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   const SourceCounters counters = source.counters();
   EXPECT_GT(whole, 10U);
   EXPECT_GT(counters.lost, 5U);
-  EXPECT_EQ(counters.delivered + counters.lost, newest + 1);
+  EXPECT_EQ(counters.delivered + counters.lost, newest - first + 1);
 }
 
 class GoneFor : public testing::TestWithParam<std::chrono::milliseconds> {};

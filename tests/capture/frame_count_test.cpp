@@ -18,6 +18,15 @@ TEST(FrameCount, GoesOnWhereNumbersOf16BitsBeginAgain) {
   EXPECT_EQ(count.missing(), 200U);
 }
 
+TEST(FrameCount, WhatIsLostBeforeTheFirstFrameIsNotMissing) {
+  FrameCount count(4);
+  count.begin(1);
+  EXPECT_EQ(count(3), 2U);
+  EXPECT_EQ(count.missing(), 0U);
+  EXPECT_EQ(count(6), 5U);
+  EXPECT_EQ(count.missing(), 2U);
+}
+
 TEST(FrameCount, LongNumbersDoNotWrap) {
   FrameCount count(4);
   count.begin(0);

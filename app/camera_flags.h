@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include "slipstream/capture/v4l2_source.h"
+#include "slipstream/image/size.h"
+
+namespace slipstream::app {
+
+/// What a camera is to be set to, as far as it was given.
+struct CameraFlags {
+  std::optional<double> exposure;     ///< ms
+  std::optional<double> gain;         ///< in the camera's unit
+  std::optional<std::string> region;  ///< "640x480+16+8" or "640x480"
+  std::string pixel_format = "Mono8";
+  std::string trigger;
+  int packet_size = 0;
+};
+
+/// Adds --exposure, --gain, --region, --pixel-format, --trigger and --packet-size.
+void add_camera_flags(CLI::App& command, CameraFlags& flags);
+
+/// A part of a picture: where, and how large.
+struct Region {
+  int x = 0;
+  int y = 0;
+  Size size;
+};
+
+/// "640x480+16+8" or "640x480". Throws Error for anything else.
+Region region_from(const std::string& text);
+
+/// As a UVC camera takes it, at that rate, of patterns in cycles of so many. Throws Error for flags
+/// that such a camera does not have.
+V4l2Settings v4l2_settings(const CameraFlags& flags, std::optional<double> rate, int cycle);
+
+}  // namespace slipstream::app

@@ -46,7 +46,7 @@ double least_modulation(const ReconstructSettings& settings, double full_scale) 
 }
 
 double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale) {
-  return 0.6 * least_modulation(settings, full_scale);
+  return 0.8 * least_modulation(settings, full_scale);
 }
 
 }  // namespace slipstream

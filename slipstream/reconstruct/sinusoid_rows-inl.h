@@ -335,6 +335,12 @@ HWY_INLINE Floats with_root_of_five(Ints a, Ints b) {
 #endif
 }
 
+/// The same to a millionth of a and b: enough to choose among periods.
+HWY_INLINE Floats about_root_of_five(Ints a, Ints b) {
+  const FloatTag d;
+  return hn::MulAdd(hn::ConvertTo(d, b), hn::Set(d, 2.2360679775F), hn::ConvertTo(d, a));
+}
+
 /// N = 5, in both full phase channels: U is 10 C, and V 5 S / sin(2 pi / 5). Frames n and N - n
 /// have the same cosine and opposite sines.
 struct FifthSums {
@@ -354,8 +360,8 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
   return {{hn::Add(I0, others), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
            with_root_of_five(whole, root),
            with_root_of_five(hn::Sub(twice(rise), inner_rise), inner_rise)},
-          with_root_of_five(whole, hn::Neg(root)),
-          with_root_of_five(hn::Neg(hn::Add(rise, twice(inner_rise))), rise)};
+          about_root_of_five(whole, hn::Neg(root)),
+          about_root_of_five(hn::Neg(hn::Add(rise, twice(inner_rise))), rise)};
 }
 
 template <class Pixel>

@@ -95,6 +95,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const ScanFlags& fla
                             folder.string()));
   }
   std::vector<BoardScans> poses;
+  poses.reserve(folders.size());
   for (const fs::path& pose : folders) poses.push_back(pose_in(pose, flags, first_axis));
   return poses;
 }

@@ -39,7 +39,8 @@ class ImageView {
   std::ptrdiff_t stride_ = 0;
 };
 
-/// Owned pixels, rows without gaps, the first aligned to 64 bytes. A value: copies copy.
+/// Owned pixels, rows without gaps, the first aligned to 64 bytes. A value: copies copy,
+/// into the memory that is there where the size is the same.
 template <class Pixel>
 class Image {
  public:
@@ -54,7 +55,12 @@ class Image {
   }
   Image(Image&& other) noexcept
       : pixels_(std::move(other.pixels_)), size_(std::exchange(other.size_, Size{})) {}
-  Image& operator=(Image other) noexcept {
+  Image& operator=(const Image& other) {
+    if (size_ != other.size_) return *this = Image(other);
+    if (this != &other) std::copy(other.begin(), other.end(), begin());
+    return *this;
+  }
+  Image& operator=(Image&& other) noexcept {
     std::swap(pixels_, other.pixels_);
     std::swap(size_, other.size_);
     return *this;

@@ -2,30 +2,13 @@
 
 #include <algorithm>
 #include <exception>
-#include <type_traits>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "slipstream/error/error.h"
 
 namespace slipstream {
 namespace {
-
-/// Into the memory that `to` has already.
-void copy_frame(const Frame& from, Frame& to) {
-  if (from.format() != to.format()) {
-    to = from;
-    return;
-  }
-  std::visit(
-      [&](const auto& image) {
-        auto& copy = std::get<std::remove_cvref_t<decltype(image)>>(to.pixels);
-        std::copy(image.begin(), image.end(), copy.begin());
-      },
-      from.pixels);
-  to.stamp = from.stamp;
-}
 
 std::size_t capacity_of(std::size_t memory, const FrameFormat& format) {
   const std::size_t frame_bytes = static_cast<std::size_t>(format.size.width) *
@@ -61,7 +44,7 @@ bool Recorder::record(const Frame& frame, std::chrono::milliseconds patience) {
       return false;
     }
   }
-  copy_frame(frame, kept.fill());
+  kept.fill() = frame;
   {
     const std::lock_guard lock(mutex_);
     if (ended_) return false;

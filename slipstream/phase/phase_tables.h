@@ -29,9 +29,9 @@ class PhaseTables {
 
  private:
   [[nodiscard]] std::size_t position(int U, int V) const {
-    const auto row = static_cast<std::size_t>(V + largest_V_);
-    const auto column = static_cast<std::size_t>(U + largest_U_);
-    return row * static_cast<std::size_t>(2 * largest_U_ + 1) + column;
+    const int row = V + largest_V_, column = U + largest_U_;
+    const int entry = row * (2 * largest_U_ + 1) + column;
+    return static_cast<std::size_t>(entry);
   }
 
   const ClosedForm* form_;

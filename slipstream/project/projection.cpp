@@ -38,6 +38,7 @@ class Pace {
     return last_;
   }
   [[nodiscard]] bool late() const { return late_; }
+  [[nodiscard]] std::uint64_t refreshes() const { return refreshes_; }
   /// Whether showing waits for the monitor.
   [[nodiscard]] bool waits() const { return 2 * unpaced_ <= refreshes_; }
 
@@ -93,6 +94,7 @@ ProjectionReport project_patterns(const opengl::WindowSystem& system,
     report.seconds = std::chrono::duration<double>(swap.time - first).count();
     if (settings.on_swap) settings.on_swap(swap);
   }
+  report.refreshes = pace.refreshes();
   report.waits_for_refresh = pace.waits();
   return report;
 }

@@ -28,6 +28,7 @@ struct ProjectionSettings {
 /// What became of it.
 struct ProjectionReport {
   std::uint64_t shown = 0;        ///< patterns
+  std::uint64_t refreshes = 0;    ///< that a pattern was put on for: `hold` each, 1 for the last
   std::uint64_t late = 0;         ///< that came more than half a refresh after their time
   double seconds = 0;             ///< from the first to the last
   double refresh_hz = 0;          ///< as the monitor says; 60 where it does not

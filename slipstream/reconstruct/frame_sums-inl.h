@@ -1,4 +1,4 @@
-// Frames to the sums of their sinusoids. Included once for each vector target, see fused_rows.cpp.
+// Frames to the sums of their sinusoids. Included once for each vector target.
 #if defined(SLIPSTREAM_RECONSTRUCT_FRAME_SUMS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SLIPSTREAM_RECONSTRUCT_FRAME_SUMS_INL_H_
 #undef SLIPSTREAM_RECONSTRUCT_FRAME_SUMS_INL_H_
@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include "slipstream/reconstruct/fused_rows.h"
+#include "slipstream/reconstruct/sinusoid_rows.h"
 #include "slipstream/reconstruct/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();

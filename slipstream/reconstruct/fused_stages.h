@@ -5,9 +5,10 @@
 #include "slipstream/geometry/ray_blocks.h"
 #include "slipstream/geometry/ray_table.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/reconstruct/fused_rows.h"
 #include "slipstream/reconstruct/multiplexed_rows.h"
+#include "slipstream/reconstruct/point_rows.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/reconstruct/sinusoid_rows.h"
 #include "slipstream/strategy/multiplexed_cue.h"
 #include "slipstream/strategy/strategy.h"
 

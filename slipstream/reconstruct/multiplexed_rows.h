@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "slipstream/phase/neighbourhood_vote.h"
-#include "slipstream/reconstruct/fused_rows.h"
+#include "slipstream/reconstruct/sinusoid_rows.h"
 
 // The stages of the fused pass for a cue in the frames of the sinusoid itself: as those of
-// fused_rows.h.
+// sinusoid_rows.h.
 namespace slipstream {
 
 /// How the cue of PCMP becomes a coordinate, Liu 2010, Section 3.2: for N = 3 and 4 a reference in

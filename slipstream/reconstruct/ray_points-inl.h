@@ -1,5 +1,5 @@
 // Coordinate to point by the tables of rays and the lens polynomial. Included once for each vector
-// target, see fused_rows.cpp.
+// target.
 #if defined(SLIPSTREAM_RECONSTRUCT_RAY_POINTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SLIPSTREAM_RECONSTRUCT_RAY_POINTS_INL_H_
 #undef SLIPSTREAM_RECONSTRUCT_RAY_POINTS_INL_H_
@@ -14,7 +14,8 @@
 
 #include <hwy/highway.h>
 
-#include "slipstream/reconstruct/fused_rows.h"
+#include "slipstream/reconstruct/point_rows.h"
+#include "slipstream/reconstruct/sinusoid_turns-inl.h"
 #include "slipstream/reconstruct/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,4 +1,4 @@
-// Vectors of pixels, several at a time. Included once for each vector target, see fused_rows.cpp.
+// Vectors of pixels, several at a time. Included once for each vector target.
 #if defined(SLIPSTREAM_RECONSTRUCT_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SLIPSTREAM_RECONSTRUCT_VECTORS_INL_H_
 #undef SLIPSTREAM_RECONSTRUCT_VECTORS_INL_H_

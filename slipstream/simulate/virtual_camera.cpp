@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <thread>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -48,16 +47,6 @@ Frame frame_of(const FrameSet& exposed, int bits) {
     }
   });
   return frame;
-}
-
-/// Into memory that is there already.
-void copy_pixels(const Frame& from, Frame& to) {
-  std::visit(
-      [&](const auto& pixels) {
-        auto& copy = std::get<std::remove_cvref_t<decltype(pixels)>>(to.pixels);
-        std::copy(pixels.begin(), pixels.end(), copy.begin());
-      },
-      from.pixels);
 }
 
 }  // namespace
@@ -137,7 +126,7 @@ Arrival VirtualCamera::next(Frame& frame, std::chrono::milliseconds timeout) {
   const auto whole = wait_until(Clock::now() + timeout);
   if (!whole) return Arrival::nothing;
   const Frame& seen = loop_[sequence_ % loop_.size()];
-  copy_pixels(seen, frame);
+  frame = seen;
   frame.stamp = {.sequence = sequence_++,
                  .pattern_index = seen.stamp.pattern_index,
                  .device_time = *whole - start_,

@@ -30,6 +30,18 @@ TEST(Image, CopiesAreIndependentAndMovesLeaveNothing) {
   EXPECT_TRUE(copy.empty());  // NOLINT(bugprone-use-after-move): the empty state is promised
 }
 
+TEST(Image, AssignmentFillsTheMemoryThatIsThereWhereTheSizeIsTheSame) {
+  const Image<int> image({2, 2}, 1);
+  Image<int> same({2, 2}), other({5, 1});
+  const int* const memory = same.begin();
+  same = image;
+  EXPECT_EQ(same.begin(), memory);
+  EXPECT_EQ(same(1, 1), 1);
+  other = image;
+  EXPECT_EQ(other.size(), image.size());
+  EXPECT_EQ(other(1, 1), 1);
+}
+
 TEST(Image, EmptyImageHasNoPixels) {
   const Image<int> image;
   EXPECT_TRUE(image.empty());

@@ -1,10 +1,4 @@
-// Coordinate to point. Included once for each vector target, see fused_rows.cpp.
-#if defined(SLIPSTREAM_RECONSTRUCT_POINT_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SLIPSTREAM_RECONSTRUCT_POINT_ROWS_INL_H_
-#undef SLIPSTREAM_RECONSTRUCT_POINT_ROWS_INL_H_
-#else
-#define SLIPSTREAM_RECONSTRUCT_POINT_ROWS_INL_H_
-#endif
+#include "slipstream/reconstruct/point_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -13,14 +7,21 @@
 #include <limits>
 #include <tuple>
 
+#include "slipstream/reconstruct/disabled_targets-inl.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "slipstream/reconstruct/point_rows.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "slipstream/reconstruct/fused_rows.h"
 #include "slipstream/reconstruct/ray_points-inl.h"
-#include "slipstream/reconstruct/sinusoid_rows-inl.h"
+#include "slipstream/reconstruct/sinusoid_turns-inl.h"
+#include "slipstream/reconstruct/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
+
 HWY_INLINE Ints reason_unless(FloatMask good, Ints otherwise, Validity reason) {
   const IntTag di;
   return hn::IfThenElse(hn::RebindMask(di, good), otherwise,
@@ -380,4 +381,23 @@ void PointRowConfirmed(const PointStage& stage, const ConsensusStage& consensus,
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
+#if HWY_ONCE
+namespace slipstream {
+
+HWY_EXPORT(PointRowAlone);
+HWY_EXPORT(PointRowConfirmed);
+
+void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row) {
+  HWY_DYNAMIC_DISPATCH(PointRowAlone)(stage, coordinate, row);
+}
+
+void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row) {
+  HWY_DYNAMIC_DISPATCH(PointRowConfirmed)(stage, consensus, row);
+}
+
+void flush_past_cache() {
+  hwy::FlushStream();
+}
+
+}  // namespace slipstream
 #endif

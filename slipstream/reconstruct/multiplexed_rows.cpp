@@ -1,11 +1,4 @@
-// Frames with a cue in them to coordinates. Included once for each vector target, see
-// fused_rows.cpp.
-#if defined(SLIPSTREAM_RECONSTRUCT_MULTIPLEXED_ROWS_INL_H_) == defined(HWY_TARGET_TOGGLE)
-#ifdef SLIPSTREAM_RECONSTRUCT_MULTIPLEXED_ROWS_INL_H_
-#undef SLIPSTREAM_RECONSTRUCT_MULTIPLEXED_ROWS_INL_H_
-#else
-#define SLIPSTREAM_RECONSTRUCT_MULTIPLEXED_ROWS_INL_H_
-#endif
+#include "slipstream/reconstruct/multiplexed_rows.h"
 
 #include <algorithm>
 #include <array>
@@ -14,10 +7,16 @@
 #include <limits>
 #include <vector>
 
+#include "slipstream/reconstruct/disabled_targets-inl.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "slipstream/reconstruct/multiplexed_rows.cpp"
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "slipstream/reconstruct/multiplexed_rows.h"
-#include "slipstream/reconstruct/sinusoid_rows-inl.h"
+#include "slipstream/reconstruct/frame_sums-inl.h"
+#include "slipstream/reconstruct/sinusoid_turns-inl.h"
+#include "slipstream/reconstruct/vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
@@ -304,4 +303,29 @@ void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
+#if HWY_ONCE
+namespace slipstream {
+
+HWY_EXPORT(DecodeMultiplexedRow8);
+HWY_EXPORT(DecodeMultiplexedRow16);
+HWY_EXPORT(FindDisagreeing);
+
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint8_t* const* frames,
+                const MultiplexedRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeMultiplexedRow8)(stage, cue, limits, cue_limits, frames, row);
+}
+
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint16_t* const* frames,
+                const MultiplexedRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeMultiplexedRow16)(stage, cue, limits, cue_limits, frames, row);
+}
+
+void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
+                      std::vector<PixelPlace>& found) {
+  HWY_DYNAMIC_DISPATCH(FindDisagreeing)(cue, rows, found);
+}
+
+}  // namespace slipstream
 #endif

@@ -70,6 +70,8 @@ OpenedSource open_virtual(const std::string& what, const SourceRequest& request)
       virtual_frames(scanner, virtual_scene(flags, scanner), patterns, flags.photometry, cycles),
       pace_from(request.rate));
   set_scanner(opened, request, text_of(scanner), "the virtual scanner");
+  opened.scanner = with_photometric_calibration(opened.scanner, photometric_truth(flags.photometry),
+                                                opened.scanner_name);
   return opened;
 }
 

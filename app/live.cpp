@@ -44,12 +44,7 @@ LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, Output& out
     throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
                             flags.source.source));
   }
-  PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
-  if (flags.source.source == "virtual") {
-    const Photometry& light = flags.source.virtual_scanner.photometry;
-    known.ambient = light.ambient;
-    if (light.noise_variance > 0) known.noise_variance = light.noise_variance;
-  }
+  const PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
   require_known_light(opened.scan.strategy, known, file);
   const GammaChoice gamma = choose_gamma(flags.gamma, response_from(opened.scanner, file),
                                          step_counts(opened.scan.strategy));

@@ -9,6 +9,7 @@
 
 #include "app/commands.h"
 #include "app/scan_flags.h"
+#include "app/stop_signal.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/pattern/pattern_in_8_bits.h"
@@ -135,10 +136,11 @@ void project_scan(const ProjectFlags& flags, Output& output) {
     if (!first) first = swap;
     if (!flags.log.empty()) log += line_of(swap, *first);
   };
+  const StopSignal stop;
   const auto start = std::chrono::steady_clock::now();
   settings.ends = [&] {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    return flags.duration && passed.count() >= *flags.duration;
+    return stop.raised() || (flags.duration && passed.count() >= *flags.duration);
   };
   const project::ProjectionReport report = project::project_patterns(system, patterns, settings);
   tell(report, hold, output);
@@ -169,7 +171,7 @@ void add_project(CLI::App& program, SharedFlags& shared, Command& chosen) {
       "Examples:\n  slipstream project --list\n  slipstream project --monitor 1 --strategy pmp "
       "--steps 4 --rate 30\nEvery pixel of the monitor shows its own grey level, with the "
       "monitor's "
-      "gamma table off. Esc ends it.");
+      "gamma table off. Esc or Ctrl-C ends it.");
   command->callback(
       [flags, &chosen] { chosen = [flags](Output& output) { project_scan(*flags, output); }; });
 }

@@ -17,7 +17,6 @@
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
@@ -39,18 +38,6 @@ void write_truth(const fs::path& folder, const VirtualScan& virtual_scan) {
   write_map(folder / "depth.tiff", virtual_scan.depth);
   write_map(folder / "coordinate.tiff", virtual_scan.coordinate);
   write_map(folder / "reflectivity.tiff", virtual_scan.reflectivity);
-}
-
-/// What a calibration of light and sensor would find, rounding included.
-PhotometricCalibration photometric_truth(const Photometry& photometry) {
-  double variance = photometry.noise_variance;
-  if (photometry.bits) {
-    const double step = 255.0 / ((1 << *photometry.bits) - 1);
-    variance += quantisation_variance * step * step;
-  }
-  PhotometricCalibration truth{.ambient = photometry.ambient, .noise_variance = {}};
-  if (variance > 0) truth.noise_variance = variance;
-  return truth;
 }
 
 void write_scan(const fs::path& folder, ScanDescription scan, const Scanner& scanner,

@@ -7,6 +7,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {
@@ -76,6 +77,17 @@ Scanner virtual_scanner(const VirtualFlags& flags) {
   Scanner scanner = read_scanner(*flags.scanner);
   require_valid(scanner);
   return scanner;
+}
+
+PhotometricCalibration photometric_truth(const Photometry& photometry) {
+  double variance = photometry.noise_variance;
+  if (photometry.bits) {
+    const double step = 255.0 / ((1 << *photometry.bits) - 1);
+    variance += quantisation_variance * step * step;
+  }
+  PhotometricCalibration truth{.ambient = photometry.ambient, .noise_variance = {}};
+  if (variance > 0) truth.noise_variance = variance;
+  return truth;
 }
 
 Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {

@@ -7,6 +7,7 @@
 #include <CLI/App.hpp>
 
 #include "slipstream/geometry/scanner.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
@@ -32,6 +33,9 @@ void add_virtual_flags(CLI::App& command, VirtualFlags& flags,
 
 /// Of the file that --scanner names, else the example with a camera of that size.
 Scanner virtual_scanner(const VirtualFlags& flags);
+
+/// What a calibration of light and sensor would find, rounding included.
+PhotometricCalibration photometric_truth(const Photometry& photometry);
 
 Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner);
 

@@ -39,6 +39,13 @@ PhotometricCalibration photometric_calibration_of(
   return read;
 }
 
+std::map<std::string, StoredMatrix> entries_of(const PhotometricCalibration& calibration) {
+  std::map<std::string, StoredMatrix> entries;
+  if (calibration.ambient) entries[ambient_entry] = {1, 1, {*calibration.ambient}};
+  if (calibration.noise_variance) entries[noise_entry] = {1, 1, {*calibration.noise_variance}};
+  return entries;
+}
+
 }  // namespace
 
 PhotometricCalibration read_photometric_calibration(const fs::path& scanner_file) {
@@ -50,12 +57,15 @@ PhotometricCalibration photometric_calibration_from(const std::string& text,
   return photometric_calibration_of(opencv_entries(text, name), name);
 }
 
+std::string with_photometric_calibration(const std::string& text,
+                                         const PhotometricCalibration& calibration,
+                                         const std::string& name) {
+  return with_entries(text, entries_of(calibration), name);
+}
+
 void write_photometric_calibration(const std::optional<fs::path>& from, const fs::path& to,
                                    const PhotometricCalibration& calibration) {
-  std::map<std::string, StoredMatrix> entries;
-  if (calibration.ambient) entries[ambient_entry] = {1, 1, {*calibration.ambient}};
-  if (calibration.noise_variance) entries[noise_entry] = {1, 1, {*calibration.noise_variance}};
-  write_entries(from, to, entries);
+  write_entries(from, to, entries_of(calibration));
 }
 
 }  // namespace slipstream

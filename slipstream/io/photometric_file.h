@@ -19,6 +19,12 @@ PhotometricCalibration read_photometric_calibration(const std::filesystem::path&
 PhotometricCalibration photometric_calibration_from(const std::string& text,
                                                     const std::string& name);
 
+/// The text of such a file with what the calibration has in place of what it says, and all else as
+/// it was. Throws Error, calling it `name`, where it is no such text.
+std::string with_photometric_calibration(const std::string& text,
+                                         const PhotometricCalibration& calibration,
+                                         const std::string& name);
+
 /// Writes the scanner file `from` to `to` (which may be the same) with what the calibration has in
 /// place of what the file says, and all else as it was. `from` may be missing: the new file then
 /// holds the calibration alone. Throws Error where both names do not end alike in .xml or not.

@@ -1,18 +1,11 @@
 // `slipstream live` as it is run: flags, the JSON document, signals.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <regex>
-#include <thread>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "slipstream/io/recording.h"
 #include "tests/app/program.h"
@@ -21,7 +14,6 @@
 namespace slipstream {
 namespace {
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
 
 const std::vector<std::string> small{"live",       "--source", "virtual",   "--camera", "64x48",
                                      "--strategy", "pmp",      "--steps",   "4",        "--scene",
@@ -72,10 +64,6 @@ TEST(LiveProgram, records_replays_and_writes_the_last_cloud) {
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(number_of(again.out, "captured"), 42);
   EXPECT_EQ(number_of(again.out, "clouds"), 39);
-  const auto contents = [](const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
   EXPECT_GT(contents(first).size(), 1000U);
   EXPECT_EQ(contents(first), contents(second));
 }
@@ -95,34 +83,33 @@ TEST(LiveProgram, an_interrupt_finishes_its_files) {
     const fs::path recording = folder.path() / "frames.slip", cloud = folder.path() / "cloud.ply";
     const auto arguments =
         with(small, {"--rate", "200", "--record", recording.string(), "-o", cloud.string()});
-    std::vector<const char*> argv{SLIPSTREAM_PROGRAM};
-    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-    argv.push_back(nullptr);
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const int nowhere = ::open("/dev/null", O_RDWR);
-      for (const int stream : {0, 1, 2}) ::dup2(nowhere, stream);
-      ::execv(argv[0], const_cast<char* const*>(argv.data()));
-      ::_exit(127);
-    }
-    // Until some frames are on the disk.
-    const auto size = [&] {
+    RunningProgram program(arguments);
+    EXPECT_TRUE(wait_until([&] {
       std::error_code none;
       const auto bytes = fs::file_size(recording, none);
-      return none ? 0 : bytes;
-    };
-    for (int tries = 0; tries < 6000 && size() < 20 * 64 * 48; ++tries) {
-      std::this_thread::sleep_for(10ms);
-    }
-    ::kill(child, signal);
-    int status = 0;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+      return !none && bytes >= 20 * 64 * 48;
+    }));
+    program.send(signal);
+    EXPECT_EQ(program.wait(), 0) << program.err();
     const RecordingReader reader(recording);
     EXPECT_TRUE(reader.finished());
     EXPECT_GE(reader.count(), 10U);
     EXPECT_TRUE(fs::exists(cloud));
   }
+}
+
+TEST(LiveProgram, a_recording_knows_the_light_of_the_virtual_scanner) {
+  const TemporaryFolder folder;
+  const std::string recording = (folder.path() / "frames.slip").string();
+  const std::vector<std::string> multiplexed{
+      "live",    "--source", "virtual",  "--camera", "96x72",    "--strategy", "pcmp",
+      "--steps", "3",        "--frames", "12",       "--record", recording,    "--headless"};
+  const ProgramRun recorded = run_program(multiplexed);
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  const ProgramRun replayed =
+      run_program({"live", "--source", "replay:" + recording, "--headless", "--json"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
+  EXPECT_EQ(number_of(replayed.out, "clouds"), 10) << replayed.out;
 }
 
 TEST(LiveProgram, a_full_disk_ends_the_recording_and_not_the_scan) {

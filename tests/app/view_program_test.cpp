@@ -1,5 +1,6 @@
 // view and project, as people run them. Drawing is skipped where there is no OpenGL.
 #include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 
@@ -9,6 +10,7 @@
 #include "slipstream/io/image_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
+#include "tests/opengl/desktop.h"
 
 namespace slipstream {
 namespace {
@@ -88,6 +90,24 @@ TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
   const ProgramRun project = run_program({"project", "--list"});
   EXPECT_EQ(project.exit_code, 1);
   EXPECT_NE(project.err.find("desktop"), std::string::npos) << project.err;
+}
+
+/// Whether the process has a handler of its own for SIGINT.
+bool heeds_interrupts(pid_t process) {
+  const std::string status = contents("/proc/" + std::to_string(process) + "/status");
+  const auto caught = status.find("SigCgt:");
+  return caught != std::string::npos &&
+         (std::stoull(status.substr(caught + 7), nullptr, 16) & (1ULL << (SIGINT - 1))) != 0;
+}
+
+TEST_F(ViewProgram, AnInterruptEndsTheProjectionAndKeepsItsLog) {
+  const Desktop desktop;
+  if (run_program({"project", "--list"}).exit_code != 0) GTEST_SKIP() << "no desktop";
+  RunningProgram project({"project", "--log", path("log.csv")});
+  EXPECT_TRUE(wait_until([&] { return heeds_interrupts(project.process()); })) << project.err();
+  project.send(SIGINT);
+  EXPECT_EQ(project.wait(), 0) << project.err();
+  EXPECT_EQ(contents(path("log.csv")).substr(0, 21), "swap,pattern,seconds\n");
 }
 
 }  // namespace

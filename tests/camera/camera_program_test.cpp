@@ -2,21 +2,16 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/recording.h"
+#include "tests/app/program.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
@@ -24,57 +19,6 @@ namespace slipstream {
 namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-
-/// The program, running; its words go to a file.
-class RunningProgram {
- public:
-  RunningProgram(const std::vector<std::string>& arguments, fs::path words)
-      : words_(std::move(words)) {
-    std::vector<const char*> argv{SLIPSTREAM_PROGRAM};
-    for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-    argv.push_back(nullptr);
-    const int to = ::open(words_.c_str(), O_RDWR | O_CREAT | O_TRUNC, 0666);
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::dup2(to, 1);
-      ::dup2(to, 2);
-      ::execv(argv[0], const_cast<char* const*>(argv.data()));
-      ::_exit(127);
-    }
-    ::close(to);
-  }
-  RunningProgram(RunningProgram&& other) noexcept
-      : words_(std::move(other.words_)), process_(std::exchange(other.process_, -1)) {}
-  RunningProgram& operator=(RunningProgram&&) = delete;
-  ~RunningProgram() {
-    if (process_ > 0) {
-      ::kill(process_, SIGKILL);
-      (void)wait();
-    }
-  }
-
-  void interrupt() const { ::kill(process_, SIGINT); }
-  /// The exit code.
-  int wait() {
-    int status = 0;
-    ::waitpid(std::exchange(process_, -1), &status, 0);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-  [[nodiscard]] std::string words() const {
-    std::ifstream stream(words_);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  [[nodiscard]] bool wait_for_words(const std::string& wanted) const {
-    for (int tries = 0; tries < 3000 && words().find(wanted) == std::string::npos; ++tries) {
-      std::this_thread::sleep_for(10ms);
-    }
-    return words().find(wanted) != std::string::npos;
-  }
-
- private:
-  fs::path words_;
-  pid_t process_ = -1;
-};
 
 bool port_is_free() {
   try {
@@ -100,15 +44,14 @@ class CameraProgram : public testing::Test {
   }
 
   [[nodiscard]] RunningProgram serve() const {
-    return {with({"camera", "serve", "--camera", "160x120", "--scene", "sphere", "--cycles", "3",
-                  "--serial", "PROGRAM"},
-                 small_scan),
-            folder_.path() / "serve.txt"};
+    return RunningProgram(with({"camera", "serve", "--camera", "160x120", "--scene", "sphere",
+                                "--cycles", "3", "--serial", "PROGRAM"},
+                               small_scan));
   }
   [[nodiscard]] RunningProgram record(const std::vector<std::string>& more) const {
-    return {with({"record", "--source", "aravis:127.0.0.1", "-o", recording(), "--rate", "100"},
-                 with(small_scan, more)),
-            folder_.path() / "record.txt"};
+    return RunningProgram(
+        with({"record", "--source", "aravis:127.0.0.1", "-o", recording(), "--rate", "100"},
+             with(small_scan, more)));
   }
   [[nodiscard]] std::string recording() const { return folder_.path() / "frames.slip"; }
 
@@ -121,7 +64,7 @@ TEST_F(CameraProgram, RecordsWhatTheOtherServes) {
   RunningProgram client = record({"--frames", "50", "--json"});
   EXPECT_EQ(client.wait(), 0) << client.words();
   EXPECT_NE(client.words().find("\"frames\": 50"), std::string::npos) << client.words();
-  server.interrupt();
+  server.send(SIGINT);
   EXPECT_EQ(server.wait(), 0) << server.words();
 
   const RecordingReader reader(recording());
@@ -143,19 +86,18 @@ TEST_F(CameraProgram, ServerThatIsKilledAndRunAgainIsFoundAndInterruptFinishesTh
     RunningProgram server = serve();
     EXPECT_TRUE(server.wait_for_words("serving")) << server.words();
     RunningProgram recording_client = record({});
-    for (int tries = 0; tries < 1000; ++tries) {
+    EXPECT_TRUE(wait_until([&] {
       std::error_code none;
       const auto size = fs::file_size(recording(), none);
-      if (!none && size > 20 * 160 * 120) break;
-      std::this_thread::sleep_for(10ms);
-    }
+      return !none && size > 20 * 160 * 120;
+    }));
     return recording_client;
   }();
   EXPECT_TRUE(client.wait_for_words("is gone; looking for it")) << client.words();
   RunningProgram server = serve();
   EXPECT_TRUE(client.wait_for_words("the camera is back")) << client.words();
   std::this_thread::sleep_for(500ms);
-  client.interrupt();
+  client.send(SIGINT);
   EXPECT_EQ(client.wait(), 0) << client.words();
   const RecordingReader reader(recording());
   EXPECT_TRUE(reader.finished());
@@ -165,7 +107,7 @@ TEST_F(CameraProgram, ServerThatIsKilledAndRunAgainIsFoundAndInterruptFinishesTh
 TEST_F(CameraProgram, ListsTheServedCameraAsItIsOpened) {
   RunningProgram server = serve();
   ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
-  RunningProgram list({"camera", "list", "--json"}, folder_.path() / "list.txt");
+  RunningProgram list({"camera", "list", "--json"});
   EXPECT_EQ(list.wait(), 0) << list.words();
   EXPECT_NE(list.words().find("aravis:Aravis-Fake-PROGRAM"), std::string::npos) << list.words();
 }
@@ -173,9 +115,9 @@ TEST_F(CameraProgram, ListsTheServedCameraAsItIsOpened) {
 TEST_F(CameraProgram, RefusesBadFlags) {
   const auto expect_refused = [&](const std::vector<std::string>& arguments, int code,
                                   const std::string& named) {
-    RunningProgram run(arguments, folder_.path() / "refused.txt");
-    EXPECT_EQ(run.wait(), code) << run.words();
-    EXPECT_NE(run.words().find(named), std::string::npos) << run.words();
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, code) << run.err;
+    EXPECT_NE(run.err.find(named), std::string::npos) << run.err;
     EXPECT_FALSE(fs::exists(recording()));
   };
   const auto with_source = [&](const std::vector<std::string>& more) {

@@ -1,0 +1,99 @@
+#include "tests/app/program.h"
+
+#include <chrono>
+#include <fstream>
+#include <iterator>
+#include <thread>
+#include <utility>
+
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace slipstream {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+void redirect(int descriptor, const fs::path& path, int flags) {
+  const int file = ::open(path.c_str(), flags, 0600);
+  if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(126);
+}
+
+}  // namespace
+
+RunningProgram::RunningProgram(const std::vector<std::string>& arguments, long largest_file) {
+  const fs::path out = folder_->path() / "out", err = folder_->path() / "err";
+  std::vector<const char*> argv{SLIPSTREAM_PROGRAM};
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  argv.push_back(nullptr);
+
+  process_ = ::fork();
+  if (process_ != 0) return;
+  redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+  redirect(STDOUT_FILENO, out, O_WRONLY | O_CREAT);
+  redirect(STDERR_FILENO, err, O_WRONLY | O_CREAT);
+  if (largest_file >= 0) {
+    const rlimit limit{static_cast<rlim_t>(largest_file), static_cast<rlim_t>(largest_file)};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    ::signal(SIGXFSZ, SIG_IGN);
+  }
+  ::execv(argv[0], const_cast<char* const*>(argv.data()));
+  ::_exit(127);
+}
+
+RunningProgram::RunningProgram(RunningProgram&& other) noexcept
+    : folder_(std::move(other.folder_)), process_(std::exchange(other.process_, -1)) {}
+
+RunningProgram::~RunningProgram() {
+  if (process_ <= 0) return;
+  send(SIGKILL);
+  (void)wait();
+}
+
+void RunningProgram::send(int signal) const {
+  ::kill(process_, signal);
+}
+
+int RunningProgram::wait() {
+  int status = 0;
+  ::waitpid(std::exchange(process_, -1), &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+std::string RunningProgram::out() const {
+  return contents(folder_->path() / "out");
+}
+
+std::string RunningProgram::err() const {
+  return contents(folder_->path() / "err");
+}
+
+std::string RunningProgram::words() const {
+  return out() + err();
+}
+
+bool RunningProgram::wait_for_words(const std::string& wanted) const {
+  return wait_until([&] { return words().find(wanted) != std::string::npos; });
+}
+
+ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file) {
+  RunningProgram program(arguments, largest_file);
+  const int exit_code = program.wait();
+  return {exit_code, program.out(), program.err()};
+}
+
+bool wait_until(const std::function<bool()>& come) {
+  for (int tries = 0; tries < 6000 && !come(); ++tries) std::this_thread::sleep_for(10ms);
+  return come();
+}
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace slipstream

@@ -21,6 +21,7 @@ void require_strategy(const ScanFlags& flags, const fs::path& folder) {
 void apply(const ScanFlags& flags, Axis axis, ScanDescription& scan) {
   scan.strategy = strategy_from(flags, scan.strategy);
   scan.axis = axis;
+  scan.light = light_from(flags, scan.light);
   scan.projector = projector_from(flags, scan.projector);
 }
 

@@ -154,7 +154,7 @@ double level_in(const fs::path& picture) {
 /// What the camera saw of uniform patterns in the middle of its picture, where the light is even.
 struct UniformLevels {
   std::vector<double> values;
-  std::vector<double> intensities;
+  std::vector<double> intensities;  ///< grey levels of 255
 };
 
 UniformLevels read_uniform(const fs::path& folder, Output& output) {
@@ -173,8 +173,8 @@ UniformLevels read_uniform(const fs::path& folder, Output& output) {
     });
     double sum = 0;
     for (const double intensity : middle) sum += intensity;
-    const double mean = sum / static_cast<double>(middle.size());
-    if (mean > 0.98 * loaded.frames.full_scale()) {
+    const double mean = sum / static_cast<double>(middle.size()) * 255 / loaded.frames.full_scale();
+    if (mean > 0.98 * 255) {
       throw Error(fmt::format("{}: saturated; expose shorter", picture.string()));
     }
     levels.values.push_back(level_in(picture));
@@ -189,6 +189,12 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
   }
   if (flags.response && !flags.uniform) {
     throw Error("--response needs pictures of uniform patterns; name their folder with --uniform");
+  }
+  if (flags.folders.empty() && !(flags.map.empty() && flags.histogram.empty())) {
+    throw Error(
+        fmt::format("{} {}: uniform patterns give no gamma for each pixel; give folders of scans",
+                    flags.map.empty() ? "--histogram" : "--map",
+                    flags.map.empty() ? flags.histogram : flags.map));
   }
   std::optional<fs::path> scanner;
   if (flags.scanner) scanner = *flags.scanner;

@@ -15,6 +15,7 @@
 #include "app/calibrate.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
+#include "app/scan_input.h"
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
@@ -98,7 +99,7 @@ void capture(const BoardScans& scans, const CalibrationBoard& board,
     }
     require_same(captures.camera, loaded.frames.size(), scans.name, "frames of");
     require_same(captures.projector, scan.projector, scans.name, "patterns for");
-    return AxisScan{scan.strategy, std::move(loaded.frames)};
+    return AxisScan{scan.strategy, std::move(loaded.frames), scan.light};
   };
   const AxisScan x = read(scans.x), y = read(scans.y);
   try {
@@ -267,22 +268,19 @@ void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
   std::optional<Scanner> other;
-  if (flags.compare) {
-    other = read_scanner(*flags.compare);
-    require_valid(other->camera, "camera");
-    require_valid(other->projector, "projector");
-  }
+  if (flags.compare) other = read_scanner(*flags.compare);
   const Captures captures = capture_all(flags, board, output);
+  if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
 
   std::optional<ScannerComparison> comparison;
   if (other) {
-    comparison =
-        compared_with(*other, fs::path(*flags.compare).filename().string(), captures.views, board);
+    comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
+                               calibration.views, board);
   }
   if (flags.report) {
-    write_calibration_report(*flags.report, {calibration, captures.views, captures.unused, board,
+    write_calibration_report(*flags.report, {calibration, calibration.views, captures.unused, board,
                                              comparison ? &*comparison : nullptr});
   }
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);

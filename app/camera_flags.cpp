@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -86,7 +87,12 @@ V4l2Settings v4l2_settings(const CameraFlags& flags, std::optional<double> rate,
     throw Error(fmt::format("--trigger {}: v4l2 cameras run freely", flags.trigger));
   }
   if (flags.exposure) settings.exposure = *flags.exposure / 1e3;
-  if (flags.gain) settings.gain = static_cast<int>(std::lround(*flags.gain));
+  if (flags.gain) {
+    if (!(std::abs(*flags.gain) <= std::numeric_limits<int>::max())) {
+      throw Error(fmt::format("--gain {} is out of range; a whole number of 32 bits", *flags.gain));
+    }
+    settings.gain = static_cast<int>(std::lround(*flags.gain));
+  }
   return settings;
 }
 

@@ -38,7 +38,19 @@ void serve(const ServeFlags& flags, Output& output) {
   if (!(flags.packet_loss >= 0 && flags.packet_loss <= 1)) {
     throw Error(fmt::format("--packet-loss {} is out of range; 0 to 1", flags.packet_loss));
   }
+  constexpr int most_cycles = 1000;
+  if (flags.cycles < 1 || flags.cycles > most_cycles) {
+    throw Error(fmt::format("--cycles {} is out of range; 1 to {}", flags.cycles, most_cycles));
+  }
+  if (flags.scene.bits != 8) {
+    throw Error(fmt::format("--bits {}: a camera that is served has 8", flags.scene.bits));
+  }
   const Scanner scanner = virtual_scanner(flags.scene);
+  const Size projector = projector_from(flags.scan, scanner.projector.size);
+  if (projector != scanner.projector.size) {
+    throw Error(fmt::format("--projector {} is not that of the scanner, {}", text_of(projector),
+                            text_of(scanner.projector.size)));
+  }
   const Strategy strategy = strategy_from(flags.scan, DualFrequency{});
   const Axis axis = axis_from(flags.scan, Axis::x);
   require_resolved(strategy, length_along(axis, scanner.projector.size));

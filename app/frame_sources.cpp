@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -155,11 +157,21 @@ OpenedSource open_source(const SourceRequest& request) {
   if (scheme == schemes.end()) {
     throw Error(fmt::format("source '{}' is unknown; one of {}", request.source, source_forms()));
   }
-  if (request.rate && !(*request.rate >= 0 && *request.rate <= 1e6)) {
+  const double rate = request.rate.value_or(0);
+  if (!(rate == 0 || (rate >= 1e-3 && rate <= 1e6))) {
     throw Error(
-        fmt::format("--rate {} is out of range; 0 (as fast as it goes) to 1e6 Hz", *request.rate));
+        fmt::format("--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate));
   }
   return scheme->open(what, request);
+}
+
+void require_not_replayed(const SourceRequest& request, const std::string& file) {
+  constexpr std::string_view scheme = "replay:";
+  if (!request.source.starts_with(scheme)) return;
+  std::error_code unknown;  // where `file` is not there yet
+  if (std::filesystem::equivalent(request.source.substr(scheme.size()), file, unknown)) {
+    throw Error(fmt::format("{}: is being replayed; record to another file", file));
+  }
 }
 
 }  // namespace slipstream::app

@@ -41,4 +41,7 @@ std::string source_forms();
 /// does not answer.
 OpenedSource open_source(const SourceRequest& request);
 
+/// Throws Error where `file`, which is to be written, is what the source replays.
+void require_not_replayed(const SourceRequest& request, const std::string& file);
+
 }  // namespace slipstream::app

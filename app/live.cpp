@@ -38,17 +38,22 @@ struct LiveFlags {
   ViewFlags view;
 };
 
-LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, Output& output) {
-  const std::string& file = opened.scanner_name;
+void require_scanner(const OpenedSource& opened, const LiveFlags& flags) {
   if (opened.scanner.empty()) {
     throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
                             flags.source.source));
   }
+}
+
+GammaChoice gamma_of(const OpenedSource& opened, const LiveFlags& flags) {
+  return choose_gamma(flags.gamma, response_from(opened.scanner, opened.scanner_name),
+                      step_counts(opened.scan.strategy));
+}
+
+LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, const GammaChoice& gamma) {
+  const std::string& file = opened.scanner_name;
   const PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
   require_known_light(opened.scan.strategy, known, file);
-  const GammaChoice gamma = choose_gamma(flags.gamma, response_from(opened.scanner, file),
-                                         step_counts(opened.scan.strategy));
-  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
   ReconstructSettings settings = flags.settings;
   settings.backend = Backend::fused;
   settings.drop_saturated = !flags.keep_saturated;
@@ -174,7 +179,10 @@ void live(LiveFlags flags, Output& output) {
   flags.source.indexing = pattern_indexing_named(flags.indexing);
   OpenedSource opened = open_source(flags.source);
   if (!opened.warning.empty()) output.warn(opened.warning);
-  const LiveScan scan = scan_of(opened, flags, output);
+  require_scanner(opened, flags);
+  const GammaChoice gamma = gamma_of(opened, flags);
+  const LiveScan scan = scan_of(opened, flags, gamma);
+  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
 
   const RecordingHeader header{.format = opened.frames->format(),
                                .frame_rate = flags.source.rate.value_or(0),
@@ -186,11 +194,15 @@ void live(LiveFlags flags, Output& output) {
                         {.indexing = flags.source.indexing, .most_frames = flags.frames});
 
   const StopSignal stop;
-  if (!flags.record.empty()) recorder.record_to(flags.record);
-  const auto end = flags.duration
-                       ? Clock::now() + std::chrono::duration_cast<Clock::duration>(
-                                            std::chrono::duration<double>(*flags.duration))
-                       : Clock::time_point::max();
+  if (!flags.record.empty()) {
+    require_not_replayed(flags.source, flags.record);
+    recorder.record_to(flags.record);
+  }
+  const auto start = Clock::now();
+  const auto time_over = [&] {
+    const std::chrono::duration<double> passed = Clock::now() - start;
+    return flags.duration && passed.count() >= *flags.duration;
+  };
   pipeline.start();
   const std::string scheme = flags.source.source.substr(0, flags.source.source.find(':'));
   LiveSession session{pipeline,
@@ -198,21 +210,20 @@ void live(LiveFlags flags, Output& output) {
                       scan,
                       [&] {
                         const bool at_end = flags.headless || flags.frames;
-                        return stop.raised() || Clock::now() >= end || pipeline.failure() ||
+                        return stop.raised() || time_over() || pipeline.failure() ||
                                (at_end && !pipeline.running());
                       },
                       flags.source.source,
                       scheme != "virtual" && scheme != "replay",
-                      flags.view};
+                      flags.view,
+                      {.text = opened.scanner, .name = opened.scanner_name, .gammas = {gamma}}};
   output.document["files"] = nlohmann::json::object();
   run_session(session, flags.headless, output);
   pipeline.stop();
 
   write_results(session, flags, output);
-  if (!flags.record.empty()) {
-    recorder.finish_recording();
-    output.document["files"]["recording"] = flags.record;
-  }
+  recorder.finish_recording();  // one that was begun in the window too
+  if (!flags.record.empty()) output.document["files"]["recording"] = flags.record;
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "app/output.h"
+#include "app/save_scan.h"
 #include "app/view_flags.h"
 #include "slipstream/io/recorded_source.h"
 #include "slipstream/live/live_pipeline.h"
@@ -20,6 +21,7 @@ struct LiveSession {
   std::string source;        ///< as it was asked for
   bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
   ViewFlags view;
+  SavedScanner scanner;  ///< its first gamma is the one chosen at the beginning
 };
 
 /// Shows it in a window until that is closed or the session is over; then writes the screenshot
@@ -27,7 +29,7 @@ struct LiveSession {
 void show_in_window(LiveSession& session, Output& output);
 
 /// Writes the pictures that the flags ask for, drawn without a window, of the newest cloud. Throws
-/// Error where there is none.
+/// WorldError where there is none.
 void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
 
 }  // namespace slipstream::app

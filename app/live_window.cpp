@@ -1,17 +1,15 @@
-#include <chrono>
-#include <ctime>
 #include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include "app/live_session.h"
 #include "app/save_scan.h"
 #include "slipstream/error/error.h"
 #include "slipstream/gamma/correction.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/view/viewer.h"
 
@@ -50,20 +48,24 @@ std::vector<std::pair<std::string, Strategy>> strategies_for(const LiveSession& 
   return choices;
 }
 
-std::vector<std::pair<std::string, PhaseCorrections>> gammas_for(const LiveSession& session) {
+std::vector<std::pair<std::string, GammaChoice>> gammas_for(const LiveSession& session) {
   std::vector<int> steps = step_counts(session.scan.strategy);
   if (session.patterns_can_change) steps.insert(steps.end(), {3, 4, 6});
-  std::vector<std::pair<std::string, PhaseCorrections>> choices{
-      {"as given", session.scan.settings.phase_corrections}, {"none", {}}};
+  std::vector<std::pair<std::string, GammaChoice>> choices{
+      {"as given", session.scanner.gammas.front()}, {"none", {}}};
   for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
-    choices.emplace_back(fmt::format("{:g}", gamma), phase_corrections(PowerLaw{gamma}, steps));
+    choices.emplace_back(fmt::format("{:g}", gamma),
+                         GammaChoice{.corrections = phase_corrections(PowerLaw{gamma}, steps),
+                                     .source = "given",
+                                     .gamma = gamma,
+                                     .sentence = {}});
   }
   return choices;
 }
 
 fs::path new_recording(const std::string& folder) {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  return fs::path(folder) / fmt::format("recording-{:%Y%m%d-%H%M%S}.slip", fmt::localtime(now));
+  make_folder(folder);
+  return path_named_by_time(folder, "recording", ".slip");
 }
 
 std::string text_of(const RecordedSource::Recording& recording) {
@@ -85,11 +87,19 @@ view::ViewSource view_source_of(LiveSession& session) {
   source.change = [&session](const LiveScan& scan) {
     session.pipeline.change(scan);
     session.scan = scan;
+    session.recorder.set_strategy(scan.strategy);
   };
   source.strategies = strategies_for(session);
-  source.gammas = gammas_for(session);
-  source.save = [folder = session.view.save_to](const LiveCloud& cloud, const LiveScan& scan) {
-    return save_scan(cloud, scan, folder);
+  SavedScanner scanner = session.scanner;
+  scanner.gammas.clear();
+  for (auto& [label, gamma] : gammas_for(session)) {
+    source.gammas.emplace_back(label, gamma.corrections);
+    scanner.gammas.push_back(std::move(gamma));
+  }
+  source.full_scale = (1 << session.recorder.format().bits) - 1;
+  source.save = [scanner, folder = session.view.save_to](const LiveCloud& cloud,
+                                                         const LiveScan& scan) {
+    return save_scan(cloud, scan, scanner, folder);
   };
   source.record = [&session](bool on) {
     if (on) {

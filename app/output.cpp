@@ -11,7 +11,9 @@ void Output::warn(std::string_view message) {
 }
 
 void Output::finish() {
-  if (json_) write_line(stdout, document.dump(2));
+  if (json_) {  // names of files need not be UTF-8
+    write_line(stdout, document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+  }
   if (std::fflush(stdout) != 0) throw WorldError("cannot write to standard output");
 }
 

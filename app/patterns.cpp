@@ -123,14 +123,18 @@ void add_patterns(CLI::App& program, SharedFlags& shared, Command& chosen) {
   const auto flags = std::make_shared<PatternsFlags>();
   command->add_option("folder", flags->folder, "where the pictures and scan.yaml go")->required();
   add_scan_flags(*command, flags->scan);
-  command->add_option("--bits", flags->bits, "grey levels of the projector: 8 to 16 bits")
-      ->capture_default_str();
-  command->add_option("--precompensate", flags->precompensate,
-                      "a gamma, or a scanner file that holds one: its inverse is applied to the "
-                      "pictures, so that the projector's light is as meant");
-  command->add_option(
-      "--uniform", flags->uniform,
-      "so many uniform pictures from black to white instead, to measure gamma with");
+  CLI::Option* const bits =
+      command->add_option("--bits", flags->bits, "grey levels of the projector: 8 to 16 bits")
+          ->capture_default_str();
+  CLI::Option* const precompensate = command->add_option(
+      "--precompensate", flags->precompensate,
+      "a gamma, or a scanner file that holds one: its inverse is applied to the "
+      "pictures, so that the projector's light is as meant");
+  command
+      ->add_option("--uniform", flags->uniform,
+                   "so many uniform pictures from black to white instead, to measure gamma with")
+      ->excludes(bits)
+      ->excludes(precompensate);
   add_shared_flags(*command, shared);
   command->footer(
       "Example:\n  slipstream patterns patterns --strategy dual-frequency --steps 3 --high 16 "

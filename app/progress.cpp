@@ -8,7 +8,7 @@
 
 namespace slipstream::app {
 
-Progress::Progress(std::string label, int total)
+Progress::Progress(std::string label, std::int64_t total)
     : label_(std::move(label)), total_(total), terminal_(::isatty(STDERR_FILENO) == 1) {}
 
 void Progress::finish() {
@@ -26,7 +26,8 @@ void Progress::advance() {
 
 void Progress::draw() const {
   constexpr int width = 30;
-  const int filled = width * done_ / total_;
+  const auto filled =
+      static_cast<int>(width * static_cast<double>(done_) / static_cast<double>(total_));
   fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}", label_, "", filled, "", width - filled, done_,
              total_);
   std::fflush(stderr);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 namespace slipstream::app {
@@ -9,7 +10,7 @@ namespace slipstream::app {
 /// taken a second. Removed when it goes out of scope.
 class Progress {
  public:
-  Progress(std::string label, int total);
+  Progress(std::string label, std::int64_t total);
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
   ~Progress() { finish(); }
@@ -24,8 +25,8 @@ class Progress {
   void draw() const;
 
   std::string label_;
-  int total_;
-  int done_ = 0;
+  std::int64_t total_;
+  std::int64_t done_ = 0;
   bool terminal_;
   bool drawn_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

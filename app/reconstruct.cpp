@@ -83,9 +83,15 @@ double median_depth_sigma(const Uncertainty& uncertainty) {
   return *middle;
 }
 
-/// The cloud of a scan with two cameras, by matching their phases.
-Reconstruction match_cameras(const ScanDescription& scan, const FrameSet& frames,
-                             ReconstructFlags flags, Output& output) {
+/// A cloud and the backend that decoded it.
+struct ReconstructedBy {
+  Reconstruction result;
+  std::string backend;
+};
+
+/// Of a scan with two cameras, by matching their phases.
+ReconstructedBy match_cameras(const ScanDescription& scan, const FrameSet& frames,
+                              ReconstructFlags flags, Output& output) {
   flags.input.scanner.reset();
   const ScanDescription second = describe(*scan.second_camera, flags.input);
   if (name_of(second.strategy) != name_of(scan.strategy) ||
@@ -98,7 +104,7 @@ Reconstruction match_cameras(const ScanDescription& scan, const FrameSet& frames
   const PhaseMatcher match(scanner_for(scan, frames.size()),
                            scanner_for(second, loaded.frames.size()), scan.strategy, scan.axis,
                            flags.settings, flags.match);
-  return match(frames, loaded.frames);
+  return {match(frames, loaded.frames), match.backend_for(frames)};
 }
 
 /// With several scans "{name}" in an output's path stands for the scan's folder.
@@ -194,11 +200,12 @@ class ReconstructorOfScans {
 
   const Reconstructor& for_scan(const ScanDescription& scan, Size camera, const GammaChoice& gamma,
                                 const PhotometricCalibration& photometry) {
-    const std::string wanted = fmt::format(
-        "{} {} {} {} {} {} {} {} {} {}", scan.scanner->string(),
-        nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-        name_of(scan.axis), text_of(camera), json_of(gamma).dump(), scan.light.alpha_p,
-        scan.light.beta_p, photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
+    const std::string wanted =
+        fmt::format("{} {} {} {} {} {} {} {} {} {} {}", scan.scanner->string(),
+                    nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
+                    name_of(scan.axis), text_of(camera), text_of(scan.projector),
+                    json_of(gamma).dump(), scan.light.alpha_p, scan.light.beta_p,
+                    photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
     if (wanted != made_for_) {
       reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis,
                              settings_for(settings_, scan, gamma, photometry));
@@ -261,12 +268,13 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry);
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
-  const auto reconstructed = [&]() -> Reconstruction {
+  const auto reconstructed = [&]() -> ReconstructedBy {
     if (two_cameras) return match_cameras(scan, loaded.frames, flags, output);
-    if (flags.files.any_map() || flags.uncertainty) return reconstruct(loaded.frames);
-    return {reconstruct.cloud(loaded.frames), {}};
+    const std::string backend = reconstruct.backend_for(loaded.frames);
+    if (flags.files.any_map() || flags.uncertainty) return {reconstruct(loaded.frames), backend};
+    return {{reconstruct.cloud(loaded.frames), {}}, backend};
   };
-  const Reconstruction result = reconstructed();
+  const auto [result, backend] = reconstructed();
   const double computed = watch.lap();
   const std::optional<Uncertainty> uncertainty =
       flags.uncertainty ? std::optional(reconstruct.uncertainty(result, loaded.frames))
@@ -278,7 +286,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
       {"points", point_count(result.cloud)},
       {"pixels", result.cloud.z.pixel_count()},
       {"counts", counts_of(result.cloud)},
-      {"backend", reconstruct.backend_for(loaded.frames)},
+      {"backend", backend},
       {"gamma", json_of(gamma)},
       {"files", std::move(files)},
       {"warnings", loaded.warnings},

@@ -48,7 +48,7 @@ struct Taken {
 Taken take_frames(FrameSource& source, Recorder& recorder, const RecordFlags& flags,
                   Output& output) {
   const StopSignal stop;
-  Progress progress("frames", static_cast<int>(flags.frames.value_or(0)));
+  Progress progress("frames", flags.frames.value_or(0));
   // A source without a pace waits for the disk; one with a pace of its own cannot.
   const auto patience = source.has_own_pace() ? 0ms : 60000ms;
   Taken taken;
@@ -80,6 +80,7 @@ void record(const RecordFlags& flags, Output& output) {
   const OpenedSource opened = open_source(flags.source);
   if (!opened.warning.empty()) output.warn(opened.warning);
   FrameSource& source = *opened.frames;
+  require_not_replayed(flags.source, flags.file);
   Recorder recorder(flags.file, {.format = source.format(),
                                  .frame_rate = flags.source.rate.value_or(0),
                                  .scan = opened.scan,

@@ -119,6 +119,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
     return;
   }
   if (!flags.plots.empty()) make_folder(flags.plots);
+  if (!flags.report.empty()) make_folder(fs::absolute(flags.report).parent_path());
   for (const char* kind : {"tables", "figures", "sections"}) {
     output.document[kind] = nlohmann::json::array();
   }

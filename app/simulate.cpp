@@ -84,6 +84,7 @@ void simulate(const SimulateFlags& flags, Output& output) {
   Photometry photometry = flags.devices.photometry;
   photometry.bits = flags.unquantised ? std::nullopt : std::optional(flags.devices.bits);
   if (flags.boards.count) {
+    if (flags.second_camera) throw Error("--second-camera is of a scene; --boards takes none");
     simulate_boards(flags.folder, flags.boards, scanner, scan, photometry, output);
     return;
   }

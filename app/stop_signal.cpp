@@ -1,22 +1,28 @@
 #include "app/stop_signal.h"
 
+#include <atomic>
+
 namespace slipstream::app {
 namespace {
 
-// A signal handler reaches nothing else.
-volatile std::sig_atomic_t stop_raised = 0;
+// A signal handler reaches nothing else, and other threads than the one it ran in ask for it.
+std::atomic<bool> stop_raised = false;
+static_assert(std::atomic<bool>::is_always_lock_free);
 
+/// The next signal ends the program, whichever of the two it is.
 void raise_stop(int) {
-  stop_raised = 1;
+  stop_raised = true;
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
 }
 
 }  // namespace
 
 StopSignal::StopSignal() {
-  stop_raised = 0;
+  stop_raised = false;
   struct sigaction action {};
   action.sa_handler = raise_stop;
-  action.sa_flags = SA_RESETHAND | SA_RESTART;
+  action.sa_flags = SA_RESTART;
   ::sigemptyset(&action.sa_mask);
   ::sigaction(SIGINT, &action, &interrupt_);
   ::sigaction(SIGTERM, &action, &terminate_);
@@ -28,7 +34,7 @@ StopSignal::~StopSignal() {
 }
 
 bool StopSignal::raised() const {
-  return stop_raised != 0;
+  return stop_raised;
 }
 
 }  // namespace slipstream::app

@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -7,12 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "app/commands.h"
 #include "app/save_scan.h"
 #include "app/scan_input.h"
 #include "app/view_flags.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/reconstruct/reconstructor.h"
 #include "slipstream/view/viewer.h"
@@ -24,6 +29,7 @@ namespace {
 struct ViewPathFlags {
   std::string path;
   ScanInputFlags input;
+  std::string of_scan;  ///< a flag given that is of scans alone; empty where there is none
   ViewFlags view;
 };
 
@@ -97,9 +103,15 @@ class StillScan {
     for (const std::string& warning : loaded.warnings) output.warn(warning);
     frames_ = std::move(loaded.frames);
     const GammaChoice gamma = choose_gamma(flags.gamma, described, frames_);
-    gammas_.emplace_back("as given", gamma.corrections);
-    gammas_.emplace_back("none", PhaseCorrections{});
-    gammas_.emplace_back("blind", choose_gamma("blind", described, frames_).corrections);
+    const std::vector<std::uint8_t> text = read_file(*described.scanner);
+    scanner_ = {.text = {text.begin(), text.end()},
+                .name = described.scanner->string(),
+                .photometry = flags.photometry,
+                .gammas = {gamma, {}, choose_gamma("blind", described, frames_)}};
+    const std::array labels{"as given", "none", "blind"};
+    for (std::size_t i = 0; i < labels.size(); ++i) {
+      gammas_.emplace_back(labels[i], scanner_.gammas[i].corrections);
+    }
     scan_.scanner = scanner_for(described, frames_.size());
     scan_.strategy = described.strategy;
     scan_.axis = described.axis;
@@ -121,11 +133,12 @@ class StillScan {
     view::ViewSource source;
     source.newest = [this] { return newest_; };
     source.scan = scan_;
+    source.full_scale = frames_.full_scale();
     source.gammas = gammas_;
     source.change = [this](const LiveScan& scan) { look_for(scan); };
     if (!shares_.empty()) {
-      source.save = [save_to](const LiveCloud& cloud, const LiveScan& scan) {
-        return save_scan(cloud, scan, save_to);
+      source.save = [scanner = scanner_, save_to](const LiveCloud& cloud, const LiveScan& scan) {
+        return save_scan(cloud, scan, scanner, save_to);
       };
     }
     return source;
@@ -135,6 +148,7 @@ class StillScan {
   FrameSet frames_;
   std::vector<Pooled<Frame>> shares_;
   LiveScan scan_;
+  SavedScanner scanner_;
   std::vector<std::pair<std::string, PhaseCorrections>> gammas_;
   Pooled<LiveCloud> newest_;
 };
@@ -142,7 +156,11 @@ class StillScan {
 void view_path(const ViewPathFlags& flags, Output& output) {
   require_good(flags.view);
   std::optional<StillScan> scan;
-  if (fs::is_directory(flags.path)) scan.emplace(flags.path, flags.input, output);
+  const bool folder = fs::is_directory(flags.path);
+  if (!folder && !flags.of_scan.empty() && fs::exists(flags.path)) {
+    throw Error(fmt::format("{}: {} is of scan folders", flags.path, flags.of_scan));
+  }
+  if (folder) scan.emplace(flags.path, flags.input, output);
   view::ViewSource source = scan ? scan->source(flags.view.save_to) : source_of_file(flags.path);
   source.title = flags.path;
   const view::ViewSettings settings = view_settings_from(flags.view);
@@ -169,14 +187,21 @@ void add_view(CLI::App& program, SharedFlags& shared, Command& chosen) {
   const auto flags = std::make_shared<ViewPathFlags>();
   command->add_option("path", flags->path, "a PLY file or a scan folder")->required();
   add_view_flags(*command, flags->view);
+  const std::size_t before = command->get_options().size();
   add_scan_input_flags(*command, flags->input);
+  std::vector<CLI::Option*> of_scans = command->get_options();
+  of_scans.erase(of_scans.begin(), of_scans.begin() + static_cast<std::ptrdiff_t>(before));
   add_shared_flags(*command, shared);
   command->footer(
       "Examples:\n  slipstream view scan\n  slipstream view cloud.ply --colour depth --snapshot "
       "cloud.png --size 1920x1080\nDrag to turn, with the right button to move, wheel to zoom; "
       "Tab hides the panel, Esc closes.");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { view_path(*flags, output); }; });
+  command->callback([flags, of_scans, &chosen] {
+    const auto given = std::find_if(of_scans.begin(), of_scans.end(),
+                                    [](const CLI::Option* option) { return option->count() > 0; });
+    if (given != of_scans.end()) flags->of_scan = (*given)->get_name();
+    chosen = [flags](Output& output) { view_path(*flags, output); };
+  });
 }
 
 }  // namespace slipstream::app

@@ -1,10 +1,10 @@
 # A room is a folder of slipstream/ and the target slipstream::<room>. It may include headers of the
-# rooms it USES and of those they use; tests/rooms_test.cpp reads the list written here and fails when
-# a source file includes another.
+# rooms it USES and of no others; tests/rooms/rooms_test.cpp reads the list written here and fails
+# when a source file includes another.
 #
 #   slipstream_room(phase
 #     USES error image capture          rooms to its left
-#     LINKS fmt::fmt                    libraries that its headers show
+#     LINKS Eigen3::Eigen               libraries that its headers show
 #     HIDES TBB::tbb)                   libraries that only its sources see
 set_property(GLOBAL PROPERTY SLIPSTREAM_ROOMS "")
 

@@ -1,6 +1,7 @@
 #include "slipstream/calibrate/board_capture.h"
 
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -11,14 +12,34 @@
 namespace slipstream {
 namespace {
 
-DecodedScan decoded(const AxisScan& scan, int length) {
-  if (!has_coordinate(scan.strategy)) {
+/// Throws Error where frames of that strategy alone do not give the projector coordinate.
+void require_coordinate(const Strategy& strategy) {
+  if (!has_coordinate(strategy)) {
     throw Error(
         fmt::format("{} with these settings gives no projector coordinate; use "
                     "dual-frequency, or pmp with frequency 1",
-                    name_of(scan.strategy)));
+                    name_of(strategy)));
   }
-  return Decoder(scan.strategy, length, Backend::equation)(scan.frames);
+  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&strategy);
+  if (pcmp != nullptr && pcmp->steps == 3) {
+    throw Error("pcmp of 3 steps needs the ambient light; scan boards with dual-frequency");
+  }
+}
+
+DecodedScan decoded(const AxisScan& scan, int length) {
+  const Decoder decode(scan.strategy, length, Backend::equation, {}, {.light = scan.light});
+  return decode(scan.frames);
+}
+
+void require_valid(const BoardCaptureSettings& settings) {
+  if (!(settings.minimum_modulation >= 0 && settings.minimum_modulation <= 255)) {
+    throw Error(fmt::format("least modulation {} is out of range; 0 to 255 grey levels",
+                            settings.minimum_modulation));
+  }
+  if (!(settings.neighbourhood > 0 && settings.neighbourhood <= 10)) {
+    throw Error(fmt::format("neighbourhood {} is out of range; above 0, at most 10",
+                            settings.neighbourhood));
+  }
 }
 
 std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pictures) {
@@ -41,6 +62,9 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
                            const AxisScan& along_x, const AxisScan& along_y, Size projector,
                            const BoardCaptureSettings& settings) {
   constexpr int fewest_lit = 8;
+  require_valid(settings);
+  require_coordinate(along_x.strategy);
+  require_coordinate(along_y.strategy);
   const FringeFreePictures pictures = fringe_free_pictures(along_x.frames, along_y.frames);
   std::optional<BoardCorners> found = find_board(board, pictures);
   if (!found) {

@@ -7,6 +7,7 @@
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/capture/frame_set.h"
+#include "slipstream/pattern/pattern_set.h"
 #include "slipstream/strategy/strategy.h"
 
 namespace slipstream {
@@ -15,11 +16,13 @@ namespace slipstream {
 struct AxisScan {
   Strategy strategy;
   FrameSet frames;
+  PatternLight light = {};  ///< of the patterns; a cue multiplexed into them needs it
 };
 
 struct BoardCaptureSettings {
-  double minimum_modulation = 5;  ///< grey levels of 8 bits; below it a pixel's phase is not used
-  double neighbourhood = 0.7;     ///< see projector_corners
+  /// Grey levels of 8 bits, 0 to 255; below it a pixel's phase is not used.
+  double minimum_modulation = 5;
+  double neighbourhood = 0.7;  ///< `share` of projector_corners, above 0, at most 10
 };
 
 /// What a pose's frames gave.
@@ -29,8 +32,8 @@ struct BoardCapture {
 };
 
 /// Finds the board in a pose's frames and, from both scans, the projector pixel of each corner.
-/// Throws Error where scans are not of that strategy, differ in size or give no coordinate, or the
-/// board is larger than said.
+/// Throws Error where scans are not of that strategy, differ in size, give no coordinate or need
+/// the ambient light for it, the board is larger than said, or a setting is out of range.
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board,
                            const AxisScan& along_x, const AxisScan& along_y, Size projector,
                            const BoardCaptureSettings& settings = {});

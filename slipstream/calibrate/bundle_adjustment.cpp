@@ -357,6 +357,15 @@ double robust_deviation(std::vector<double> sizes) {
 
 }  // namespace
 
+void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings) {
+  const auto forget = [](Lens& lens, int free) {
+    auto& k = lens.distortion.coefficients;
+    std::fill(k.begin() + free, k.end(), 0.0);
+  };
+  forget(scanner.camera, settings.camera_coefficients);
+  forget(scanner.projector, settings.projector_coefficients);
+}
+
 BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
                             const std::vector<Eigen::Vector3d>& printed,
                             const BundleSettings& settings, BundleDeviation* deviation) {

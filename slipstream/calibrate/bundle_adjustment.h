@@ -41,6 +41,10 @@ struct BundleSettings {
   std::optional<PixelDeviations> pixel_deviations = std::nullopt;
 };
 
+/// Sets the distortion coefficients that are not free under these settings to zero: what was fitted
+/// with more of them must not stay.
+void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings);
+
 /// Standard deviations of a lens.
 struct LensDeviation {
   Eigen::Vector2d focal = Eigen::Vector2d::Zero();            ///< pixels
@@ -60,7 +64,8 @@ struct BundleDeviation {
 /// as they ought to be seen are least: Huber's robust loss, each device's distances in units of
 /// their robustly estimated standard deviation. Starts from `start`, whose poses and places must be
 /// those of `views`; `printed` is where the board's corners should be. `deviation`, where not null,
-/// receives the standard deviations. Throws Error when it does not converge to finite numbers.
+/// receives the standard deviations. Throws Error when it does not converge to finite numbers, or
+/// `deviation` is asked for and the poses do not determine it.
 BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
                             const std::vector<Eigen::Vector3d>& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);

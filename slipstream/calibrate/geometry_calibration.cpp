@@ -168,12 +168,6 @@ void require_known_model(const std::optional<int>& coefficients, const char* dev
                           device, fmt::join(lens_models, ", ")));
 }
 
-/// Distortion that is no longer free must not stay as the start had it.
-void keep_coefficients(Lens& lens, int count) {
-  auto& k = lens.distortion.coefficients;
-  std::fill(k.begin() + count, k.end(), 0.0);
-}
-
 }  // namespace
 
 GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const CalibrationBoard& board,
@@ -203,8 +197,7 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
 
   bundle.camera_coefficients = result.camera_lens.coefficients;
   bundle.projector_coefficients = result.projector_lens.coefficients;
-  keep_coefficients(state.scanner.camera, bundle.camera_coefficients);
-  keep_coefficients(state.scanner.projector, bundle.projector_coefficients);
+  forget_held_coefficients(state.scanner, bundle);
   state = bundle_adjusted(views, std::move(state), printed, bundle, &result.deviation);
   require_valid(state.scanner);
 
@@ -221,6 +214,7 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);
   result.warnings = warnings_about(result);
+  result.views = std::move(views);
   return result;
 }
 

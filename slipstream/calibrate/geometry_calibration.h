@@ -47,6 +47,7 @@ struct GeometryCalibration {
   LensChoice projector_lens;
   ReprojectionRms rms;
   std::vector<CalibratedPose> poses;
+  std::vector<BoardView> views;       ///< as they took part: without corners off by fringes
   double covered_camera = 0;          ///< share of the camera's picture that some board covered
   double covered_projector = 0;       ///< share of the projector's picture
   double largest_tilt = 0;            ///< largest angle between two boards, rad
@@ -56,8 +57,10 @@ struct GeometryCalibration {
 inline constexpr std::size_t fewest_poses = 3;
 
 /// Camera, projector and how they stand to each other, from where both see a board's corners. The
-/// printed board gives the scale. Throws Error for fewer than `fewest_poses` views, views of
-/// mirrored or swapped projector axes, or views that cannot be of one rigid rig and that board.
+/// printed board gives the scale. Corners off by fringes take no part. Throws Error for a board
+/// that cannot be, coefficients that are none of `lens_models`, fewer than `fewest_poses` views,
+/// views of mirrored or swapped projector axes, views that cannot be of one rigid rig and that
+/// board, or poses that do not determine the calibration.
 GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const CalibrationBoard& board,
                                        Size camera, Size projector,
                                        const GeometryCalibrationSettings& settings = {});

@@ -36,12 +36,7 @@ Part part_of(const std::vector<BoardView>& views, const BundleState& state, std:
 double left_out_error(const std::vector<BoardView>& views, const BundleState& state,
                       BundleSettings settings, std::size_t fold, std::size_t folds) {
   Part kept = part_of(views, state, fold, folds, false);
-  const auto forget = [](Lens& lens, int coefficients) {
-    auto& k = lens.distortion.coefficients;
-    std::fill(k.begin() + coefficients, k.end(), 0.0);
-  };
-  forget(kept.state.scanner.camera, settings.camera_coefficients);
-  forget(kept.state.scanner.projector, settings.projector_coefficients);
+  forget_held_coefficients(kept.state.scanner, settings);
   const BundleState calibrated =
       bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
 

@@ -92,7 +92,8 @@ std::optional<Vector8> fitted(const std::vector<Sample>& samples,
   return h.allFinite() ? std::optional(h) : std::nullopt;
 }
 
-/// The affine start leaves out pixels whose coordinate is off by fringes.
+/// What the first fit starts with: 0 for pixels whose coordinate is off by fringes, far from the
+/// median of all, 1 for the others.
 std::vector<double> starting_factors(const std::vector<Sample>& samples) {
   std::vector<double> distances;
   for (const Sample& sample : samples) distances.push_back(sample.projector.norm());
@@ -149,13 +150,14 @@ ProjectorMap projector_map(const FrameSet& frames_x, const DecodedScan& along_x,
   ProjectorMap map{Image<double>(size), Image<double>(size), Image<double>(size)};
   const Image<std::uint8_t> saturated_x = saturation_mask(frames_x);
   const Image<std::uint8_t> saturated_y = saturation_mask(frames_y);
-  const double grey_level = frames_x.full_scale() / 255;
+  const double grey_level_x = frames_x.full_scale() / 255;
+  const double grey_level_y = frames_y.full_scale() / 255;
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
       map.x(column, row) = along_x.coordinate(column, row) * projector.width;
       map.y(column, row) = along_y.coordinate(column, row) * projector.height;
-      const double modulation =
-          std::min(along_x.modulation(column, row), along_y.modulation(column, row)) / grey_level;
+      const double modulation = std::min(along_x.modulation(column, row) / grey_level_x,
+                                         along_y.modulation(column, row) / grey_level_y);
       const bool reliable = modulation >= minimum_modulation && saturated_x(column, row) == 0 &&
                             saturated_y(column, row) == 0;
       map.weight(column, row) = reliable ? modulation * modulation : 0;

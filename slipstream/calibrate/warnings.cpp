@@ -40,7 +40,7 @@ void about_lens(Warnings& warnings, const char* device, const Lens& lens,
 
 std::vector<std::string> warnings_about(const GeometryCalibration& calibration) {
   constexpr std::size_t few_poses = 5;
-  const auto& [state, deviation, camera_lens, projector_lens, rms, poses, covered_camera,
+  const auto& [state, deviation, camera_lens, projector_lens, rms, poses, views, covered_camera,
                covered_projector, largest_tilt, none_yet] = calibration;
   Warnings warnings;
   warnings.add_if(poses.size() < few_poses, "only {} poses: ten or more are better", poses.size());

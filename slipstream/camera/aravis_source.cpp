@@ -37,6 +37,7 @@ class AravisSource::Camera {
   }
 
   void start() {
+    if (!connection_) reopen();  // it was gone at the stop
     connection_->start();
     begin();
   }
@@ -176,10 +177,27 @@ class AravisSource::Camera {
     return Arrival::nothing;
   }
 
-  std::shared_ptr<AravisConnection> connect_again() const {
+  [[nodiscard]] std::shared_ptr<AravisConnection> open_again() const {
+    return address_ ? std::make_shared<AravisConnection>(address_, name_, settings_)
+                    : std::make_shared<AravisConnection>(name_, settings_);
+  }
+
+  void reopen() {
+    std::shared_ptr<AravisConnection> found = open_again();
+    if (found->size() != format_.size) {
+      throw WorldError(fmt::format("camera {} is back with frames of another size", name_));
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      connection_ = std::move(found);
+      state_.clear();
+    }
+    ++reconnects_;
+  }
+
+  [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() const {
     try {
-      auto connection = address_ ? std::make_shared<AravisConnection>(address_, name_, settings_)
-                                 : std::make_shared<AravisConnection>(name_, settings_);
+      std::shared_ptr<AravisConnection> connection = open_again();
       if (connection->size() != format_.size) return nullptr;
       connection->start();
       return connection;

@@ -53,14 +53,20 @@ void require_valid(const std::vector<Frame>& loop, const std::string& serial) {
   }
 }
 
-/// The part of `picture` that the client asked for; zeros beside the picture.
+/// Whether the client asked for no more than there is. It may write anything into the registers,
+/// and the buffer is only then sure to be as large as they say.
+bool is_within(int from, int length, int all) {
+  return from >= 0 && from <= all && length >= 0 && length <= all;
+}
+
+/// The part of `picture` that the client asked for, whose numbers are within it; zeros beside the
+/// picture.
 void copy_region(const Image<std::uint8_t>& picture, int left, int top, Size size,
                  std::uint8_t* to) {
   const int width = std::clamp(picture.width() - left, 0, size.width);
   for (int row = 0; row < size.height; ++row, to += size.width) {
-    const int from = top + row;
-    const int copied = from < picture.height() ? width : 0;
-    if (copied > 0) std::copy_n(picture.row(from) + left, copied, to);
+    const int copied = row < picture.height() - top ? width : 0;
+    if (copied > 0) std::copy_n(picture.row(top + row) + left, copied, to);
     std::fill(to + copied, to + size.width, std::uint8_t{0});
   }
 }
@@ -97,10 +103,12 @@ struct VirtualGigeCamera::Served {
     const auto& picture = std::get<Image<std::uint8_t>>(loop[k % loop.size()].pixels);
     std::size_t unset_size = 0;
     auto* pixels = const_cast<void*>(arv_buffer_get_data(buffer, &unset_size));
-    if (arv_buffer_get_image_pixel_format(buffer) == ARV_PIXEL_FORMAT_MONO_8) {
-      copy_region(picture, read(ARV_FAKE_CAMERA_REGISTER_X_OFFSET),
-                  read(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET), size,
-                  static_cast<std::uint8_t*>(pixels));
+    const int left = read(ARV_FAKE_CAMERA_REGISTER_X_OFFSET);
+    const int top = read(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET);
+    if (arv_buffer_get_image_pixel_format(buffer) == ARV_PIXEL_FORMAT_MONO_8 &&
+        is_within(left, size.width, picture.width()) &&
+        is_within(top, size.height, picture.height())) {
+      copy_region(picture, left, top, size, static_cast<std::uint8_t*>(pixels));
     }
     ++sent;
   }
@@ -133,8 +141,8 @@ VirtualGigeCamera::VirtualGigeCamera(std::vector<Frame> loop, const std::string&
 VirtualGigeCamera::~VirtualGigeCamera() = default;
 
 void VirtualGigeCamera::set_frame_rate(double rate) {
-  if (!(rate > 0 && rate <= 1e6)) {
-    throw Error(fmt::format("a rate of {} Hz; above 0 and up to a million", rate));
+  if (!(rate >= 1e-3 && rate <= 1e6)) {  // the register holds the period, us, in 32 bits
+    throw Error(fmt::format("a rate of {} Hz; 0.001 to a million", rate));
   }
   served_->write(ARV_FAKE_CAMERA_REGISTER_ACQUISITION_FRAME_PERIOD_US,
                  static_cast<std::uint32_t>(1e6 / rate));

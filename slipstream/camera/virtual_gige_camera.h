@@ -23,7 +23,7 @@ class VirtualGigeCamera {
   VirtualGigeCamera(const VirtualGigeCamera&) = delete;
   VirtualGigeCamera& operator=(const VirtualGigeCamera&) = delete;
 
-  /// How fast it runs until a client asks for another rate, Hz.
+  /// How fast it runs until a client asks for another rate, 0.001 to 1e6 Hz.
   void set_frame_rate(double rate);
   /// How fast it answers software triggers at most, Hz.
   void set_trigger_rate(double rate);

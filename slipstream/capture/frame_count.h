@@ -26,7 +26,7 @@ class FrameCount {
   /// where its numbers fall far back.
   std::uint64_t operator()(std::uint64_t number) {
     if (step_to(number) < -far || unwrapped_ + step_to(number) < 0) {
-      begin(number < first_ + far ? first_ : number);
+      begin(number >= first_ && number < first_ + far ? first_ : number);
     }
     unwrapped_ += step_to(number);
     last_ = number;

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <exception>
+#include <limits>
 #include <span>
 #include <thread>
 #include <utility>
@@ -204,9 +206,11 @@ class V4l2Source::Stream {
 
   void set_light(const V4l2Settings& settings) const {
     if (settings.exposure) {
-      const auto steps = static_cast<int>(std::lround(*settings.exposure * 1e4));  // of 100 us
+      const double steps = std::round(*settings.exposure * 1e4);  // of 100 us
+      const bool possible = steps >= 1 && steps <= std::numeric_limits<int>::max();
       set_control(*device_, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
-      if (steps < 1 || !set_control(*device_, V4L2_CID_EXPOSURE_ABSOLUTE, steps)) {
+      if (!possible ||
+          !set_control(*device_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(steps))) {
         throw Error(
             fmt::format("camera {} does not take an exposure of {} s", name_, *settings.exposure));
       }
@@ -267,9 +271,19 @@ V4l2Source::V4l2Source(int number, const V4l2Settings& settings)
 V4l2Source::~V4l2Source() = default;
 
 void V4l2Source::start() {
-  if (!stream_) stream_ = std::make_unique<Stream>(name_, open_(), settings_);
-  stream_->start();
+  const bool gone = !stream_;
+  if (gone) stream_ = std::make_unique<Stream>(name_, open_(), settings_);
+  try {
+    stream_->start();
+  } catch (const std::exception&) {
+    if (gone) stream_.reset();  // as it was: still gone
+    throw;
+  }
   count_.begin(0);
+  if (!gone) return;
+  ++reconnects_;
+  const std::lock_guard lock(mutex_);
+  state_.clear();
 }
 
 void V4l2Source::stop() {
@@ -300,16 +314,10 @@ void V4l2Source::lose() {
 
 Arrival V4l2Source::seek(milliseconds timeout) {
   try {
-    stream_ = std::make_unique<Stream>(name_, open_(), settings_);
     start();
   } catch (const std::exception&) {
-    stream_.reset();
     std::this_thread::sleep_for(std::min(timeout, milliseconds(100)));
-    return Arrival::nothing;
   }
-  ++reconnects_;
-  const std::lock_guard lock(mutex_);
-  state_.clear();
   return Arrival::nothing;
 }
 

@@ -30,8 +30,12 @@ std::optional<Vector> surface_step(const Cloud& cloud, int column, int row, int 
     const int c = column + side * right;
     const int r = row + side * down;
     if (c < 0 || r < 0 || c >= cloud.size().width || r >= cloud.size().height) continue;
-    const Vector difference = side * (point_at(cloud, c, r) - centre);
-    const double across = difference.head<2>().norm();
+    const Vector neighbour = point_at(cloud, c, r);
+    const Vector difference = side * (neighbour - centre);
+    // Between the two rays, at the depth of the centre: off the axis a jump in depth moves a point
+    // sideways as well.
+    const double across =
+        centre.z() * (neighbour.head<2>() / neighbour.z() - centre.head<2>() / centre.z()).norm();
     if (!(std::abs(difference.z()) <= largest_step * across)) continue;
     step += difference;
     ++neighbours;

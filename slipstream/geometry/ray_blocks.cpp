@@ -90,7 +90,7 @@ int terms(int power_of_t) {
 
 constexpr RayBlocks::Range whole{-1, 1};
 
-RayBlocks::Range common(const RayBlocks::Range& a, const RayBlocks::Range& b) {
+RayBlocks::Range intersection(const RayBlocks::Range& a, const RayBlocks::Range& b) {
   return {std::max(a.least, b.least), std::min(a.largest, b.largest)};
 }
 
@@ -123,7 +123,7 @@ class KnotRow {
                            fill_ray(rays_.E_y, first_column, Block::E_y, block);
     if (!described) return {};
     return {tolerance,
-            common(in_field(first_column), in_field(first_column + RayBlocks::width - 1))};
+            intersection(in_field(first_column), in_field(first_column + RayBlocks::width - 1))};
   }
 
  private:
@@ -189,8 +189,8 @@ class KnotRow {
       return inside ? whole : RayBlocks::Range{};
     }
     const double one = (inner_.first - middle) / half, other = (inner_.second - middle) / half;
-    return common(whole, {static_cast<float>(std::min(one, other)),
-                          static_cast<float>(std::max(one, other))});
+    return intersection(whole, {static_cast<float>(std::min(one, other)),
+                                static_cast<float>(std::max(one, other))});
   }
 
   const StripeGeometry& geometry_;
@@ -267,8 +267,9 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
                                         &blocks.knots(i, first + 2), &blocks.knots(i, first + 3)},
                                        known(i, k).tolerance);
       if (!smooth) continue;
-      blocks.described(i, k) = common(known(i, k).described,
-                                      common(known(i, k + 1).described, known(i, k + 2).described));
+      blocks.described(i, k) =
+          intersection(known(i, k).described,
+                       intersection(known(i, k + 1).described, known(i, k + 2).described));
     }
   }
   return blocks;

@@ -46,7 +46,7 @@ struct RayBlocks {
   };
   [[nodiscard]] Row at(int row) const;
 
-  /// Of block `i` in rows of `width` pixels.
+  /// Of block `i` in rows of `row_width` pixels.
   static int first_column(int i, int row_width);
 };
 

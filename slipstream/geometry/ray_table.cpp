@@ -13,9 +13,10 @@ namespace {
 constexpr int spacing = 8;
 constexpr double largest_error = 1e-7;
 
-/// The knots of one direction, pixels apart, the last at the last pixel or past it.
+/// The knots of one direction, pixels apart, the last past the last pixel, so that every cell of a
+/// row has one pixel at least and no more than `spacing`.
 int knot_count(int length) {
-  return (length + spacing - 2) / spacing + 1;
+  return (length + spacing - 1) / spacing + 1;
 }
 
 /// The four knots around a pixel and what each counts for in the cubic through them.

@@ -228,7 +228,7 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
   StripeGeometry geometry;
   geometry.coordinate = plane.along();
   geometry.depth = plane.depth();
-  const double end = std::max(0.02, 0.5 / plane.along_length());
+  const double end = farthest_past_field(plane.along_length());
   geometry.least_coordinate = -end;
   geometry.largest_coordinate = 1 + end;
   geometry.unit_coordinate = UnitMap::of(-end, 1 + end);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>
@@ -31,6 +32,12 @@ struct UnitMap {
   [[nodiscard]] double operator()(double value) const { return scale * value + offset; }
   [[nodiscard]] double inverse(double unit) const { return (unit - offset) / scale; }
 };
+
+/// How far past either end of the field a coordinate y may lie and be taken for one of it: two
+/// hundredths, or half a pixel where that is more. `length`: of the projector along y, pixels.
+[[nodiscard]] constexpr double farthest_past_field(double length) {
+  return std::max(0.02, 0.5 / length);
+}
 
 /// Depth along a camera ray from the projector coordinate, with no table but the rays: M_z, N_z and
 /// C of Liu 2010, Eq. (2.29), are ratios of linear functions of the ray e = (E_x, E_y, 1).

@@ -9,9 +9,19 @@ RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHea
   header_.format = source_->format();
 }
 
+void RecordedSource::set_strategy(const Strategy& strategy) {
+  const std::lock_guard lock(mutex_);
+  if (header_.scan) header_.scan->strategy = strategy;
+}
+
 void RecordedSource::record_to(const std::filesystem::path& path) {
   finish_recording();
-  auto recorder = std::make_shared<Recorder>(path, header_);
+  RecordingHeader header;
+  {
+    const std::lock_guard lock(mutex_);
+    header = header_;
+  }
+  auto recorder = std::make_shared<Recorder>(path, header);
   const std::lock_guard lock(mutex_);
   path_ = path;
   recorder_ = std::move(recorder);

@@ -18,6 +18,9 @@ class RecordedSource : public FrameSource {
   /// `header`: of the recordings to come; its format is the source's.
   RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header);
 
+  /// The frames show this strategy from now on: of the recordings to come, where their header says
+  /// what is shown. From any thread.
+  void set_strategy(const Strategy& strategy);
   /// Records from the next frame on; a recording under way is finished first. From any thread.
   /// Throws as Recorder.
   void record_to(const std::filesystem::path& path);
@@ -46,8 +49,8 @@ class RecordedSource : public FrameSource {
   [[nodiscard]] std::shared_ptr<Recorder> recorder() const;
 
   std::unique_ptr<FrameSource> source_;
+  mutable std::mutex mutex_;  ///< of all that follow
   RecordingHeader header_;
-  mutable std::mutex mutex_;
   std::filesystem::path path_;
   std::shared_ptr<Recorder> recorder_;
 };

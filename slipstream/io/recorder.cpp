@@ -88,7 +88,12 @@ void Recorder::write_all() {
       }
       for (Pooled<Frame>& frame : taken) {
         writer_.append(*frame);
-        frame = {};  // its memory is free for the next
+        {
+          // Its memory is free for the next. Under the mutex, or who has just found none and is
+          // about to wait would not hear of it.
+          const std::lock_guard lock(mutex_);
+          frame = {};
+        }
         room_.notify_one();
       }
     }

@@ -353,6 +353,16 @@ void RecordingReader::find_end() {
   for (Frame frame; count_ > 0 && !read(count_ - 1, frame); --count_) ++dropped_;
 }
 
+namespace {
+
+/// Times, ns, that can be added to and subtracted from one another: 73 years.
+bool is_possible(std::int64_t time) {
+  constexpr std::int64_t limit = std::int64_t{1} << 61;
+  return -limit < time && time < limit;
+}
+
+}  // namespace
+
 bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   if (index >= count_) {
     throw Error(fmt::format("{}: there is no frame {}; it has {}", path_.string(), index, count_));
@@ -365,7 +375,8 @@ bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
       std::span(rest).first(aligned(pixels.size()) - pixels.size());
   const std::uint64_t offset = header_size_ + index * record_size(header_.format);
   if (!read_all(descriptor_, offset, {writable_bytes_of(header), pixels, padding}, path_) ||
-      header.index != index || header.checksum != checksum_of(header, pixels, padding)) {
+      header.index != index || header.checksum != checksum_of(header, pixels, padding) ||
+      !is_possible(header.device_time) || !is_possible(header.host_time)) {
     return false;
   }
   frame.stamp.sequence = header.sequence;

@@ -28,6 +28,10 @@ std::vector<Frame> frames_of(const FrameSet& set, const fs::path& folder) {
       throw Error(fmt::format(
           "{}: unquantised frames cannot be replayed; a camera has 8 to 16 bits", folder.string()));
     } else {
+      if (sizeof(Pixel) == 2 && set.bits() <= 8) {
+        throw Error(fmt::format("{}: pictures of 16 bits, but bits is {}; 9 to 16 can be replayed",
+                                folder.string(), set.bits()));
+      }
       for (const auto& view : views) {
         Frame frame({set.size(), set.bits()});
         auto& image = std::get<Image<Pixel>>(frame.pixels);
@@ -62,7 +66,7 @@ ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
   } else {
     open_recording(path);
   }
-  measure_round();
+  measure_round(path);
   ahead_ = Frame(header_.format);
 }
 
@@ -93,12 +97,15 @@ void ReplaySource::open_folder(const fs::path& folder) {
   if (scan.scanner) header_.scanner = text_in(*scan.scanner);
 }
 
-void ReplaySource::measure_round() {
+void ReplaySource::measure_round(const fs::path& path) {
   Frame first, last;
   std::uint64_t from = 0, to = count_;
   while (from < count_ && !read(from, first)) ++from;
   while (to > from && !read(to - 1, last)) --to;
-  if (from == to) throw Error("no frame of the recording is whole; all checksums disagree");
+  if (from == to) {
+    throw Error(fmt::format("{}: no frame of the recording is whole; all checksums disagree",
+                            path.string()));
+  }
   const std::uint64_t pattern_count =
       header_.scan ? static_cast<std::uint64_t>(frame_count(header_.scan->strategy)) : 1;
   first_sequence_ = first.stamp.sequence / pattern_count * pattern_count;

@@ -33,7 +33,7 @@ class ReplaySource : public FrameSource {
 
   /// What the recording or the folder says of its frames: format, strategy, scanner.
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
-  /// For people: "interrupted: ... " where the recording is not whole; else empty.
+  /// For people: "PATH: was interrupted; ..." where the recording is not whole; else empty.
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
   [[nodiscard]] FrameFormat format() const override { return header_.format; }
@@ -47,7 +47,7 @@ class ReplaySource : public FrameSource {
  private:
   void open_recording(const std::filesystem::path& path);
   void open_folder(const std::filesystem::path& folder);
-  void measure_round();
+  void measure_round(const std::filesystem::path& path);
   /// Frame `index` as it was stamped then; false where it is damaged.
   bool read(std::uint64_t index, Frame& frame) const;
   /// Reads the next frame into `ahead_`, stamped as if taken in this round; false at the end.

@@ -51,6 +51,16 @@ std::optional<Response> response_from(const std::string& text, const std::string
   return response_of(opencv_entries(text, name), name);
 }
 
+std::string with_gamma(const std::string& text, std::optional<double> gamma,
+                       const std::string& name) {
+  return with_entries(text,
+                      {{gamma_entry, gamma ? row_of({*gamma}) : StoredMatrix{}},
+                       {error_entry, {}},
+                       {values_entry, {}},
+                       {light_entry, {}}},
+                      name);
+}
+
 void write_response(const std::optional<fs::path>& from, const fs::path& to,
                     const Response& response, double gamma, double standard_error) {
   std::map<std::string, StoredMatrix> entries{{gamma_entry, row_of({gamma})},

@@ -109,8 +109,14 @@ Pooled<Frame> LiveRun::free_frame() {
   return frame;
 }
 
+SequenceWatch::Kind LiveRun::look(std::uint64_t sequence) {
+  const SequenceWatch::Kind kind = sequence_.look(sequence);
+  if (kind == SequenceWatch::Kind::restart) ++restarts_;
+  return kind;
+}
+
 void LiveRun::receive(Pooled<Frame> frame) {
-  const SequenceWatch::Kind kind = sequence_.look(frame->stamp.sequence);
+  const SequenceWatch::Kind kind = look(frame->stamp.sequence);
   frames_lost_ = sequence_.lost();
   if (kind == SequenceWatch::Kind::repeated) {
     ++frames_repeated_;
@@ -118,11 +124,10 @@ void LiveRun::receive(Pooled<Frame> frame) {
   }
   ++frames_captured_;
   const Clock::time_point captured_at = frame->stamp.host_time;
-  const bool restart = kind == SequenceWatch::Kind::restart;
   if (paced_) {
-    if (captured_.push_over_oldest({std::move(frame), restart})) ++frames_overwritten_;
+    if (captured_.push_over_oldest({std::move(frame), restarts_})) ++frames_overwritten_;
   } else {
-    captured_.push_when_room({std::move(frame), restart});
+    captured_.push_when_room({std::move(frame), restarts_});
   }
   capture_meter_.done(captured_at);
 }
@@ -150,7 +155,7 @@ void LiveRun::capture() {
     if (frame) {
       receive(std::move(frame));
     } else {
-      sequence_.look(nobodys.stamp.sequence);
+      look(nobodys.stamp.sequence);
       ++frames_captured_;
       ++frames_overwritten_;
     }
@@ -173,7 +178,7 @@ Pooled<LiveCloud> LiveRun::free_cloud() {
 void LiveRun::make_windows() {
   std::shared_ptr<const LivePlan> current;
   std::optional<PatternWindows> windows;
-  std::uint64_t lost_before = 0, resynchronised_before = 0;
+  std::uint64_t lost_before = 0, resynchronised_before = 0, restarts = 0;
   std::vector<Pooled<Frame>> window;
   while (auto captured = captured_.pop()) {
     if (auto wanted = plan(); wanted != current) {
@@ -185,7 +190,10 @@ void LiveRun::make_windows() {
       }
       current = std::move(wanted);
     }
-    if (captured->restart) windows->restart();
+    if (captured->restarts != restarts) {
+      restarts = captured->restarts;
+      windows->restart();
+    }
     if (!windows->put(captured->frame)) ++frames_repeated_;
     captured.reset();
     resynchronisations_ = resynchronised_before + windows->resynchronisations();

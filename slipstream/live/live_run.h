@@ -49,7 +49,8 @@ class LiveRun {
   using Clock = std::chrono::steady_clock;
   struct Captured {
     Pooled<Frame> frame;
-    bool restart = false;  ///< the source counts from the beginning again
+    /// Of the source, up to this frame: the frame at which it began to count again may be dropped.
+    std::uint64_t restarts = 0;
   };
   struct Window {
     Pooled<LiveCloud> cloud;  ///< but for its points
@@ -71,6 +72,8 @@ class LiveRun {
   [[nodiscard]] std::shared_ptr<const LivePlan> plan() const;
   /// A frame to be filled; empty where there is none.
   Pooled<Frame> free_frame();
+  /// Whether a frame has come before; notices where the source counts from the beginning again.
+  SequenceWatch::Kind look(std::uint64_t sequence);
   /// Counts a frame that has come, and passes it on unless it came before.
   void receive(Pooled<Frame> frame);
   /// Waits for a cloud that nobody holds; empty once that is waited for in vain at the stop.
@@ -95,7 +98,8 @@ class LiveRun {
 
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> capturing_ = true;
-  SequenceWatch sequence_;  ///< of the capture stage
+  SequenceWatch sequence_;      ///< of the capture stage
+  std::uint64_t restarts_ = 0;  ///< likewise: how often the source counted from the beginning again
   std::atomic<std::uint64_t> frames_captured_ = 0, frames_lost_ = 0, frames_overwritten_ = 0,
                              frames_repeated_ = 0, windows_lost_ = 0, resynchronisations_ = 0;
   StageMeter capture_meter_, window_meter_, reconstruct_meter_, show_meter_;

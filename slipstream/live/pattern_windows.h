@@ -37,8 +37,6 @@ class PatternWindows {
   /// Windows without all their frames.
   [[nodiscard]] std::uint64_t lost() const { return window_.lost(); }
   [[nodiscard]] std::uint64_t resynchronisations() const { return resynchronisations_; }
-  /// Frames between the markers are of unknown index until one has been seen.
-  [[nodiscard]] bool is_seeking_marker() const { return !aligned_; }
 
  private:
   struct Place {

@@ -29,7 +29,7 @@ class OffScreenContext {
 /// A picture that is drawn into: colour and depth.
 class RenderTarget {
  public:
-  /// Throws WorldError where the driver has none of that size.
+  /// Throws Error for a size out of range, WorldError where the driver has none of that size.
   explicit RenderTarget(Size size);
 
   /// What is drawn from here on goes into it, to all of it.

@@ -41,7 +41,8 @@ struct WindowSettings {
 /// A window with an OpenGL 3.3 core context, which is current from its making on.
 class Window {
  public:
-  /// Throws WorldError where the desktop or its OpenGL does not give one.
+  /// Throws Error for a monitor that is not there, WorldError where the desktop or its OpenGL does
+  /// not give a window.
   Window(const WindowSystem& system, const WindowSettings& settings);
 
   [[nodiscard]] GLFWwindow* get() const { return window_.get(); }

@@ -8,7 +8,7 @@
 
 namespace slipstream {
 
-/// What users of OpenCV have for the same images; the frames must outlive what is returned.
+// What users of OpenCV have for the same images; the frames must outlive what is returned.
 
 /// cv::structured_light::SinusoidalPattern::computePhaseMap, method PSP: three frames to the
 /// wrapped phase and no further. Empty where OpenCV was built without that module.

@@ -17,6 +17,7 @@ namespace slipstream {
 /// tests can look.
 class PublishedLoops {
  public:
+  /// Throws Error for other than 3, 4 or 6 frames.
   PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::uint8_t> frames);
 
   void general();      ///< B and phase by Eqs. (1.4)-(1.7)

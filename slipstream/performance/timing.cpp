@@ -42,7 +42,7 @@ double quantile(std::vector<double>& values, double share) {
 std::vector<Timing> timed(const std::vector<BenchRow>& rows, const TimingSettings& settings,
                           const std::function<void()>& after_row) {
   std::vector<std::vector<double>> milliseconds(rows.size());
-  for (int round = 0; round < settings.rounds; ++round) {
+  for (int round = 0; round < std::max(settings.rounds, 1); ++round) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(rows[i].threads));

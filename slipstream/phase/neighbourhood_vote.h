@@ -301,6 +301,7 @@ class NeighbourhoodVote {
   /// False only where no neighbour can disagree, whatever is an edge.
   [[nodiscard]] bool may_disagree(PixelPlace at) const {
     const double own = field_.periods(at.column, at.row);
+    if (std::isnan(own)) return false;  // outside the picture there is no shift either
     const int shift = field_.shift(at.column, at.row);
     return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
       const int column = at.column + direction[0], row = at.row + direction[1];

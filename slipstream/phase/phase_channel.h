@@ -20,8 +20,8 @@ std::vector<double> half_phase_weights();
 /// sum_n weights[n] I_n of every pixel, grey levels of the frames; the frames from `first` on.
 Image<double> weighted_sum(const FrameSet& frames, int first, std::span<const double> weights);
 
-/// The modulation in phase channel m of the first `steps` frames: (1.4) for m = 1, its like of
-/// (3.85), (3.86) for m = 2. Grey levels of the frames.
+/// The modulation in phase channel m of the first `steps` frames: (1.4) for m = 1, (3.87)
+/// for m = 2. Grey levels of the frames.
 Image<double> channel_modulation(const FrameSet& frames, int steps, int channel);
 
 }  // namespace slipstream

@@ -116,7 +116,9 @@ const PhaseCorrection* PhaseDecoder::correction_for(int steps) const {
 
 Backend PhaseDecoder::backend_for(int steps, const FrameSet& frames) const {
   const bool has_closed_form = closed_form(steps) != nullptr;
-  const bool has_table = tables_.contains(steps) && frames.quantised() && frames.bits() == 8;
+  const bool is_of_bytes = frames.visit(
+      []<class Pixel>(const Frames<Pixel>&) { return std::is_same_v<Pixel, std::uint8_t>; });
+  const bool has_table = tables_.contains(steps) && is_of_bytes;
   if (backend_ == Backend::closed_form && has_closed_form) return Backend::closed_form;
   if (backend_ == Backend::lut && has_table) return Backend::lut;
   return Backend::equation;

@@ -1,5 +1,6 @@
 #include "slipstream/project/gamma_table.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include <GLFW/glfw3.h>
@@ -12,6 +13,13 @@ using Table = std::vector<unsigned short>;
 void set_table(GLFWmonitor* monitor, Table& red, Table& green, Table& blue) {
   GLFWgammaramp ramp{red.data(), green.data(), blue.data(), static_cast<unsigned>(red.size())};
   glfwSetGammaRamp(monitor, &ramp);
+}
+
+/// GLFW lets go of what it knew of a monitor that was unplugged.
+bool is_connected(const GLFWmonitor* monitor) {
+  int count = 0;
+  GLFWmonitor** const monitors = glfwGetMonitors(&count);
+  return std::find(monitors, monitors + count, monitor) != monitors + count;
 }
 
 }  // namespace
@@ -36,7 +44,7 @@ IdentityGammaTable::IdentityGammaTable(const opengl::WindowSystem& system, int m
 }
 
 IdentityGammaTable::~IdentityGammaTable() {
-  if (exists()) set_table(monitor_, red_, green_, blue_);
+  if (exists() && is_connected(monitor_)) set_table(monitor_, red_, green_, blue_);
 }
 
 }  // namespace slipstream::project

@@ -7,7 +7,7 @@ struct GLFWmonitor;
 namespace slipstream::project {
 
 /// A monitor's gamma table made the identity, so that grey levels leave the machine as they are; as
-/// it was again when this goes.
+/// it was again when this goes, unless the monitor has gone before.
 class IdentityGammaTable {
  public:
   IdentityGammaTable(const opengl::WindowSystem& system, int monitor);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -28,10 +29,15 @@ class Pace {
   Pace(const PatternWindow& window, double refresh_hz, int hold)
       : window_(window), refresh_(from_seconds(1 / refresh_hz)), hold_(hold) {}
 
-  /// Puts pattern n on when the one before has had its time; returns when that was.
-  Clock::time_point next(std::size_t n) {
+  /// Puts pattern n on when the one before has had its time; returns when that was, or nothing
+  /// where it is `over` before.
+  template <class Over>
+  std::optional<Clock::time_point> next(std::size_t n, const Over& over) {
     late_ = false;
-    for (int again = 1; started_ && again < hold_; ++again) refresh(shown_);
+    for (int again = 1; started_ && again < hold_; ++again) {
+      if (over()) return std::nullopt;
+      refresh(shown_);
+    }
     refresh(n);
     started_ = true;
     shown_ = n;
@@ -85,9 +91,12 @@ ProjectionReport project_patterns(const opengl::WindowSystem& system,
 
   Pace pace(window, report.refresh_hz, settings.hold);
   Clock::time_point first;
-  while (!window.closed() && !(settings.ends && settings.ends())) {
+  const auto over = [&] { return window.closed() || (settings.ends && settings.ends()); };
+  while (!over()) {
     const auto n = static_cast<std::size_t>(report.shown % patterns.size());
-    const PatternSwap swap{report.shown, static_cast<int>(n), pace.next(n)};
+    const std::optional<Clock::time_point> time = pace.next(n, over);
+    if (!time) break;
+    const PatternSwap swap{report.shown, static_cast<int>(n), *time};
     if (report.shown == 0) first = swap.time;
     ++report.shown;
     if (pace.late()) ++report.late;

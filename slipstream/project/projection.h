@@ -22,16 +22,17 @@ struct ProjectionSettings {
   int monitor = 0;  ///< of WindowSystem::monitors
   int hold = 1;     ///< refreshes of the monitor that each stays for
   std::function<void(const PatternSwap&)> on_swap = {};
-  std::function<bool()> ends = {};  ///< asked after each pattern, beside the Esc key
+  std::function<bool()> ends = {};  ///< asked after each refresh, beside the Esc key
 };
 
 /// What became of it.
 struct ProjectionReport {
-  std::uint64_t shown = 0;        ///< patterns
-  std::uint64_t refreshes = 0;    ///< that a pattern was put on for: `hold` each, 1 for the last
-  std::uint64_t late = 0;         ///< that came more than half a refresh after their time
-  double seconds = 0;             ///< from the first to the last
-  double refresh_hz = 0;          ///< as the monitor says; 60 where it does not
+  std::uint64_t shown = 0;  ///< patterns
+  std::uint64_t refreshes =
+      0;                   ///< that a pattern was put on for: `hold` each, 1 or more for the last
+  std::uint64_t late = 0;  ///< that came more than half a refresh after their time
+  double seconds = 0;      ///< from the first to the last
+  double refresh_hz = 0;   ///< as the monitor says; 60 where it does not
   bool waits_for_refresh = true;  ///< else the driver does not, and patterns went by the clock
   bool has_gamma_table = true;
 };

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 #include <utility>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/phase/modulation_mask.h"
 
@@ -93,8 +93,9 @@ Cloud DoubleReconstructor::triangulated(const DecodedScan& decoded,
     for (int column = 0; column < cloud.size().width; ++column) {
       Validity& pixel = cloud.validity(column, row);
       if (pixel != Validity::valid) continue;
-      const Eigen::Vector3d point = triangulate_(column, row, decoded.coordinate(column, row));
-      pixel = validity_of(point);
+      const double coordinate = decoded.coordinate(column, row);
+      const Eigen::Vector3d point = triangulate_(column, row, coordinate);
+      pixel = validity_of(coordinate, point);
       if (pixel != Validity::valid) continue;
       cloud.x(column, row) = point.x();
       cloud.y(column, row) = point.y();
@@ -128,16 +129,18 @@ Uncertainty DoubleReconstructor::uncertainty(const Reconstruction& scan,
   return sigma;
 }
 
-Validity DoubleReconstructor::validity_of(const Eigen::Vector3d& point) const {
+Validity DoubleReconstructor::validity_of(double coordinate, const Eigen::Vector3d& point) const {
   if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
   const Scanner& scanner = triangulate_.scanner();
   const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
   if (in_projector.z() <= 0) return Validity::no_point;
+  const double end = farthest_past_field(length_along(axis_, scanner.projector.size));
+  if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
 
   const Axis across = axis_ == Axis::x ? Axis::y : Axis::x;
-  const double y =
+  const double place =
       coordinate_along(across, project(scanner.projector, in_projector), scanner.projector.size);
-  if (!(y >= -settings_.field_margin && y <= 1 + settings_.field_margin)) {
+  if (!(place >= -settings_.field_margin && place <= 1 + settings_.field_margin)) {
     return Validity::outside_field;
   }
   const bool in_range = point.z() >= settings_.nearest && point.z() <= settings_.farthest;

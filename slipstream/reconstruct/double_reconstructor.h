@@ -33,7 +33,7 @@ class DoubleReconstructor {
   /// Why a pixel is left out before it is triangulated, and `valid` where it is not.
   [[nodiscard]] Image<Validity> measured(const DecodedScan& decoded, const FrameSet& frames) const;
   [[nodiscard]] Cloud triangulated(const DecodedScan& decoded, Image<Validity> validity) const;
-  [[nodiscard]] Validity validity_of(const Eigen::Vector3d& point) const;
+  [[nodiscard]] Validity validity_of(double coordinate, const Eigen::Vector3d& point) const;
 
   ReconstructSettings settings_;
   Axis axis_;

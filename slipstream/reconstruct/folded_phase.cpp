@@ -1,9 +1,6 @@
 #include "slipstream/reconstruct/folded_phase.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 #include <optional>
 

@@ -8,7 +8,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 
 #include <hwy/highway.h>
 
@@ -35,7 +34,6 @@ HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i)
   const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
   const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
   const Ints I0 = I(0), I1 = I(1), I2 = I(2);
-  const IntTag di;
   const FloatTag d;
   if constexpr (N == 3) {
     const Ints others = hn::Add(I1, I2);
@@ -47,7 +45,6 @@ HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i)
             hn::ConvertTo(d, hn::Sub(I0, I2)), hn::ConvertTo(d, hn::Sub(I1, I3))};
   } else {
     static_assert(N == 6);
-    (void)di;
     const Ints I3 = I(3), I4 = I(4), I5 = I(5);
     const Ints ends = hn::Add(I1, I5), middle = hn::Add(I2, I4);
     return {hn::Add(hn::Add(I0, I3), hn::Add(ends, middle)),

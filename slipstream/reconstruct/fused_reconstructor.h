@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <tuple>
@@ -57,8 +58,7 @@ struct FusedDecoding {
 /// Against the equations in double the wrapped phase is within 2e-6 rad for every input (where it
 /// is corrected, within that times one and the correction's steepest slope), and the depth within
 /// 1e-5 of itself where the stripe is at least a tenth of the field from the ray's coordinate at
-/// infinity. The same pixels are valid but where a limit is met to rounding; with frequencies below
-/// 1, points more than 0.02 or half a pixel past the ends of the field are left out.
+/// infinity. The same pixels are valid but where a limit is met to rounding.
 class FusedReconstructor {
  public:
   /// None where fused_stages has none. Throws Error as Reconstructor does.

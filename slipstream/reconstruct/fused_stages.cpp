@@ -288,7 +288,8 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
 
 SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
                                double full_scale, double mean_of) {
-  const double least = least_modulation(settings, full_scale);
+  // No pixel's modulation reaches twice the full scale, whatever a user asks for.
+  const double least = std::min(least_modulation(settings, full_scale), 2 * full_scale);
   SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
   if (const ClosedForm* form = closed_form(stage.steps)) {
     // The least integer whose root passes in double, so that the same pixels do.

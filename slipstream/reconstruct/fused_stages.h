@@ -51,7 +51,7 @@ struct FusedStages {
 /// None where the fused pass cannot stand in for the double-precision one: for another strategy
 /// than phase-shifted sinusoids and PCMP with its own references, another rule of unwrapping than
 /// `consensus`, a lens too bent for StripeGeometry or RayTable, a picture narrower than
-/// `least_row_width` or a field margin above a quarter.
+/// `least_row_width`, a frequency above 16384 or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& strategy, Axis axis,
                                         const ReconstructSettings& settings);
 

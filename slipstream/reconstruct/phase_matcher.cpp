@@ -53,10 +53,10 @@ CameraPhases phases_of(const FrameSet& frames, const Decoder& decode, const Phas
     phases.fine = sinusoid(0, dual->steps);
     phases.coarse = sinusoid(dual->steps, dual->low_step_count());
   } else {
-    phases.fine = phasors(phases.decoded.modulation, phases.decoded.wrapped_phase);
+    phases.fine = sinusoid(0, step_counts(strategy).front());
     phases.coarse = phases.fine;
   }
-  const double least = settings.minimum_modulation.value_or(15 * frames.full_scale() / 255);
+  const double least = least_modulation(settings, frames.full_scale());
   const Image<std::uint8_t> lit = modulation_mask(phases.decoded.modulation, least);
   const Image<std::uint8_t> saturated = saturation_mask(frames);
   for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
@@ -290,11 +290,12 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const St
       decode_(strategy, length_along(axis, first.projector.size), settings.backend,
               settings.phase_corrections),
       phase_(settings.backend, step_counts(strategy)) {
+  require_reconstructible(first, strategy, axis, settings);
   require_pair(first, second, match);
-  if (!has_coordinate(strategy)) {
+  if (std::holds_alternative<PhaseChannelMultiplexing>(strategy)) {
     throw Error(
-        fmt::format("{}: more than one period covers the field, so phases match in many "
-                    "places; use frequency 1 or dual-frequency",
+        fmt::format("{}: many periods cover the field, and its cue does not match between "
+                    "cameras; use frequency 1 or dual-frequency",
                     name_of(strategy)));
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/reconstructor.h"
@@ -23,7 +25,7 @@ class PhaseMatcher {
   /// `first`, `second`: each camera with the one projector. Phases are matched as they are
   /// measured, without the settings' corrections. Throws Error where a scanner or the settings are
   /// not valid, the projectors differ, the cameras stand in one place, or the strategy's frames do
-  /// not give a projector coordinate.
+  /// not give a projector coordinate by sinusoids alone, as those of PCMP.
   PhaseMatcher(const Scanner& first, const Scanner& second, const Strategy& strategy, Axis axis,
                const ReconstructSettings& settings = {}, const PhaseMatchSettings& match = {});
 
@@ -33,8 +35,10 @@ class PhaseMatcher {
   /// strategy's.
   [[nodiscard]] Reconstruction operator()(const FrameSet& first, const FrameSet& second) const;
 
-  /// What decodes the first camera's frames, and the second's.
-  [[nodiscard]] const Decoder& decoder() const { return decode_; }
+  /// See Reconstructor::backend_for; of the frames of either camera.
+  [[nodiscard]] std::string backend_for(const FrameSet& frames) const {
+    return decode_.backend_for(frames);
+  }
 
  private:
   Scanner first_;

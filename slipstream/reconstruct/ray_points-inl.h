@@ -7,10 +7,10 @@
 #define SLIPSTREAM_RECONSTRUCT_RAY_POINTS_INL_H_
 #endif
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <hwy/highway.h>
 

@@ -21,6 +21,7 @@ void require_valid(const ReconstructSettings& settings) {
   require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
   require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
           "more than the nearest");
+  require_valid(settings.cue);
   for (const auto& [N, correction] : settings.phase_corrections) require_valid(correction, N);
 }
 

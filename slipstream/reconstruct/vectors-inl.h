@@ -8,8 +8,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <type_traits>
-#include <utility>
+#include <cstdint>
 
 #include <hwy/highway.h>
 

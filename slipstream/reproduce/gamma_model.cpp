@@ -30,16 +30,17 @@ PlotLine line_of(std::string label, double low, double high, int pieces, const F
   return line;
 }
 
-/// RMS over the circle of a function of the phase.
+constexpr int circle_samples = 3000;
+
+/// RMS over the circle of a function of the phase, which is asked `circle_samples` times.
 template <class Function>
 double rms_over_circle(const Function& f) {
-  constexpr int samples = 3000;
   double sum = 0;
-  for (int i = 0; i < samples; ++i) {
-    const double value = f(2 * pi * (i + 0.5) / samples);
+  for (int i = 0; i < circle_samples; ++i) {
+    const double value = f(2 * pi * (i + 0.5) / circle_samples);
     sum += value * value;
   }
-  return std::sqrt(sum / samples);
+  return std::sqrt(sum / circle_samples);
 }
 
 double measured_in_circle(const Response& response, int steps, double phi) {
@@ -162,7 +163,7 @@ Reproduction figure_47(std::uint64_t /*seed*/) {
     };
     const double rms = rms_over_circle([&](double phi) {
       const double gamma = gamma_at(phi);
-      mean += gamma / 3000;
+      mean += gamma / circle_samples;
       return gamma - paper_gamma;
     });
     means.x.push_back(steps);

@@ -16,9 +16,10 @@ namespace slipstream {
 struct ReproducedCell {
   std::string quantity;                                    ///< with its unit
   std::vector<std::pair<std::string, double>> parameters;  ///< "N" 3, "gamma" 3.18
-  std::optional<double> published;                         ///< as printed
-  std::optional<double> recomputed;                        ///< by the published rule
-  std::optional<double> improved;                          ///< by slipstream's own
+  /// As printed; where a note says so, what its equation gives.
+  std::optional<double> published;
+  std::optional<double> recomputed;  ///< by the published rule
+  std::optional<double> improved;    ///< by slipstream's own
 };
 
 /// A plot with the name of its file, without ending: "figure-4.7-error".

@@ -36,7 +36,8 @@ std::vector<std::string_view> scene_names();
 Scene scene_named(std::string_view name, const Scanner& scanner);
 
 /// A mesh (Y up, facing +Z) before the scanner, scaled to its working volume, or so that its
-/// largest side is `size` mm where that is positive.
+/// largest side is `size` mm where that is positive. Throws Error for a mesh without triangle or
+/// extent.
 Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size = 0);
 
 }  // namespace slipstream

@@ -128,15 +128,6 @@ Texture veined_texture(double darkest, double brightest, double scale) {
   };
 }
 
-Texture chessboard_texture(int columns, int rows, double spacing, double dark, double bright) {
-  return [=](const Eigen::Vector3d& p) {
-    const int column = static_cast<int>(std::floor(p.x() / spacing + columns / 2.0));
-    const int row = static_cast<int>(std::floor(p.y() / spacing + rows / 2.0));
-    const bool on_board = column >= 0 && column < columns && row >= 0 && row < rows;
-    return on_board && (column + row) % 2 == 0 ? dark : bright;
-  };
-}
-
 Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel, double dark,
                         double bright, double blur) {
   const auto grey = std::make_shared<const Image<float>>(blurred(picture, blur / mm_per_pixel));

@@ -43,10 +43,6 @@ Texture uniform_texture(double alpha);
 /// Dark and light veins between the two reflectivities, that repeat about every `scale` mm.
 Texture veined_texture(double darkest, double brightest, double scale);
 
-/// Squares of side `spacing` mm in the plane z = 0, `columns` x `rows` of them centred on the
-/// origin, the first dark, on a bright sheet: a calibration chessboard.
-Texture chessboard_texture(int columns, int rows, double spacing, double dark, double bright);
-
 /// A grey picture in the plane z = 0, centred on the origin, its rows along X and its columns along
 /// Y: black is reflectivity `dark`, white and all about it `bright`. Each pixel is a square of
 /// `mm_per_pixel`. Edges are soft, as a lens sees them: the picture is blurred by a Gaussian of

@@ -28,7 +28,9 @@ struct Photometry {
 struct VirtualScan {
   FrameSet frames;
   Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN where there is none
-  Image<double> coordinate;    ///< y that lights it, [0, 1); NaN in shadow or outside the field
+  /// y that lights it, [0, 1) but for half a pixel at either end; NaN in shadow or outside the
+  /// field.
+  Image<double> coordinate;
   Image<double> reflectivity;  ///< alpha, shading included; 0 where there is no surface
 };
 

@@ -96,10 +96,9 @@ PatternLight brightest_light(const DesignGoal& goal) {
   const double clear = 3 * std::sqrt(goal.noise_variance);
   const double beta = goal.ambient;
   // alpha (beta_p + beta) + beta >= clear, and alpha_p + beta_p + 2 beta <= 255 - clear.
-  const double beta_p = std::max(0.0, (clear - beta) / goal.alpha - beta);
-  const double alpha_p = std::min(255.0, 255 - clear - 2 * beta) - beta_p;
-  const PatternLight light{.alpha_p = std::min(std::floor(alpha_p), 255 - std::ceil(beta_p)),
-                           .beta_p = std::ceil(beta_p)};
+  const double beta_p = std::ceil(std::max(0.0, (clear - beta) / goal.alpha - beta));
+  const double alpha_p = std::floor(std::min(255.0, 255 - clear - 2 * beta) - beta_p);
+  const PatternLight light{.alpha_p = alpha_p, .beta_p = beta_p};
   if (!(light.alpha_p >= 1)) {
     throw Error(fmt::format(
         "no patterns keep a reflectivity of {} off zero under ambient light of {} and sigma_w^2 of "

@@ -8,14 +8,14 @@ namespace slipstream {
 
 /// What patterns are to be designed for.
 struct DesignGoal {
-  int steps = 5;                ///< N, >= 3
+  int steps = 5;                ///< N, 3 to 64
   double alpha = 0.5;           ///< the least reflectivity that is to be measured, (0, 1]
   double ambient = 0;           ///< beta, grey levels of 255
   double noise_variance = 1.6;  ///< sigma_w^2, grey levels^2
   /// Share of the pixels that are to be unwrapped rightly each by itself, before their neighbours
   /// are asked: [0.5, 1).
   double success = 0.99;
-  int most_periods = 64;  ///< largest f_h to be considered, >= 2
+  int most_periods = 64;  ///< largest f_h to be considered, 2 to 1000
 };
 
 /// Patterns for a goal and what is to be expected of them.

@@ -79,7 +79,7 @@ void require_monotonic(const std::function<double(double)>& reference) {
   const double direction = reference(1) > reference(0) ? 1 : -1;
   for (int i = 0; i <= samples; ++i) {
     const double value = reference(static_cast<double>(i) / samples);
-    const double next = reference(static_cast<double>(i + 1) / samples);
+    const double next = reference(static_cast<double>(std::min(i + 1, samples)) / samples);
     if (!(std::abs(value) <= 1) || (i < samples && !(direction * (next - value) > 0))) {
       throw Error(fmt::format(
           "pcmp: the reference is {} at y = {}; it rises or falls throughout, within -1 to 1",

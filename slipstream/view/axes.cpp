@@ -84,11 +84,18 @@ std::vector<Line> floor_grid(const Box& box, float height) {
   const auto last = [&](float high) { return std::ceil((high + margin) / step) * step; };
   const float left = first(box.low.x), right = last(box.high.x);
   const float front = first(box.low.z), back = last(box.high.z);
+  // Counted: far from the origin a step may be lost in the rounding of what it is added to.
+  const auto count = [&](float from, float to) {
+    constexpr float most = 64;
+    return static_cast<int>(std::clamp(std::round((to - from) / step) + 1, 0.0F, most));
+  };
   std::vector<Line> lines;
-  for (float x = left; x <= right + 0.5F * step; x += step) {
+  for (int i = 0; i < count(left, right); ++i) {
+    const float x = left + static_cast<float>(i) * step;
     lines.push_back({{x, height, front}, {x, height, back}, colour, opacity});
   }
-  for (float z = front; z <= back + 0.5F * step; z += step) {
+  for (int i = 0; i < count(front, back); ++i) {
+    const float z = front + static_cast<float>(i) * step;
     lines.push_back({{left, height, z}, {right, height, z}, colour, opacity});
   }
   return lines;

@@ -94,7 +94,8 @@ void LiveScreen::update_pictures(const LiveCloud& cloud, const FusedDecoding* de
     pictures_[1].upload(modulation_picture(decoding->modulation, picture_width));
   }
   if (state_.picture_open[2]) {
-    const auto least = static_cast<float>(least_modulation(state_.scan.settings, 255));
+    const auto least =
+        static_cast<float>(least_modulation(state_.scan.settings, source_.full_scale));
     pictures_[2].upload(
         phase_picture(decoding->wrapped_phase, decoding->modulation, least, picture_width));
   }

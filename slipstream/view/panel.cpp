@@ -162,9 +162,10 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
     settings.phase_corrections = source.gammas[state.gamma].second;
     requests.change_scan = true;
   }
-  auto threshold = static_cast<float>(least_modulation(settings, 255));
+  const double grey_level = source.full_scale / 255;
+  auto threshold = static_cast<float>(least_modulation(settings, source.full_scale) / grey_level);
   if (ImGui::SliderFloat("least B", &threshold, 1, 100, "%.0f")) {
-    settings.minimum_modulation = static_cast<double>(threshold);
+    settings.minimum_modulation = static_cast<double>(threshold) * grey_level;
   }
   // Tables are built for every change, so one that is dragged counts when it is let go.
   requests.change_scan |= ImGui::IsItemDeactivatedAfterEdit();

@@ -23,7 +23,8 @@ struct ViewSource {
   std::function<void(const LiveCloud&)> shown;
   std::function<LiveStatistics()> statistics;
 
-  LiveScan scan;  ///< what is looked for in the frames at first
+  LiveScan scan;            ///< what is looked for in the frames at first
+  double full_scale = 255;  ///< the largest grey level of the frames
   /// Looks for something else from now on. May throw: the viewer shows why and keeps the old.
   std::function<void(const LiveScan&)> change;
   std::vector<std::pair<std::string, Strategy>> strategies;      ///< to choose from, by label

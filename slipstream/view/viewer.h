@@ -28,7 +28,7 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
 enum class Surround { nothing, panel };
 
 /// What the viewer would show of the source's newest cloud in a window of that size, drawn without
-/// one. Throws WorldError where there is no OpenGL.
+/// one. Throws Error for a size out of range, WorldError where there is no OpenGL.
 Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settings, Size size,
                             Surround surround);
 

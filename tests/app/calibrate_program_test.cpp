@@ -104,7 +104,22 @@ TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
   expect_bad_input(calibrate(poses(), file, {"--print", "so-so"}), {"--print so-so"});
   expect_bad_input(calibrate(poses() + "/nowhere", file, {}), {"nowhere", "no such folder"});
   expect_bad_input(calibrate(poses(), file, {"--compare", "nowhere.xml"}), {"nowhere.xml"});
+  expect_bad_input(calibrate(poses(), file, {"--min-modulation", "256"}),
+                   {"board01", "least modulation 256"});
+  expect_bad_input(calibrate(poses(), file, {"--neighbourhood", "11"}), {"neighbourhood 11"});
+  expect_bad_input(calibrate(poses(), file, {"--beta-p", "300"}), {"beta_p"});
   EXPECT_EQ(entries_in(out.path()), 0);
+}
+
+TEST_F(CalibrateProgram, TheScannerToCompareWithMustBeOfTheseDevices) {
+  const TemporaryFolder folder;
+  Scanner other = read_scanner(poses() + "/scanner.yaml");
+  other.camera.size = {640, 480};
+  write_scanner(folder.path() / "other.yaml", other);
+  expect_bad_input(calibrate(poses(), folder.path() / "scanner.yaml",
+                             {"--compare", folder.path() / "other.yaml"}),
+                   {"other.yaml", "640x480", "320x240"});
+  EXPECT_FALSE(fs::exists(folder.path() / "scanner.yaml"));
 }
 
 TEST_F(CalibrateProgram, SwappedMirroredAndMixedCapturesAreTold) {

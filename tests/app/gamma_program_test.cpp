@@ -122,6 +122,20 @@ TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
   EXPECT_NEAR(by_curve(16, 0), by_number(16, 0), 2);
 }
 
+TEST_F(GammaProgram, UniformPatternsOf16BitsAreToldInGreyLevelsOf255) {
+  make_folder(path("levels"));
+  for (int i = 0; i < 18; ++i) {
+    char name[64];
+    std::snprintf(name, sizeof name, "levels/level_%03d.png", 15 * i);
+    const double light = std::pow(15 * i / 255.0, 1.8);
+    write_image(path(name),
+                Image<std::uint16_t>(
+                    {40, 30}, static_cast<std::uint16_t>(std::lround(257 * (8 + 170 * light)))));
+  }
+  const std::string said = out_of({"calibrate", "gamma", "--uniform", path("levels")});
+  EXPECT_TRUE(says(said, "ambient light 8 grey levels")) << said;
+}
+
 TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
   (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--gamma",
                 "2.4", "--steps", "3", "--low-steps", "6", "--high", "8", "--second-camera"});
@@ -142,13 +156,13 @@ TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
 
 TEST_F(GammaProgram, ReproducesTablesAndFigures) {
   const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
-                                   "--report", path("report.md"), "--json"});
+                                   "--report", path("reports/report.md"), "--json"});
   for (const char* words : {"\"tables\"", "\"id\": \"4.1\"", "\"published\"", "\"improved\""}) {
     EXPECT_TRUE(says(json, words)) << words << " in " << json;
   }
   EXPECT_TRUE(std::filesystem::exists(path("plots/figure-4.1.png")));
-  const auto report = read_file(path("report.md"));
-  EXPECT_TRUE(says({report.begin(), report.end()}, "(plots/figure-4.1.png)"));
+  const auto report = read_file(path("reports/report.md"));
+  EXPECT_TRUE(says({report.begin(), report.end()}, "(../plots/figure-4.1.png)"));
   EXPECT_TRUE(says(out_of({"reproduce", "--list"}), "section-4.5"));
   EXPECT_TRUE(says(refusal_of({"reproduce", "table-9.9"}), "table-9.9"));
 }
@@ -159,6 +173,9 @@ TEST_F(GammaProgram, RefusesBadInput) {
   EXPECT_TRUE(says(refusal_of({"reconstruct", path("scan"), "--gamma", "20"}), "0.5 to 11"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma"}), "--uniform"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "--response"}), "--uniform"));
+  EXPECT_TRUE(says(
+      refusal_of({"calibrate", "gamma", "--uniform", path("levels"), "--map", path("map.tiff")}),
+      "--map"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "--map", path("m.tiff")}), "5"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "-o", path("s.xml")}), ".xml"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("nowhere")}), "nowhere"));

@@ -68,6 +68,25 @@ TEST(LiveProgram, records_replays_and_writes_the_last_cloud) {
   EXPECT_EQ(contents(first), contents(second));
 }
 
+TEST(LiveProgram, does_not_record_onto_what_is_replayed) {
+  const TemporaryFolder folder;
+  const std::string recording = (folder.path() / "frames.slip").string();
+  ASSERT_EQ(run_program(with(small, {"--frames", "12", "--record", recording})).exit_code, 0);
+  const std::string before = contents(recording);
+  fs::create_symlink(recording, folder.path() / "link");
+  for (const std::string& onto : {recording, (folder.path() / "link").string()}) {
+    const ProgramRun live =
+        run_program({"live", "--source", "replay:" + recording, "--headless", "--record", onto});
+    EXPECT_EQ(live.exit_code, 2);
+    EXPECT_NE(live.err.find("is being replayed"), std::string::npos) << live.err;
+    const ProgramRun record =
+        run_program({"record", "--source", "replay:" + recording, "-o", onto});
+    EXPECT_EQ(record.exit_code, 2);
+    EXPECT_NE(record.err.find("is being replayed"), std::string::npos) << record.err;
+  }
+  EXPECT_EQ(contents(recording), before);
+}
+
 TEST(LiveProgram, a_marker_and_a_count_tell_the_pattern_too) {
   for (const char* indexing : {"marker", "counted"}) {
     const ProgramRun run = run_program(with(small, {"--frames", "100", "--indexing", indexing}));
@@ -135,6 +154,7 @@ TEST(LiveProgram, refuses_what_cannot_be) {
   expect_refused({"live", "--headless", "--source", "replay:/nowhere"}, "/nowhere");
   expect_refused(with(small, {"--rate", "-1"}), "--rate -1");
   expect_refused(with(small, {"--rate", "nan"}), "--rate nan");
+  expect_refused(with(small, {"--rate", "1e-4"}), "--rate 0.0001");
   expect_refused(with(small, {"--frames", "0"}), "--frames 0");
   expect_refused(with(small, {"--duration", "0"}), "--duration 0");
   expect_refused(with(small, {"--duration", "nan"}), "--duration nan");

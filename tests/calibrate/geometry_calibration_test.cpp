@@ -103,6 +103,25 @@ INSTANTIATE_TEST_SUITE_P(
         CalibrationBoard{.kind = BoardKind::charuco, .columns = 9, .rows = 6, .spacing = 20}),
     [](const auto& board) { return std::string(name_of(board.param.kind)); });
 
+TEST(BoardCapture, RefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
+  const auto capture = [](const Strategy& strategy, const BoardCaptureSettings& settings = {}) {
+    (void)board_capture("pose", {}, {strategy, {}}, {strategy, {}}, {1280, 800}, settings);
+  };
+  expect_error([&] { capture(PhaseMeasuring{.steps = 4, .frequency = 8}); },
+               {"pmp", "no projector coordinate"});
+  expect_error([&] { capture(PhaseChannelMultiplexing{.steps = 3}); },
+               {"pcmp of 3 steps", "ambient light", "dual-frequency"});
+  const double nan = std::nan("");
+  for (const double value : {nan, -1.0, 256.0}) {
+    expect_error([&] { capture(DualFrequency{}, {.minimum_modulation = value}); },
+                 {"least modulation", "0 to 255"});
+  }
+  for (const double value : {nan, 0.0, -1.0, 11.0}) {
+    expect_error([&] { capture(DualFrequency{}, {.neighbourhood = value}); },
+                 {"neighbourhood", "at most 10"});
+  }
+}
+
 class CalibrationOfCorners : public testing::Test {
  protected:
   const CalibrationBoard board{.columns = 7, .rows = 5, .spacing = 20};
@@ -206,6 +225,7 @@ TEST_F(CalibrationOfCorners, CornersOffByAFringeAreLeftOut) {
   views[1].projector[12].y() -= 50;
   const GeometryCalibration found = calibrated(views, plain);
   EXPECT_EQ(found.poses[1].lit, 33);
+  EXPECT_EQ(lit_corners(found.views[1]), 33);
   EXPECT_LT(found.rms.projector, 0.1);
 }
 

@@ -89,5 +89,18 @@ TEST(ProjectorCorners, ReliableIsWhatBothScansLightAndNeitherSaturates) {
   EXPECT_EQ(map.y(1, 0), 50);
 }
 
+TEST(ProjectorCorners, EachScanIsMeasuredByItsOwnFullScale) {
+  const FrameSet of_8_bits(FrameSet::Images8{Image<std::uint8_t>({1, 1}, 100)});
+  const FrameSet of_16_bits(FrameSet::Images16{Image<std::uint16_t>({1, 1}, 25700)}, 16);
+  DecodedScan along_x, along_y;
+  along_x.coordinate = along_y.coordinate = Image<double>({1, 1}, 0.25);
+  along_x.modulation = Image<double>({1, 1}, 40);
+  along_y.modulation = Image<double>({1, 1}, 20 * 257);
+  EXPECT_DOUBLE_EQ(
+      projector_map(of_8_bits, along_x, of_16_bits, along_y, {400, 200}, 5).weight(0, 0), 400);
+  EXPECT_DOUBLE_EQ(
+      projector_map(of_16_bits, along_y, of_8_bits, along_x, {400, 200}, 5).weight(0, 0), 400);
+}
+
 }  // namespace
 }  // namespace slipstream

@@ -204,6 +204,30 @@ TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
 
 INSTANTIATE_TEST_SUITE_P(VirtualGigeCamera, GoneFor, testing::Values(0ms, 2500ms));
 
+TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
+  const std::vector<Frame> rendered = some_frames(4, {320, 240});
+  auto camera = serve(rendered);
+  REQUIRE_CAMERA(camera);
+  AravisSource source(address, settings_at(100, 4));
+  source.start();
+  Frame frame(source.format());
+  ASSERT_TRUE(wait_for_frame(source, frame));
+  camera.reset();
+  for (const auto end = steady_clock::now() + 5s;
+       source.state().empty() && steady_clock::now() < end;) {
+    (void)source.next(frame, 50ms);
+  }
+  ASSERT_FALSE(source.state().empty());
+  source.stop();
+  EXPECT_THROW(source.start(), WorldError);
+  camera = serve(rendered);
+  ASSERT_TRUE(camera);
+  source.start();
+  EXPECT_EQ(source.state(), "");
+  EXPECT_EQ(source.counters().reconnects, 1U);
+  EXPECT_TRUE(wait_for_frame(source, frame));
+}
+
 TEST(VirtualGigeCamera, OneOfAnotherSizeIsNotTakenForTheOneThatWasLost) {
   auto camera = serve(some_frames(4, {320, 240}));
   REQUIRE_CAMERA(camera);

@@ -65,5 +65,15 @@ TEST(FrameCount, NoticesACameraThatBeginsAnew) {
   EXPECT_EQ(count(2), 5002U);
 }
 
+TEST(FrameCount, NoticesACameraThatBeginsAnewBelowItsFirstNumber) {
+  for (const std::uint64_t again : {1U, 4500U, 4999U}) {
+    FrameCount count(3);
+    count.begin(5000);
+    EXPECT_EQ(count(5000), 0U);
+    EXPECT_EQ(count(again), 3U) << again;
+    EXPECT_EQ(count(again + 1), 4U) << again;
+  }
+}
+
 }  // namespace
 }  // namespace slipstream

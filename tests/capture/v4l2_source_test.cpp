@@ -254,6 +254,24 @@ TEST(V4l2Source, IsFoundAgainWhenItIsPluggedInAgain) {
   EXPECT_EQ(frame.stamp.sequence, 8U) << "at a multiple of the patterns, with a gap";
 }
 
+TEST(V4l2Source, StartsAgainThoughItWasGoneAtTheStop) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  V4l2Source source("made up", opener(camera), small_frames());
+  source.start();
+  Frame frame(source.format());
+  camera->plugged_in = false;
+  EXPECT_EQ(source.next(frame, 1ms), Arrival::nothing);
+  source.stop();
+  EXPECT_THROW(source.start(), WorldError);
+  EXPECT_NE(source.state(), "");
+  camera->plugged_in = true;
+  source.start();
+  EXPECT_EQ(source.state(), "");
+  EXPECT_EQ(source.counters().reconnects, 1U);
+  camera->frames_ready = 1;
+  EXPECT_EQ(source.next(frame, 1ms), Arrival::frame);
+}
+
 TEST(V4l2Source, SetsRateAndLight) {
   const auto camera = std::make_shared<MadeUpCamera>();
   V4l2Settings settings = small_frames();

@@ -62,5 +62,20 @@ TEST(SurfaceNormals, DoNotReachAcrossADepthEdge) {
   EXPECT_NEAR(normals.z(20, 10), -1, 1e-5);
 }
 
+TEST(SurfaceNormals, DoNotReachAcrossADepthEdgeOffTheAxis) {
+  Cloud cloud({40, 30});
+  for (int row = 0; row < 30; ++row) {
+    for (int column = 0; column < 40; ++column) {
+      const double z = column < 20 ? 500 : 1000;
+      cloud.x(column, row) = (0.3 + column / 800.0) * z;
+      cloud.y(column, row) = row / 800.0 * z;
+      cloud.z(column, row) = z;
+    }
+  }
+  const Normals normals = surface_normals(cloud);
+  EXPECT_NEAR(normals.z(19, 10), -1, 1e-5);
+  EXPECT_NEAR(normals.z(20, 10), -1, 1e-5);
+}
+
 }  // namespace
 }  // namespace slipstream

@@ -108,6 +108,22 @@ TEST(RecordedSource, RecordsWhatPassesBetweenBeginningAndEnd) {
   EXPECT_EQ(frame.stamp.sequence, 7U);
 }
 
+TEST(RecordedSource, RecordingsNameTheStrategyThatIsShownWhenTheyBegin) {
+  const TemporaryFolder folder;
+  RecordedSource source(some_source(folder.path() / "played", 16),
+                        {.scan = ScanDescription{.strategy = PhaseMeasuring{.steps = 4}}});
+  source.record_to(folder.path() / "first");
+  source.set_strategy(PhaseMeasuring{.steps = 6});
+  source.record_to(folder.path() / "second");
+  source.finish_recording();
+  const auto steps = [&](const char* name) {
+    const RecordingReader reader(folder.path() / name);
+    return frame_count(reader.header().scan->strategy);
+  };
+  EXPECT_EQ(steps("first"), 4);
+  EXPECT_EQ(steps("second"), 6);
+}
+
 TEST(RecordedSource, KeepsGivingFramesWhenTheDiskIsFull) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16), {});

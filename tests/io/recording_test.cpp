@@ -1,5 +1,7 @@
 #include "slipstream/io/recording.h"
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -143,6 +145,25 @@ TEST(Recording, LastFramesThatNeverReachedTheDiskAreDropped) {
   EXPECT_EQ(reader.count(), 2U);
   EXPECT_EQ(reader.dropped(), 3U);  // two frames and the end mark
   expect_first_frames(reader);
+}
+
+TEST(Recording, TimesThatCannotBeAddedAreDamage) {
+  const TemporaryFolder folder;
+  constexpr std::chrono::nanoseconds too_long(std::int64_t{1} << 61);
+  {
+    RecordingWriter writer(folder.path() / "frames", {.format = some_format});
+    for (const auto& time : {too_long, -too_long, too_long - std::chrono::nanoseconds(1)}) {
+      Frame frame = some_frame(0);
+      frame.stamp.device_time = time;
+      writer.append(frame);
+    }
+    writer.finish();
+  }
+  const RecordingReader reader(folder.path() / "frames");
+  Frame frame;
+  EXPECT_FALSE(reader.read(0, frame));
+  EXPECT_FALSE(reader.read(1, frame));
+  EXPECT_TRUE(reader.read(2, frame));
 }
 
 TEST(Recording, ChangedHeaderIsRefused) {

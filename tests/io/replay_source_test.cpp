@@ -152,6 +152,18 @@ FrameSet write_scan(const fs::path& folder, const Scanner& scanner, const Strate
   return frames;
 }
 
+TEST(ReplaySource, RefusesPicturesOf16BitsThatAreSaidToHave8) {
+  const TemporaryFolder folder;
+  const Scanner scanner = example_scanner({48, 36});
+  const Strategy strategy = PhaseMeasuring{.steps = 4};
+  write_scan(folder.path(), scanner, strategy, 12);
+  ScanDescription scan = read_scan_description(folder.path() / "scan.yaml");
+  scan.bits = 8;
+  write_scan_description(folder.path() / "scan.yaml", scan);
+  expect_error([&] { ReplaySource(folder.path(), {}); },
+               {folder.path().string(), "pictures of 16 bits", "bits is 8"});
+}
+
 template <class Pixel>
 FusedCloud cloud_of(const FusedReconstructor& reconstruct, const std::vector<Frame>& frames) {
   Frames<Pixel> views;

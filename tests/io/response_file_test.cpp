@@ -70,6 +70,19 @@ TEST_P(ResponseFile, HoldsACurve) {
   EXPECT_TRUE(std::holds_alternative<PowerLaw>(read_response(file("alone")).value()));
 }
 
+TEST_P(ResponseFile, AnotherGammaTakesThePlaceOfACurve) {
+  write_scanner(file("scanner"), example_scanner());
+  const std::vector<double> values{0, 0.25, 0.5, 0.75, 1}, light{0, 0.1, 0.3, 0.6, 1};
+  write_response(file("scanner"), file("scanner"), response_curve(values, light), 2.1, 0.01);
+  const std::string text = text_of("scanner");
+  const auto response = response_from(with_gamma(text, 1.8, "scanner"), "scanner");
+  ASSERT_TRUE(response);
+  EXPECT_EQ(std::get<PowerLaw>(*response).gamma, 1.8);
+  const std::string without = with_gamma(text, std::nullopt, "scanner");
+  EXPECT_FALSE(response_from(without, "scanner"));
+  EXPECT_EQ(scanner_from(without, "scanner").camera.size, example_scanner().camera.size);
+}
+
 TEST_P(ResponseFile, RefusesWhatIsNoResponse) {
   const auto refused = [&](const std::map<std::string, StoredMatrix>& entries,
                            const std::string& words) {

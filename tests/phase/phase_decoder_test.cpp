@@ -54,6 +54,8 @@ TEST(PhaseDecoder, SaysWhereItFallsBackToTheEquations) {
   EXPECT_EQ(decode.backend_for(3, eight_bits), Backend::lut);
   EXPECT_EQ(decode.backend_for(5, eight_bits), Backend::equation);
   EXPECT_EQ(decode.backend_for(3, twelve_bits), Backend::equation);
+  const FrameSet eight_bits_in_sixteen(FrameSet::Images16(3, Image<std::uint16_t>({4, 3})), 8);
+  EXPECT_EQ(decode.backend_for(3, eight_bits_in_sixteen), Backend::equation);
   expect_equal_maps(decode(eight_bits, 0, 5),
                     PhaseDecoder(Backend::equation, {5})(eight_bits, 0, 5));
 }

@@ -90,6 +90,17 @@ TEST_F(OnAMonitor, APatternStaysForItsRefreshes) {
   EXPECT_EQ(report.refreshes, 6U * 3 + 1);
 }
 
+TEST_F(OnAMonitor, ItEndsWhileAPatternStays) {
+  const auto patterns = patterns_of(PhaseMeasuring{.steps = 3, .frequency = 8}, Axis::x, size());
+  int asked = 0;
+  ProjectionSettings settings;
+  settings.hold = 100000;
+  settings.ends = [&] { return ++asked > 5; };
+  const ProjectionReport report = project_patterns(*system_, patterns, settings);
+  EXPECT_EQ(report.shown, 1U);
+  EXPECT_LE(report.refreshes, 6U);
+}
+
 TEST_F(OnAMonitor, PatternsOfAnotherSizeAreRefused) {
   const auto patterns = patterns_of(PhaseMeasuring{}, Axis::x, {64, 48});
   EXPECT_THROW(PatternWindow(*system_, 0, patterns), Error);

@@ -191,6 +191,7 @@ TEST(FusedCloud, RefusesWhatDoesNotFit) {
   };
   EXPECT_THROW(make(PhaseMeasuring{.steps = 3, .frequency = 8}, {}), Error);
   EXPECT_THROW(make(DualFrequency{}, {.minimum_modulation = -1}), Error);
+  EXPECT_THROW(make(PhaseChannelMultiplexing{}, {.cue = {.noise_variance = 0}}), Error);
   const auto reconstruct = make(DualFrequency{}, {});
   FusedCloud cloud;
   EXPECT_THROW((*reconstruct)(FrameSet(FrameSet::Images8(6, Image<std::uint8_t>({48, 48}))), cloud),

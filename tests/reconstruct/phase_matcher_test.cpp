@@ -108,6 +108,9 @@ TEST(PhaseMatcher, ShowsNoWrongPointWhereTheSecondCameraDoesNotSee) {
 
 TEST(PhaseMatcher, RefusesWhatIsNoPair) {
   const Scanner first = example_scanner(camera), second = second_scanner(first);
+  EXPECT_THROW(PhaseMatcher(first, second, PhaseChannelMultiplexing{}, Axis::x), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, DualFrequency{}, Axis::x, {.minimum_modulation = -1}),
+               Error);
   const Strategy strategy = DualFrequency{};
   EXPECT_THROW(PhaseMatcher(first, first, strategy, Axis::x), Error);
   EXPECT_THROW(PhaseMatcher(first, second, PhaseMeasuring{3, 8}, Axis::x), Error);

@@ -1,5 +1,6 @@
 // Noise-free, unquantised virtual scans come out at their true depth.
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <tuple>
@@ -168,6 +169,34 @@ TEST(Reconstructor, AStripeFromElsewhereIsOutsideTheField) {
   EXPECT_GT(counts[static_cast<std::size_t>(Validity::outside_field)] +
                 counts[static_cast<std::size_t>(Validity::no_point)],
             counts[static_cast<std::size_t>(Validity::valid)] / 4);
+}
+
+TEST(Reconstructor, ACoordinatePastTheFieldIsNoPoint) {
+  const Scanner scanner = example_scanner({64, 48});
+  const DualFrequency strategy{.steps = 4, .high = 8, .low = 0.5};
+  constexpr double y = 1.3;
+  FrameSet::Images8 frames;
+  for (const double f : {strategy.high, strategy.low}) {
+    for (int n = 0; n < 4; ++n) {
+      const double level = 120 + 100 * std::cos(2 * std::numbers::pi * (f * y - n / 4.0));
+      frames.emplace_back(scanner.camera.size, static_cast<std::uint8_t>(std::lround(level)));
+    }
+  }
+  for (const Backend backend : {Backend::equation, Backend::lut, Backend::fused}) {
+    const Reconstructor reconstruct(scanner, strategy, Axis::x, {.backend = backend});
+    const Reconstruction result = reconstruct(FrameSet(frames));
+    EXPECT_NEAR(result.decoded.coordinate(30, 20), y, 1e-2);
+    EXPECT_EQ(point_count(result.cloud), 0U) << name_of(backend);
+  }
+}
+
+TEST(Reconstructor, ALargeThresholdLeavesNothing) {
+  const Scanner scanner = example_scanner({64, 48});
+  const FrameSet frames(FrameSet::Images8(6, Image<std::uint8_t>({64, 48}, 200)));
+  const Reconstructor reconstruct(
+      scanner, DualFrequency{}, Axis::x,
+      {.backend = Backend::fused, .minimum_modulation = 504457810.78437746});
+  EXPECT_EQ(point_count(reconstruct(frames).cloud), 0U);
 }
 
 TEST(Reconstructor, RefusesWhatCannotGiveDepth) {

@@ -66,6 +66,12 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// Rooms of which CMake does not tell in builds without cameras or windows.
+bool may_be_off(const std::string& room) {
+  static const std::set<std::string> optional{"camera", "opengl", "project", "view"};
+  return optional.contains(room);
+}
+
 TEST(Rooms, IncludeOnlyWhatTheyMay) {
   const Uses uses = read_rooms();
   int files = 0;
@@ -73,6 +79,7 @@ TEST(Rooms, IncludeOnlyWhatTheyMay) {
        fs::recursive_directory_iterator(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "slipstream")) {
     if (!entry.is_regular_file()) continue;
     const std::string room = entry.path().parent_path().filename();
+    if (may_be_off(room) && !uses.contains(room)) continue;
     ASSERT_TRUE(uses.contains(room)) << entry.path() << " is in no room that CMake knows";
     for (const std::string& header : forbidden_includes(room, contents(entry.path()), uses)) {
       ADD_FAILURE() << entry.path() << " includes " << header << ", which " << room << " may not";

@@ -80,14 +80,6 @@ TEST(Scene, BodiesMoveFromFrameToFrame) {
   EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 3)->distance, 494);
 }
 
-TEST(Scene, ChessboardHasItsSquares) {
-  const Texture board = chessboard_texture(4, 3, 10, 0.1, 0.9);
-  EXPECT_EQ(board({-19, -14, 0}), 0.1);
-  EXPECT_EQ(board({-9, -14, 0}), 0.9);
-  EXPECT_EQ(board({-9, -4, 0}), 0.1);
-  EXPECT_EQ(board({25, 0, 0}), 0.9);
-}
-
 TEST(Textures, SoftEdgesRunThroughWhereTheSharpOnesAre) {
   Image<std::uint8_t> picture({40, 30}, 0);
   for (int row = 0; row < 30; ++row) {

@@ -27,6 +27,16 @@ TEST(MultiplexingDesign, MeetsItsGoalAtTheLeastNoise) {
   }
 }
 
+TEST(MultiplexingDesign, KeepsThreeStandardDeviationsOffBothEnds) {
+  for (const double noise_variance : {0.5, 1.6, 2.0, 3.0}) {
+    const DesignGoal goal{.alpha = 0.5, .noise_variance = noise_variance};
+    const auto& [alpha_p, beta_p] = brightest_light(goal);
+    const double clear = 3 * std::sqrt(noise_variance);
+    EXPECT_GE(goal.alpha * beta_p, clear) << noise_variance;
+    EXPECT_LE(alpha_p + beta_p, 255 - clear) << noise_variance;
+  }
+}
+
 TEST(MultiplexingDesign, AsksLessOfBetterLight) {
   const auto sigma = [](double alpha, double noise_variance) {
     return best_design({.alpha = alpha, .noise_variance = noise_variance}).coordinate_sigma;

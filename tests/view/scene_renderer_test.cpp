@@ -10,6 +10,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/opengl/off_screen.h"
+#include "slipstream/view/axes.h"
 #include "tests/view/made_up_cloud.h"
 
 namespace slipstream::view {
@@ -80,6 +81,13 @@ TEST_F(SceneRendererTest, DrawsAPointAtThePixelWhereItIs) {
     }
   }
   EXPECT_GE(lit, 1);
+}
+
+TEST(FloorGrid, EndsFarFromTheOrigin) {
+  const glm::vec3 far(1e9F, 0, 1e9F);
+  EXPECT_LE(floor_grid({far, far + glm::vec3(0, 1, 0)}, 0).size(), 128U);
+  // Every 5 mm from -20 to 20, and from 80 to 120.
+  EXPECT_EQ(floor_grid({{-10, -10, 90}, {10, 10, 110}}, 0).size(), 18U);
 }
 
 TEST_F(SceneRendererTest, DrawsNothingForPixelsWithoutAPoint) {

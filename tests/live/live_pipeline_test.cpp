@@ -421,9 +421,9 @@ TEST(LivePipeline, scan_is_changed_while_it_runs) {
   LivePipeline pipeline(
       std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
       {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
-         window = cloud->frames.size();
          dark = static_cast<std::size_t>(std::count(
              cloud->cloud.validity.begin(), cloud->cloud.validity.end(), Validity::too_dark));
+         window = cloud->frames.size();  // last: who waits for it finds the other
        }});
   pipeline.start();
   while (window != 4) std::this_thread::sleep_for(1ms);

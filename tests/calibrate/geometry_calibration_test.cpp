@@ -80,7 +80,7 @@ class CalibrationFromFrames : public testing::TestWithParam<CalibrationBoard> {}
 // Under the sanitizers with fewer poses and a coarser camera, where the figures say little.
 TEST_P(CalibrationFromFrames, IsTheTrueScanner) {
 #ifdef __SANITIZE_ADDRESS__
-  constexpr int count = 4;
+  constexpr int count = 6;
   constexpr double tolerance = 10;
   const Scanner truth = example_scanner({320, 240});
   if (GetParam().kind != BoardKind::chessboard) GTEST_SKIP() << "too small for so few pixels";

@@ -165,6 +165,14 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   EXPECT_EQ(counters.delivered + counters.lost, newest - first + 1);
 }
 
+/// Asks for frames until the source says that its camera is gone, 5 s at most.
+void wait_until_gone(AravisSource& source, Frame& frame) {
+  for (const auto end = steady_clock::now() + 5s;
+       source.state().empty() && steady_clock::now() < end;) {
+    (void)source.next(frame, 50ms);
+  }
+}
+
 class GoneFor : public testing::TestWithParam<std::chrono::milliseconds> {};
 
 TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
@@ -178,10 +186,7 @@ TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
   const std::uint64_t before = frame.stamp.sequence;
 
   camera.reset();
-  for (const auto end = steady_clock::now() + 5s;
-       source.state().empty() && steady_clock::now() < end;) {
-    (void)source.next(frame, 50ms);
-  }
+  wait_until_gone(source, frame);
   EXPECT_NE(source.state().find("127.0.0.1 is gone; looking for it"), std::string::npos);
   for (const auto end = steady_clock::now() + GetParam(); steady_clock::now() < end;) {
     EXPECT_EQ(source.next(frame, 50ms), Arrival::nothing);
@@ -213,10 +218,7 @@ TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
   Frame frame(source.format());
   ASSERT_TRUE(wait_for_frame(source, frame));
   camera.reset();
-  for (const auto end = steady_clock::now() + 5s;
-       source.state().empty() && steady_clock::now() < end;) {
-    (void)source.next(frame, 50ms);
-  }
+  wait_until_gone(source, frame);
   ASSERT_FALSE(source.state().empty());
   source.stop();
   EXPECT_THROW(source.start(), WorldError);

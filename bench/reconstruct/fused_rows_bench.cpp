@@ -31,7 +31,11 @@ struct Row {
 
   void decode() {
     decode_row(stages.sinusoid, limits, frames.data(),
-               {.width = width, .turn = turn.data(), .mean = mean.data(), .flags = flags.data()});
+               {.width = width,
+                .turn = turn.data(),
+                .mean = mean.data(),
+                .flags = flags.data(),
+                .nan_if_flagged = true});
   }
 
   BenchScan scan;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <utility>
+#include <tuple>
 
 #include <Eigen/LU>
 
@@ -16,10 +16,13 @@ namespace slipstream {
 namespace {
 
 constexpr double coordinate_tolerance = 4e-7;  // of the field
-constexpr double ray_tolerance = 1e-7;
+constexpr double ray_tolerance = 2.5e-7;
+/// More than what is taken for straight bends: of what 1/Z spans over the field, which is also not
+/// asked for at the ends of the block, and of half the field's breadth.
+constexpr double depth_margin = 0.02, field_margin = 1.5e-3;
 constexpr int nodes = 10;        // of the coordinate
 constexpr int column_nodes = 4;  // of a block's columns
-constexpr std::array<int, column_nodes> node_columns{1, 5, 10, 14};
+constexpr std::array<int, column_nodes> node_columns{1, 10, 21, 30};
 
 using Block = RayBlocks::Block;
 
@@ -59,18 +62,19 @@ NodeArray values(const PlanePolynomial& polynomial, const NodeArray& p, const No
 
 /// What all blocks share.
 struct Fit {
-  NodeArray p, y;
+  NodeArray p, y, low_edge, high_edge;
   Eigen::Matrix<double, nodes, nodes> spectrum;              ///< from values at p
   Eigen::Matrix<double, column_nodes, column_nodes> across;  ///< from values at t, transposed
   Eigen::Matrix<double, nodes, nodes> powers = chebyshev_coefficients<nodes>();
   Eigen::Matrix<double, column_nodes, column_nodes> across_powers =
       chebyshev_coefficients<column_nodes>();
 
-  explicit Fit(const UnitMap& unit) {
+  explicit Fit(const StripeGeometry& geometry) {
     Eigen::Matrix<double, nodes, nodes> at_p;
     for (int i = 0; i < nodes; ++i) {
       p(i) = std::cos(std::numbers::pi * (i + 0.5) / nodes);
-      y(i) = unit.inverse(p(i));
+      y(i) = geometry.unit_coordinate.inverse(p(i));
+      std::tie(low_edge(i), high_edge(i)) = geometry.places_at(p(i));
       at_p.row(i) = chebyshev_polynomials<nodes>(p(i));
     }
     spectrum = at_p.inverse();
@@ -84,7 +88,7 @@ struct Fit {
 
 int terms(int power_of_t) {
   constexpr std::array<int, column_nodes> kept{RayBlocks::constants, RayBlocks::slopes,
-                                               RayBlocks::bends, 0};
+                                               RayBlocks::bends, RayBlocks::twists};
   return kept[index(power_of_t)];
 }
 
@@ -94,8 +98,31 @@ RayBlocks::Range intersection(const RayBlocks::Range& a, const RayBlocks::Range&
   return {std::max(a.least, b.least), std::min(a.largest, b.largest)};
 }
 
+/// Where what is known at the nodes is above the margin, taken for straight between them and
+/// beyond the outermost.
+RayBlocks::Range range_above(double margin, const NodeArray& values, const NodeArray& p) {
+  Eigen::Array<double, nodes + 2, 1> x, above;
+  const auto beyond = [&](int end, int next, double end_p) {
+    return values(end) + (values(end) - values(next)) / (p(end) - p(next)) * (end_p - p(end));
+  };
+  x << 1, p, -1;
+  above << beyond(0, 1, 1), values, beyond(nodes - 1, nodes - 2, -1);
+  above -= margin;
+  const auto crossing = [&](Eigen::Index inside, Eigen::Index outside) {
+    const double share = above(inside) / (above(inside) - above(outside));
+    return static_cast<float>(std::lerp(x(inside), x(outside), share));
+  };
+  Eigen::Index first = 0, last = 0;
+  while (first < x.size() && !(above(first) > 0)) ++first;
+  if (first == x.size()) return {};
+  for (last = first; last + 1 < x.size() && above(last + 1) > 0;) ++last;
+  return {last + 1 == x.size() ? whole.least : crossing(last, last + 1),
+          first == 0 ? whole.largest : crossing(first, first - 1)};
+}
+
 /// What else is known of a block at a knot.
 struct KnownBlock {
+  bool is_fitted = false;
   double tolerance = 0;  ///< how far 1/Z may be missed
   RayBlocks::Range described{};
 };
@@ -104,7 +131,7 @@ struct KnownBlock {
 class KnotRow {
  public:
   KnotRow(const StripeGeometry& geometry, const Fit& fit, const RayTable& rays, int row)
-      : geometry_(geometry), fit_(fit), rays_(rays), row_(row), inner_(geometry.inner_places()) {}
+      : geometry_(geometry), fit_(fit), rays_(rays), row_(row) {}
 
   /// Fills the block and says within what range it is `described`, as far as this row goes.
   KnownBlock fill(int first_column, Block& block) const {
@@ -122,8 +149,12 @@ class KnotRow {
                            fill_ray(rays_.E_x, first_column, Block::E_x, block) &&
                            fill_ray(rays_.E_y, first_column, Block::E_y, block);
     if (!described) return {};
-    return {tolerance,
-            intersection(in_field(first_column), in_field(first_column + RayBlocks::width - 1))};
+    const NodeArray least_depth = inverse_depth.rowwise().minCoeff();
+    const NodeArray least_inside =
+        inside_field(first_column).min(inside_field(first_column + RayBlocks::width - 1));
+    return {true, tolerance,
+            intersection(range_above(depth_margin * (largest - smallest), least_depth, fit_.p),
+                         range_above(field_margin, least_inside, fit_.p))};
   }
 
  private:
@@ -178,26 +209,18 @@ class KnotRow {
     return true;
   }
 
-  /// Where q, which is linear in p, is in the field whatever p.
-  [[nodiscard]] RayBlocks::Range in_field(int column) const {
+  /// What stays of the field's breadth to either side of q, which is linear in p.
+  [[nodiscard]] NodeArray inside_field(int column) const {
     const Eigen::Vector3d e = ray(column);
-    const double g = geometry_.facing * e;
-    const double middle = geometry_.place_constant.dot(e) / g;
-    const double half = geometry_.place_slope.dot(e) / g;
-    if (std::abs(half) < 1e-6) {
-      const bool inside = middle > inner_.first && middle < inner_.second;
-      return inside ? whole : RayBlocks::Range{};
-    }
-    const double one = (inner_.first - middle) / half, other = (inner_.second - middle) / half;
-    return intersection(whole, {static_cast<float>(std::min(one, other)),
-                                static_cast<float>(std::max(one, other))});
+    const NodeArray q = (geometry_.place_constant.dot(e) + fit_.p * geometry_.place_slope.dot(e)) /
+                        (geometry_.facing * e);
+    return (q - fit_.low_edge).min(fit_.high_edge - q);
   }
 
   const StripeGeometry& geometry_;
   const Fit& fit_;
   const RayTable& rays_;
   int row_;
-  std::pair<double, double> inner_;
 };
 
 /// How far a quadratic through three knots misses the cubic through four.
@@ -235,10 +258,6 @@ RayBlocks::Row RayBlocks::at(int row) const {
   return blocks;
 }
 
-int RayBlocks::first_column(int i, int row_width) {
-  return std::min(i * width, row_width - width);
-}
-
 std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays) {
   const Size size = rays.E_x.size();
   const int across = (size.width + RayBlocks::width - 1) / RayBlocks::width;
@@ -252,7 +271,7 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
   blocks.knots = Image<Block>({across, down});
   blocks.described = Image<RayBlocks::Range>({across, down});
   Image<KnownBlock> known({across, down});
-  const Fit fit(geometry.unit_coordinate);
+  const Fit fit(geometry);
   for_each_row(down, [&](int k) {
     const KnotRow row(geometry, fit, rays, blocks.knot_rows[index(k)]);
     for (int i = 0; i < across; ++i) {
@@ -266,10 +285,13 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
       const bool smooth = is_quadratic({&blocks.knots(i, first), &blocks.knots(i, first + 1),
                                         &blocks.knots(i, first + 2), &blocks.knots(i, first + 3)},
                                        known(i, k).tolerance);
-      if (!smooth) continue;
-      blocks.described(i, k) =
-          intersection(known(i, k).described,
-                       intersection(known(i, k + 1).described, known(i, k + 2).described));
+      if (!smooth || !known(i, k + 2).is_fitted) continue;
+      // The last blocks say what the rows to the last knot are, too.
+      const int end = k == down - 3 ? k + 2 : k + 1;
+      blocks.described(i, k) = known(i, k).described;
+      for (int next = k + 1; next <= end; ++next) {
+        blocks.described(i, k) = intersection(blocks.described(i, k), known(i, next).described);
+      }
     }
   }
   return blocks;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -13,16 +14,17 @@ struct StripeGeometry;
 
 /// What StripeGeometry and RayTable say of a block of neighbouring pixels of a row, as polynomials
 /// in t, the column from the block's middle in half blocks, and p, the coordinate mapped to
-/// [-1, 1]: 1/Z as the sum of c_k p^k + t d_k p^k + t^2 e_k p^k, projector lens included, and E_x,
-/// E_y as quadratics in t. Kept at every eighth row; between them the coefficients are quadratic.
+/// [-1, 1]: 1/Z as the sum of c_k p^k + t d_k p^k + t^2 e_k p^k + t^3 f, projector lens included,
+/// and E_x, E_y as quadratics in t. Kept at every eighth row; between them the coefficients are
+/// quadratic.
 struct RayBlocks {
-  static constexpr int width = 16;  ///< pixels of a block; a row's last one may overlap another
+  static constexpr int width = 32;  ///< pixels of a block; a row's last one may overlap another
   static constexpr int spacing = 8;
-  static constexpr int constants = 9, slopes = 6, bends = 4;  ///< terms c, d, e
+  static constexpr int constants = 9, slopes = 7, bends = 4, twists = 1;  ///< terms c, d, e, f
 
   /// The coefficients in the order in which they are named, then some that mean nothing.
   struct alignas(64) Block {
-    static constexpr int E_x = constants + slopes + bends, E_y = E_x + 3;
+    static constexpr int E_x = constants + slopes + bends + twists, E_y = E_x + 3;
     std::array<float, 32> coefficients{};
   };
 
@@ -34,8 +36,7 @@ struct RayBlocks {
     float least = 1, largest = -1;
   };
   /// For each block and knot, within what range the rows from there to the next are described by
-  /// that one and the two after it. There 1/Z is positive exactly where there is a point, and the
-  /// point is in the field and its margin.
+  /// that one and the two after it: every ray has its point there, in the field and its margin.
   Image<Range> described;
 
   /// Of one row of pixels: each block is the sum of `weights` times those at `knots`.
@@ -47,10 +48,12 @@ struct RayBlocks {
   [[nodiscard]] Row at(int row) const;
 
   /// Of block `i` in rows of `row_width` pixels.
-  static int first_column(int i, int row_width);
+  static constexpr int first_column(int i, int row_width) {
+    return std::min(i * width, row_width - width);
+  }
 };
 
-/// To 1e-6 of the field in the coordinate and 2.5e-7 in E_x, E_y where it is `described`. None for
+/// To 1e-6 of the field in the coordinate and 5e-7 in E_x, E_y where it is `described`. None for
 /// pictures less than a block wide or less than five knots high.
 std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
 

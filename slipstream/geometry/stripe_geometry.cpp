@@ -195,14 +195,18 @@ double PlanePolynomial::operator()(double p, double q) const {
   return sum;
 }
 
+std::pair<double, double> StripeGeometry::places_at(double p) const {
+  return {evaluated(low_edge, p), evaluated(high_edge, p)};
+}
+
 std::pair<double, double> StripeGeometry::inner_places() const {
   constexpr int samples = 64;
   constexpr double apart = 1e-3;  // more than the edges bend between two samples
   double low = -1, high = 1;
   for (int i = 0; i <= samples; ++i) {
-    const double p = 2.0 * i / samples - 1;
-    low = std::max(low, evaluated(low_edge, p));
-    high = std::min(high, evaluated(high_edge, p));
+    const auto [least, largest] = places_at(2.0 * i / samples - 1);
+    low = std::max(low, least);
+    high = std::min(high, largest);
   }
   return {low + apart, high - apart};
 }
@@ -215,10 +219,11 @@ StripeGeometry::Depth StripeGeometry::operator()(double E_x, double E_y, double 
   const double w = y + lens(p, q);
   const double numerator = w * depth(3) - coordinate(3);
   const double denominator = coordinate.head<3>().dot(e) - w * depth.head<3>().dot(e);
-  return {.z = numerator / denominator,
-          .before_projector = denominator * g > 0,
-          .in_field = y >= least_coordinate && y <= largest_coordinate &&
-                      q >= evaluated(low_edge, p) && q <= evaluated(high_edge, p)};
+  const auto [least, largest] = places_at(p);
+  return {
+      .z = numerator / denominator,
+      .before_projector = denominator * g > 0,
+      .in_field = y >= least_coordinate && y <= largest_coordinate && q >= least && q <= largest};
 }
 
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin) {

@@ -64,7 +64,9 @@ struct StripeGeometry {
   std::array<double, edge_terms> low_edge{};   ///< q where the field and its margin end along the
   std::array<double, edge_terms> high_edge{};  ///< stripe, as polynomials in p
 
-  /// The places q that are in the field and its margin whatever the coordinate: from, to.
+  /// The places q that are in the field and its margin at the coordinate p: from, to.
+  [[nodiscard]] std::pair<double, double> places_at(double p) const;
+  /// Those that are whatever the coordinate.
   [[nodiscard]] std::pair<double, double> inner_places() const;
 
   struct Depth {

@@ -141,7 +141,8 @@ void one_frequency(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
                  .mean = intensity_row(output, row, scratch),
                  .flags = flags,
                  .past_cache = keeps_intensity<Output> && written_past_cache(output.z.size()),
-                 .only_lit = true});
+                 .only_lit = true,
+                 .nan_if_flagged = true});
     PointRow points = point_output(pass.stages, output, row);
     points.flags = flags;
     points.coordinate = turn;

@@ -250,7 +250,20 @@ PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings
           .inner_low = static_cast<float>(inner_low),
           .inner_high = static_cast<float>(inner_high),
           .nearest = static_cast<float>(std::min(settings.nearest, largest)),
-          .farthest = static_cast<float>(std::min(settings.farthest, largest))};
+          .farthest = static_cast<float>(std::min(settings.farthest, largest)),
+          .limits_depth = settings.nearest > 0 || settings.farthest < largest};
+}
+
+/// Where the row kernel takes a turn for a coordinate as it is, without asking for the cut.
+void keep_before_cut(FusedStages& stages) {
+  if (!stages.blocks) return;
+  const CoordinateStage& circle = stages.coordinate;
+  const auto unit = [&](float y) { return y * stages.point.unit_scale + stages.point.unit_offset; };
+  constexpr float apart = 1e-6F;
+  for (RayBlocks::Range& range : stages.blocks->described) {
+    range.least = std::max(range.least, unit(circle.cut) + apart);
+    range.largest = std::min(range.largest, unit(circle.cut + circle.period) - apart);
+  }
 }
 
 }  // namespace
@@ -281,6 +294,7 @@ std::optional<FusedStages> fused_stages(const Scanner& scanner, const Strategy& 
                      .rays = std::move(*rays),
                      .blocks = std::move(blocks)};
   stages.point.may_leave_field = widest < 1;
+  if (!low && pcmp == nullptr) keep_before_cut(stages);
   if (low) stages.low = low_frequency(*low, first, length, settings);
   if (pcmp != nullptr) stages.cue = multiplexed(*pcmp, length, settings);
   return stages;

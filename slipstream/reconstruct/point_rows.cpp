@@ -69,8 +69,10 @@ HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
 
 /// The points of a vector of pixels, some of which may have none.
 HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints& points,
-                             FloatMask good, FloatMask confirmed, Ints flags) {
+                             FloatMask confirmed, Ints flags) {
   const FloatTag d;
+  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
+                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   const Floats z = hn::IfThenElse(good, points.z, nan);
   store_points(row, row.past_cache, i, points.E_x, points.E_y, z);
@@ -78,20 +80,11 @@ HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints
   store_validity(reasons(points, confirmed, flags), row.validity + i);
 }
 
-HWY_INLINE FloatMask is_unflagged(Ints flags) {
-  const IntTag di;
-  const Ints flagged = hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated));
-  return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
-}
-
 /// One vector without its block.
 template <int lens_degree>
 HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
                                  Floats y, FloatMask confirmed, Ints flags) {
-  const RayPoints points = points_on_rays<lens_degree>(stage, row, i, y);
-  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
-                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
-  store_vector(row, i, points, good, confirmed, flags);
+  store_vector(row, i, points_on_rays<lens_degree>(stage, row, i, y), confirmed, flags);
 }
 
 using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
@@ -127,7 +120,8 @@ HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const
 /// to read single numbers out of a vector just written takes long.
 class MixedBlocks {
  public:
-  static constexpr std::size_t most = 32;
+  static constexpr std::size_t most = 40;
+  static constexpr std::size_t terms = std::tuple_size_v<decltype(RayBlocks::Block::coefficients)>;
 
   /// Quadratic between the knots.
   HWY_INLINE void mix(const RayBlocks::Row& blocks, std::size_t first, std::size_t count) {
@@ -147,33 +141,50 @@ class MixedBlocks {
     }
   }
 
-  [[nodiscard]] HWY_INLINE const float* operator[](std::size_t block) const {
-    return coefficients_.data() + block * terms;
-  }
+  /// Block after block, `terms` of each.
+  [[nodiscard]] HWY_INLINE const float* coefficients() const { return coefficients_.data(); }
 
  private:
-  static constexpr std::size_t terms = std::tuple_size_v<decltype(RayBlocks::Block::coefficients)>;
   alignas(64) std::array<float, most * terms> coefficients_;
 };
 
-/// A vector of pixels of a block.
-struct BlockPart {
-  std::size_t pixel;
-  const float* coefficients;
-  RayBlocks::Range described;
-};
-
-/// Some vectors of a row; `t` as in RayBlocks.
+/// Neighbouring vectors of a row, the first of which begins at `pixel`. `coefficients` and
+/// `described` are of its block, those of the next blocks follow; `t` as in RayBlocks.
 template <std::size_t count>
-struct BlockParts {
-  std::array<BlockPart, count> part;
+class BlockParts {
+ public:
+  static constexpr std::size_t vectors_of_block = RayBlocks::width / hn::MaxLanes(FloatTag());
+
+  HWY_INLINE BlockParts(std::size_t pixel, std::size_t first_vector, const float* coefficients,
+                        const RayBlocks::Range* described)
+      : pixel_(pixel), coefficients_(coefficients), described_(described) {
+    const FloatTag d;
+    constexpr float half = 0.5F * RayBlocks::width;
+    const Floats column = hn::Iota(d, 0.5F - half);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const std::size_t start = (first_vector + k) % vectors_of_block * hn::Lanes(d);
+      t[k] = hn::Mul(hn::Add(column, hn::Set(d, static_cast<float>(start))), hn::Set(d, 1 / half));
+    });
+  }
+
+  [[nodiscard]] HWY_INLINE std::size_t pixel(std::size_t k) const {
+    return pixel_ + k * hn::Lanes(FloatTag());
+  }
+  [[nodiscard]] HWY_INLINE Floats coefficient(std::size_t k, std::size_t i) const {
+    return hn::Set(FloatTag(), coefficients_[k / vectors_of_block * MixedBlocks::terms + i]);
+  }
+  [[nodiscard]] HWY_INLINE FloatMask describe(std::size_t k, Floats p) const {
+    const FloatTag d;
+    const RayBlocks::Range& range = described_[k / vectors_of_block];
+    return hn::And(hn::Ge(p, hn::Set(d, range.least)), hn::Le(p, hn::Set(d, range.largest)));
+  }
+
   Several<count> t;
 
-  HWY_INLINE BlockParts() {}
-
-  [[nodiscard]] HWY_INLINE Floats coefficient(std::size_t k, std::size_t i) const {
-    return hn::Set(FloatTag(), part[k].coefficients[i]);
-  }
+ private:
+  std::size_t pixel_;
+  const float* coefficients_;
+  const RayBlocks::Range* described_;
 };
 
 /// A polynomial in p of each vector, one step at a time: its coefficients are those from `first`
@@ -191,19 +202,26 @@ HWY_INLINE Several<count> polynomials(const BlockParts<count>& parts, const Seve
   return sum;
 }
 
-/// 1/Z of the pixels at p.
+/// Z of the pixels at p.
 template <std::size_t count>
-HWY_INLINE Several<count> inverse_depths(const BlockParts<count>& parts, const Several<count>& p) {
+HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<count>& p) {
   using Blocks = RayBlocks;
-  constexpr std::size_t slopes = Blocks::constants, bends = slopes + Blocks::slopes;
-  const Several<count> bend = polynomials<bends, Blocks::bends>(parts, p);
+  constexpr std::size_t slopes = Blocks::constants, bends = slopes + Blocks::slopes,
+                        twist = bends + Blocks::bends;
+  static_assert(Blocks::twists == 1);
+  Several<count> bend = polynomials<bends, Blocks::bends>(parts, p);
   Several<count> slope = polynomials<slopes, Blocks::slopes>(parts, p);
   Several<count> inverse = polynomials<0, Blocks::constants>(parts, p);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    bend[k] = hn::MulAdd(parts.coefficient(k, twist), parts.t[k], bend[k]);
+  });
   each<count>([&](std::size_t k)
                   SLIPSTREAM_STEP { slope[k] = hn::MulAdd(bend[k], parts.t[k], slope[k]); });
   each<count>([&](std::size_t k)
                   SLIPSTREAM_STEP { inverse[k] = hn::MulAdd(slope[k], parts.t[k], inverse[k]); });
-  return inverse;
+  Several<count> z;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = reciprocal(inverse[k]); });
+  return z;
 }
 
 /// E_x or E_y, whose coefficients begin at `first`.
@@ -214,32 +232,74 @@ HWY_INLINE Floats ray_direction(const BlockParts<count>& parts, std::size_t k, s
   return hn::MulAdd(slope, parts.t[k], parts.coefficient(k, first));
 }
 
+HWY_INLINE void fetch_ahead(const PointRow& row, std::size_t i) {
+  fetch_ahead(row.z + i, row.past_cache);
+  if (row.x == nullptr) return;
+  fetch_ahead(row.x + i, row.past_cache);
+  fetch_ahead(row.y + i, row.past_cache);
+}
+
+template <std::size_t count>
+HWY_INLINE void store_depths(const PointRow& row, bool past_cache, const BlockParts<count>& parts,
+                             const Several<count>& z) {
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { store(z[k], row.z + parts.pixel(k), past_cache); });
+  if (row.x == nullptr) return;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const Floats E_x = ray_direction(parts, k, RayBlocks::Block::E_x);
+    store(hn::Mul(E_x, z[k]), row.x + parts.pixel(k), past_cache);
+    const Floats E_y = ray_direction(parts, k, RayBlocks::Block::E_y);
+    store(hn::Mul(E_y, z[k]), row.y + parts.pixel(k), past_cache);
+  });
+}
+
 /// Vectors of which every pixel has its point.
 template <std::size_t count>
 HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts<count>& parts,
                           const Several<count>& z) {
+  store_depths(row, past_cache, parts, z);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const std::size_t i = parts.part[k].pixel;
-    store_points(row, past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
-                 ray_direction(parts, k, RayBlocks::Block::E_y), z[k]);
-    store_validity(hn::Zero(IntTag()), row.validity + i);
+    store_validity(hn::Zero(IntTag()), row.validity + parts.pixel(k));
   });
 }
 
 /// Vectors of which every pixel that is not dark has its point, as at the edges of shadows.
 template <std::size_t count>
 HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
-                                     const Several<count>& z, const Several<count, Ints>& flags) {
+                                     Several<count> z) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
   static_assert(static_cast<int>(Validity::valid) == 0 &&
                 static_cast<int>(Validity::too_dark) == PixelFlag::dark);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const std::size_t i = parts.part[k].pixel;
-    store_points(row, row.past_cache, i, ray_direction(parts, k, RayBlocks::Block::E_x),
-                 ray_direction(parts, k, RayBlocks::Block::E_y),
-                 hn::IfThenElse(is_dark(flags[k]), nan, z[k]));
-    store_validity(hn::And(flags[k], hn::Set(IntTag(), PixelFlag::dark)), row.validity + i);
+    const Ints flags = hn::LoadU(IntTag(), row.flags + parts.pixel(k));
+    z[k] = hn::IfThenElse(is_dark(flags), nan, z[k]);
+    store_validity(hn::And(flags, hn::Set(IntTag(), PixelFlag::dark)),
+                   row.validity + parts.pixel(k));
   });
+  store_depths(row, row.past_cache, parts, z);
+}
+
+/// A vector of whose pixels some have no point.
+template <std::size_t count, class Source>
+HWY_NOINLINE void vector_with_reasons(const PointStage& stage, const Source& source,
+                                      const PointRow& row, const BlockParts<count>& parts,
+                                      std::size_t k, Floats p, Floats z) {
+  const FloatTag d;
+  const std::size_t i = parts.pixel(k);
+  const Ints flags = hn::LoadU(IntTag(), row.flags + i);
+  const FloatMask described = parts.describe(k, p);
+  const FloatMask confirmed = source.confirms(i, flags);
+  if (!hn::AllTrue(d, hn::Or(described, is_dark(flags)))) {
+    return vector_on_rays_for(stage.lens_degree)(stage, row, i, source.coordinate(i), confirmed,
+                                                 flags);
+  }
+  const RayPoints points{ray_direction(parts, k, RayBlocks::Block::E_x),
+                         ray_direction(parts, k, RayBlocks::Block::E_y),
+                         z,
+                         described,
+                         described,
+                         within_limits(stage, z)};
+  store_vector(row, i, points, confirmed, flags);
 }
 
 /// Some vectors together: those without a fault by their blocks, the others one by one.
@@ -247,109 +307,76 @@ template <std::size_t count, class Source>
 HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, const PointRow& row,
                               const BlockParts<count>& parts) {
   const FloatTag d;
-  const IntTag di;
-  Several<count, Ints> flags;
-  Ints common = hn::Set(di, PixelFlag::dark);
+  Several<count> p;
+  Several<count, FloatMask> good;
+  FloatMask all = hn::FirstN(d, hn::Lanes(d));
+  fetch_ahead(row.validity + parts.pixel(0), row.past_cache);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    flags[k] = hn::LoadU(di, row.flags + parts.part[k].pixel);
-    common = hn::And(common, flags[k]);
-  });
-  if (hn::AllTrue(d, is_dark(common))) {
-    return each<count>([&](std::size_t k)
-                           SLIPSTREAM_STEP { store_dark(row, parts.part[k].pixel); });
-  }
-  Several<count> p, z;
-  Several<count, FloatMask> described, confirmed, in_range, good;
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const BlockPart& part = parts.part[k];
-    p[k] = source.unit_coordinate(part.pixel);
-    confirmed[k] = source.confirms(part.pixel, flags[k]);
-    described[k] = hn::And(hn::Ge(p[k], hn::Set(d, part.described.least)),
-                           hn::Le(p[k], hn::Set(d, part.described.largest)));
-  });
-  const Several<count> inverse = inverse_depths<count>(parts, p);
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP { z[k] = reciprocal(inverse[k]); });
-
-  FloatMask all = hn::FirstN(d, hn::Lanes(d)), all_good_or_dark = all;
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    in_range[k] =
-        hn::And(hn::Ge(z[k], hn::Set(d, stage.nearest)), hn::Le(z[k], hn::Set(d, stage.farthest)));
-    good[k] =
-        hn::And(hn::And(is_unflagged(flags[k]), confirmed[k]), hn::And(described[k], in_range[k]));
+    fetch_ahead(row, parts.pixel(k));
+    p[k] = source.unit_coordinate(parts.pixel(k));
+    good[k] = source.trusted(parts.describe(k, p[k]), row, parts.pixel(k));
     all = hn::And(all, good[k]);
-    all_good_or_dark = hn::And(all_good_or_dark, hn::Or(good[k], is_dark(flags[k])));
   });
-  if (HWY_LIKELY(hn::AllTrue(d, all))) {
+  if (HWY_LIKELY(hn::AllTrue(d, all) && !stage.limits_depth)) {
+    const Several<count> z = depths(parts, p);
     if (row.past_cache) return store_all(row, true, parts, z);
     return store_all(row, false, parts, z);
   }
-  if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark))) {
-    return store_where_not_dark(row, parts, z, flags);
-  }
+  FloatMask all_dark = hn::FirstN(d, hn::Lanes(d)), all_good_or_dark = all_dark;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const std::size_t i = parts.part[k].pixel;
-    if (!hn::AllTrue(d, hn::Or(described[k], is_dark(flags[k])))) {
-      const PointRow seen = row;  // the original stays in registers if nobody else sees it
-      return vector_on_rays_for(stage.lens_degree)(stage, seen, i, source.coordinate(i),
-                                                   confirmed[k], flags[k]);
-    }
-    const FloatMask exists = hn::Gt(inverse[k], hn::Zero(d));
-    store_vector(
-        row, i,
-        {ray_direction(parts, k, RayBlocks::Block::E_x),
-         ray_direction(parts, k, RayBlocks::Block::E_y), z[k], exists, described[k], in_range[k]},
-        good[k], confirmed[k], flags[k]);
+    const FloatMask dark = is_dark(hn::LoadU(IntTag(), row.flags + parts.pixel(k)));
+    all_dark = hn::And(all_dark, dark);
+    all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark, good[k]));
+  });
+  if (hn::AllTrue(d, all_dark)) {
+    return each<count>([&](std::size_t k) SLIPSTREAM_STEP { store_dark(row, parts.pixel(k)); });
+  }
+  const Several<count> z = depths(parts, p);
+  if (stage.limits_depth) {
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const FloatMask dark = is_dark(hn::LoadU(IntTag(), row.flags + parts.pixel(k)));
+      all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark, within_limits(stage, z[k])));
+    });
+  }
+  if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark))) return store_where_not_dark(row, parts, z);
+  const PointRow seen = row;  // the originals stay in registers if nobody else sees them
+  const BlockParts<count> seen_parts = parts;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    vector_with_reasons(stage, source, seen, seen_parts, k, p[k], z[k]);
   });
 }
 
-/// Where the blocks of a part of a row stand, whose coefficients are mixed.
-class RowPart {
- public:
-  HWY_INLINE RowPart(const PointRow& row, const MixedBlocks& mixed, int first, std::size_t blocks)
-      : row_(row), mixed_(mixed), first_(first), blocks_(blocks) {
-    const FloatTag d;
-    first_t_ = hn::Mul(hn::Add(hn::Iota(d, 0), hn::Set(d, 0.5F - half)), hn::Set(d, 1 / half));
+/// Vectors `next` to `last` of blocks that follow one another from `pixel` on.
+template <std::size_t count, class Source>
+HWY_INLINE std::size_t point_blocks(const PointStage& stage, const Source& source,
+                                    const PointRow& row, std::size_t pixel,
+                                    const float* coefficients, const RayBlocks::Range* described,
+                                    std::size_t next, std::size_t last) {
+  using Parts = BlockParts<count>;
+  for (; next + count <= last; next += count) {
+    const std::size_t block = next / Parts::vectors_of_block;
+    point_vectors(stage, source, row,
+                  Parts(pixel + next * hn::Lanes(FloatTag()), next,
+                        coefficients + block * MixedBlocks::terms, described + block));
   }
+  return next;
+}
 
-  [[nodiscard]] HWY_INLINE std::size_t vectors() const { return blocks_ * vectors_of_block; }
-
-  /// From vector `next` on.
-  template <std::size_t count>
-  [[nodiscard]] HWY_INLINE BlockParts<count> at(std::size_t next) const {
-    const FloatTag d;
-    BlockParts<count> parts;
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      const std::size_t block = (next + k) / vectors_of_block;
-      const std::size_t start = (next + k) % vectors_of_block * hn::Lanes(d);
-      const int b = first_ + static_cast<int>(block);
-      parts.part[k] = {static_cast<std::size_t>(RayBlocks::first_column(b, row_.width)) + start,
-                       mixed_[block], row_.blocks.described[b]};
-      parts.t[k] = hn::Add(first_t_, hn::Set(d, static_cast<float>(start) / half));
-    });
-    return parts;
-  }
-
- private:
-  static constexpr float half = 0.5F * RayBlocks::width;
-  static constexpr std::size_t vectors_of_block = RayBlocks::width / hn::MaxLanes(FloatTag());
-
-  const PointRow& row_;
-  const MixedBlocks& mixed_;
-  int first_;
-  std::size_t blocks_;
-  Floats first_t_;
-};
-
+/// Of `count` blocks from `first` on, whose coefficients are mixed. The row's last one may overlap
+/// the one before it.
 template <class Source>
 HWY_INLINE void point_part(const PointStage& stage, const Source& source, const PointRow& row,
-                           const RowPart& part) {
-  std::size_t next = 0;
-  for (; next + at_once <= part.vectors(); next += at_once) {
-    point_vectors(stage, source, row, part.template at<at_once>(next));
-  }
-  for (; next < part.vectors(); ++next) {
-    point_vectors(stage, source, row, part.template at<1>(next));
-  }
+                           const float* coefficients, std::size_t first, std::size_t count) {
+  constexpr std::size_t vectors = BlockParts<1>::vectors_of_block, width = RayBlocks::width;
+  const std::size_t pixel = first * width;
+  const std::size_t whole = std::min(count, (static_cast<std::size_t>(row.width) - pixel) / width);
+  const RayBlocks::Range* described = row.blocks.described + first;
+  const std::size_t next =
+      point_blocks<at_once>(stage, source, row, pixel, coefficients, described, 0, whole * vectors);
+  point_blocks<1>(stage, source, row, pixel, coefficients, described, next, whole * vectors);
+  if (whole == count) return;
+  point_blocks<1>(stage, source, row, static_cast<std::size_t>(row.width) - width,
+                  coefficients + whole * MixedBlocks::terms, described + whole, 0, vectors);
 }
 
 template <class Source>
@@ -357,12 +384,13 @@ HWY_INLINE void point_row(const PointStage& stage, const Source& source, const P
   if (row.blocks.described == nullptr) {
     return row_on_rays(stage, source, row);
   }
-  const int blocks = (row.width + RayBlocks::width - 1) / RayBlocks::width;
+  const auto width = static_cast<std::size_t>(row.width);
+  const std::size_t blocks = (width + RayBlocks::width - 1) / RayBlocks::width;
   MixedBlocks mixed;
-  for (int first = 0; first < blocks; first += static_cast<int>(MixedBlocks::most)) {
-    const std::size_t count = std::min(MixedBlocks::most, static_cast<std::size_t>(blocks - first));
-    mixed.mix(row.blocks, static_cast<std::size_t>(first), count);
-    point_part(stage, source, row, RowPart(row, mixed, first, count));
+  for (std::size_t first = 0; first < blocks; first += MixedBlocks::most) {
+    const std::size_t count = std::min(MixedBlocks::most, blocks - first);
+    mixed.mix(row.blocks, first, count);
+    point_part(stage, source, row, mixed.coefficients(), first, count);
   }
 }
 

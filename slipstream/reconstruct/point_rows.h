@@ -26,6 +26,7 @@ struct PointStage {
   std::array<float, 6> low_edge{}, high_edge{};
   float inner_low = 0, inner_high = 0;  ///< q between them is in the field whatever p
   float nearest = 0, farthest = std::numeric_limits<float>::max();
+  bool limits_depth = false;  ///< the two are not these defaults
 };
 
 /// Whose fringe orders are believed, see FringeOrderConsensus; off for one frequency.
@@ -54,7 +55,8 @@ struct PointRow {
   bool past_cache = false;  ///< x, y, z are aligned to 8 floats and written past the cache
 };
 
-/// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates.
+/// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates; NaN where
+/// a pixel is dark or saturated.
 void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row);
 /// Two frequencies.
 void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row);

@@ -54,6 +54,11 @@ struct RayPoints {
   FloatMask exists, in_field, in_range;
 };
 
+HWY_INLINE FloatMask within_limits(const PointStage& stage, Floats z) {
+  const FloatTag d;
+  return hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)));
+}
+
 /// StripeGeometry::operator().
 template <int lens_degree>
 HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
@@ -88,12 +93,13 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row
     in_field = hn::And(in_field, hn::And(hn::Ge(y, hn::Set(d, stage.least_coordinate)),
                                          hn::Le(y, hn::Set(d, stage.largest_coordinate))));
   }
-  return {E_x,
-          E_y,
-          z,
-          hn::And(before_camera, before_projector),
-          in_field,
-          hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)))};
+  return {E_x, E_y, z, hn::And(before_camera, before_projector), in_field, within_limits(stage, z)};
+}
+
+HWY_INLINE FloatMask is_unflagged(Ints flags) {
+  const IntTag di;
+  const Ints flagged = hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated));
+  return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
 }
 
 /// Lanes that have at least as many agreeing neighbours as they need, see FringeOrderConsensus.
@@ -136,6 +142,11 @@ class Neighbourhood {
     }
     return hn::RebindMask(d, hn::Lt(missing, hn::Set(di, 1)));
   }
+  /// Of those lanes the ones whose coordinate is to be believed.
+  HWY_INLINE FloatMask trusted(FloatMask lanes, const PointRow& row, std::size_t i) const {
+    const Ints flags = hn::LoadU(IntTag(), row.flags + i);
+    return hn::And(hn::And(lanes, is_unflagged(flags)), confirms(i, flags));
+  }
 
  private:
   HWY_INLINE Ints agreeing(const float* others, std::size_t i, Floats y) const {
@@ -158,27 +169,28 @@ class Alone {
  public:
   HWY_INLINE Alone(const PointStage& point, const CoordinateStage& stage, const PointRow& row)
       : in_field_(stage),
-        cut_(hn::Set(FloatTag(), 1 + stage.cut / stage.period)),
         scale_(hn::Set(FloatTag(), stage.scale * point.unit_scale)),
         offset_(hn::Set(FloatTag(), point.unit_offset)),
-        offset_past_cut_(hn::Set(FloatTag(), point.unit_offset - stage.period * point.unit_scale)),
         turn_(row.coordinate) {}
 
   HWY_INLINE Floats coordinate(std::size_t i) const {
     return in_field_(hn::LoadU(FloatTag(), turn_ + i));
   }
-  /// The same, mapped to [-1, 1]: a turn past the cut counts as one less.
+  /// The same, mapped to [-1, 1], where the turn is not past the cut: no block describes it there.
   HWY_INLINE Floats unit_coordinate(std::size_t i) const {
-    const Floats turn = hn::LoadU(FloatTag(), turn_ + i);
-    return hn::MulAdd(turn, scale_, hn::IfThenElse(hn::Ge(turn, cut_), offset_past_cut_, offset_));
+    return hn::MulAdd(hn::LoadU(FloatTag(), turn_ + i), scale_, offset_);
   }
   HWY_INLINE FloatMask confirms(std::size_t, Ints) const {
     return hn::FirstN(FloatTag(), hn::Lanes(FloatTag()));
   }
+  /// The turns of dark and saturated pixels are NaN, which no block describes.
+  HWY_INLINE FloatMask trusted(FloatMask lanes, const PointRow&, std::size_t) const {
+    return lanes;
+  }
 
  private:
   FieldPlacer in_field_;
-  Floats cut_, scale_, offset_, offset_past_cut_;
+  Floats scale_, offset_;
   const float* turn_;
 };
 

@@ -76,18 +76,48 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
   return turn;
 }
 
-/// What the row keeps of a vector besides its turns. Returns its flags.
-HWY_INLINE Ints store_levels(const SinusoidStage& stage, const SinusoidLimits& limits,
-                             const FrameSums& sums, const SinusoidRow& row, std::size_t i) {
-  const FloatTag d;
-  const IntTag di;
-  const Floats square = modulation_square(stage, sums);
-  Ints flags = exposure_flags(limits, sums, square);
-  if (row.another) flags = hn::Or(flags, hn::LoadU(di, row.flags + i));
-  hn::StoreU(flags, di, row.flags + i);
+/// Whether any frame is at full scale, many pixels at a time: few are.
+template <class Pixel>
+class Saturation {
+ public:
+  HWY_INLINE Saturation(const Pixel* const* frames, std::size_t count, std::int32_t full_scale)
+      : frames_(frames),
+        count_(count),
+        full_scale_(static_cast<Pixel>(full_scale)),
+        occurs_(full_scale <= std::numeric_limits<Pixel>::max()) {}
 
+  /// Among the pixels of `vectors` vectors of floats from pixel `i` on.
+  template <std::size_t vectors>
+  HWY_INLINE bool among(std::size_t i) const {
+    if (!occurs_) return false;
+    constexpr std::size_t pixels = vectors * hn::MaxLanes(FloatTag());
+    const hn::CappedTag<Pixel, pixels> d;
+    const auto full_scale = hn::Set(d, full_scale_);
+    bool saturated = false;
+    for (std::size_t start = 0; start < pixels; start += hn::Lanes(d)) {
+      auto greatest = hn::Zero(d);
+      for (std::size_t n = 0; n < count_; ++n) {
+        greatest = hn::Max(greatest, hn::LoadU(d, frames_[n] + i + start));
+      }
+      saturated |= !hn::AllFalse(d, hn::Eq(hn::Max(greatest, full_scale), greatest));
+    }
+    return saturated;
+  }
+
+ private:
+  const Pixel* const* frames_;
+  std::size_t count_;
+  Pixel full_scale_;
+  bool occurs_;
+};
+
+/// What the row keeps of a vector besides its turns and flags.
+HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits, Ints sum,
+                             Floats square, const SinusoidRow& row, std::size_t i) {
+  const FloatTag d;
   if (!row.another) {
-    store(hn::Mul(hn::ConvertTo(d, sums.sum), hn::Set(d, limits.mean_scale)), row.mean + i,
+    fetch_ahead(row.mean + i, row.past_cache);
+    store(hn::Mul(hn::ConvertTo(d, sum), hn::Set(d, limits.mean_scale)), row.mean + i,
           row.past_cache);
   }
   if (row.modulation != nullptr) {
@@ -95,60 +125,101 @@ HWY_INLINE Ints store_levels(const SinusoidStage& stage, const SinusoidLimits& l
     if (row.another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
     hn::StoreU(modulation, d, row.modulation + i);
   }
-  return flags;
 }
 
-/// Vectors from pixel `i` on. `N`: 3, 4 or 6, where the phase is folded; else 0.
-template <int N, std::size_t count, class Sums>
+/// Turns of sums. `N`: 3, 4 or 6, where the phase is folded; else 0.
+template <int N, std::size_t count>
+HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>& U,
+                                Several<count> V) {
+  if constexpr (N != 0) {
+    using Fold = std::conditional_t<N == 4, FoldOfFour, FoldOfThree>;
+    return folded_turns<Fold, count>(stage.folded, V, U);
+  } else {
+    const Floats weight = hn::Set(FloatTag(), stage.sine_weight);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { V[k] = hn::Mul(weight, V[k]); });
+    Several<count> turn = angles_in_turns<count>(V, U);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
+    return turn;
+  }
+}
+
+/// Of the frames of one row: their sums, and which are saturated.
+template <class Sums, class Saturated>
+struct RowFrames {
+  Sums sums;
+  Saturated saturation;
+};
+
+/// Vectors from pixel `i` on; `N` as in `turns`.
+template <int N, std::size_t count, class Sums, class Saturated>
 HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
-                               const Sums& sums, const SinusoidRow& row, std::size_t i) {
+                               const RowFrames<Sums, Saturated>& frames, const SinusoidRow& row,
+                               std::size_t i) {
   const FloatTag d;
   const IntTag di;
+  const auto at = [&](std::size_t k) SLIPSTREAM_STEP { return i + k * hn::Lanes(d); };
   const auto all_dark = [&](const auto& flags) SLIPSTREAM_STEP {
     Ints common = hn::Set(di, PixelFlag::dark);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { common = hn::And(common, flags(k)); });
     return hn::AllTrue(d, is_dark(common));
   };
-  const auto known = [&](std::size_t k) SLIPSTREAM_STEP {
-    return hn::LoadU(di, row.flags + i + k * hn::Lanes(d));
-  };
+  const auto known = [&](std::size_t k)
+                         SLIPSTREAM_STEP { return hn::LoadU(di, row.flags + at(k)); };
   if (row.only_lit && row.another && all_dark(known)) return;
 
   Several<count> U, V, turn;
-  Several<count, Ints> flags;
+  Several<count, FloatMask> dark;
+  FloatMask any_dark = hn::FirstN(d, 0);
+  const Floats least_square = hn::Set(d, limits.least_square);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const FrameSums sum = sums(i + k * hn::Lanes(d));
+    const FrameSums sum = frames.sums(at(k));
     U[k] = sum.U;
     V[k] = sum.V;
-    flags[k] = store_levels(stage, limits, sum, row, i + k * hn::Lanes(d));
+    const Floats square = modulation_square(stage, sum);
+    dark[k] = hn::Lt(square, least_square);
+    any_dark = hn::Or(any_dark, dark[k]);
+    store_levels(stage, limits, sum.sum, square, row, at(k));
   });
-  if (row.only_lit && all_dark([&](std::size_t k) SLIPSTREAM_STEP { return flags[k]; })) return;
-
-  if constexpr (N != 0) {
-    turn = folded_turns<std::conditional_t<N == 4, FoldOfFour, FoldOfThree>, count>(stage.folded, V,
-                                                                                    U);
-  } else {
-    each<count>([&](std::size_t k)
-                    SLIPSTREAM_STEP { V[k] = hn::Mul(hn::Set(d, stage.sine_weight), V[k]); });
-    turn = angles_in_turns<count>(V, U);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
+  const bool saturated = frames.saturation.template among<count>(i);
+  if (HWY_LIKELY(hn::AllFalse(d, any_dark) && !saturated)) {
+    turn = turns<N, count>(stage, U, V);
+    return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      if (!row.another) hn::StoreU(hn::Zero(di), di, row.flags + at(k));
+      hn::StoreU(turn[k], d, row.turn + at(k));
+    });
   }
-  each<count>([&](std::size_t k)
-                  SLIPSTREAM_STEP { hn::StoreU(turn[k], d, row.turn + i + k * hn::Lanes(d)); });
+
+  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    Ints flags = hn::IfThenElseZero(hn::RebindMask(di, dark[k]), hn::Set(di, PixelFlag::dark));
+    if (saturated) flags = hn::Or(flags, saturation_flag(limits, frames.sums(at(k))));
+    if (row.another) flags = hn::Or(flags, known(k));
+    hn::StoreU(flags, di, row.flags + at(k));
+    if (row.nan_if_flagged) hn::StoreU(nan, d, row.turn + at(k));
+  });
+  if (row.only_lit && all_dark(known)) return;
+  turn = turns<N, count>(stage, U, V);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    if (row.nan_if_flagged) {
+      const auto good = hn::RebindMask(d, hn::Eq(known(k), hn::Zero(di)));
+      turn[k] = hn::IfThenElse(good, turn[k], nan);
+    }
+    hn::StoreU(turn[k], d, row.turn + at(k));
+  });
 }
 
 /// The last vectors overlap those before them where the width is no multiple.
-template <int N, class Sums>
+template <int N, class Frames>
 HWY_INLINE void decode_with(const SinusoidStage& stage, const SinusoidLimits& limits,
-                            const SinusoidRow& row, const Sums& sums) {
+                            const SinusoidRow& row, const Frames& frames) {
   const auto width = static_cast<std::size_t>(row.width);
   const std::size_t lanes = hn::Lanes(FloatTag()), together = at_once * lanes;
   std::size_t i = 0;
   for (; i + together <= width; i += together) {
-    decode_vectors<N, at_once>(stage, limits, sums, row, i);
+    decode_vectors<N, at_once>(stage, limits, frames, row, i);
   }
   for (; i < width; i += lanes) {
-    decode_vectors<N, 1>(stage, limits, sums, row, std::min(i, width - lanes));
+    decode_vectors<N, 1>(stage, limits, frames, row, std::min(i, width - lanes));
   }
 }
 
@@ -159,8 +230,9 @@ HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const SinusoidLim
   std::copy_n(frames, N, rows.begin());
   const auto sums = [rows](std::size_t i)
                         SLIPSTREAM_STEP { return closed_form_sums<N>(rows.data(), i); };
-  if (!stage.folded.empty()) return decode_with<N>(stage, limits, row, sums);
-  decode_with<0>(stage, limits, row, sums);
+  const RowFrames decoded{sums, Saturation(rows.data(), N, limits.full_scale)};
+  if (!stage.folded.empty()) return decode_with<N>(stage, limits, row, decoded);
+  decode_with<0>(stage, limits, row, decoded);
 }
 
 template <class Pixel>
@@ -168,9 +240,10 @@ HWY_INLINE void decode_fifths(const SinusoidStage& stage, const SinusoidLimits& 
                               const Pixel* const* frames, const SinusoidRow& row) {
   std::array<const Pixel*, 5> rows;
   std::copy_n(frames, rows.size(), rows.begin());
-  decode_with<0>(stage, limits, row, [rows](std::size_t i) SLIPSTREAM_STEP {
-    return fifth_sums(rows.data(), i).first;
-  });
+  const auto sums = [rows](std::size_t i)
+                        SLIPSTREAM_STEP { return fifth_sums(rows.data(), i).first; };
+  decode_with<0>(stage, limits, row,
+                 RowFrames{sums, Saturation(rows.data(), rows.size(), limits.full_scale)});
 }
 
 template <class Pixel>
@@ -187,10 +260,12 @@ HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& 
       return decode_fifths(stage, limits, frames, local);
     case 6:
       return decode_closed_form<6>(stage, limits, frames, local);
-    default:
-      return decode_with<0>(stage, limits, local, [&](std::size_t i) SLIPSTREAM_STEP {
-        return general_sums(stage, frames, i);
-      });
+    default: {
+      const auto sums = [&](std::size_t i)
+                            SLIPSTREAM_STEP { return general_sums(stage, frames, i); };
+      const Saturation saturation(frames, stage.cosines.size(), limits.full_scale);
+      return decode_with<0>(stage, limits, local, RowFrames{sums, saturation});
+    }
   }
 }
 

@@ -123,14 +123,18 @@ HWY_INLINE FloatMask is_dark(Ints flags) {
                         hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di)));
 }
 
+HWY_INLINE Ints saturation_flag(const SinusoidLimits& limits, const FrameSums& sums) {
+  const IntTag di;
+  return hn::IfThenElseZero(hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1)),
+                            hn::Set(di, PixelFlag::saturated));
+}
+
 /// `dark` and `saturated`.
 HWY_INLINE Ints exposure_flags(const SinusoidLimits& limits, const FrameSums& sums, Floats square) {
-  const FloatTag d;
   const IntTag di;
-  const auto is_dark = hn::Lt(square, hn::Set(d, limits.least_square));
-  const auto is_saturated = hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1));
+  const auto is_dark = hn::Lt(square, hn::Set(FloatTag(), limits.least_square));
   return hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dark), hn::Set(di, PixelFlag::dark)),
-                hn::IfThenElseZero(is_saturated, hn::Set(di, PixelFlag::saturated)));
+                saturation_flag(limits, sums));
 }
 
 /// Turns of one frequency to coordinates in the field, see coordinate_in_field.

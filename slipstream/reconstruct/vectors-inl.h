@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 /// For lambdas: of the target's instructions, and always written out where they are called.
@@ -76,6 +77,14 @@ HWY_INLINE void store(Floats values, float* to, bool past_cache) {
   }
 #endif
   hn::Stream(values, d, to);
+}
+
+/// Fetches what will be written a little later than `to`: a store waits for the line that it
+/// changes.
+template <class Value>
+HWY_INLINE void fetch_ahead(const Value* to, bool past_cache) {
+  constexpr std::size_t ahead = 512 / sizeof(Value);
+  if (!past_cache) hwy::Prefetch(to + ahead);
 }
 
 /// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:

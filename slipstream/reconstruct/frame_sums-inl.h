@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <hwy/highway.h>
 
@@ -98,51 +99,48 @@ class DoubleSums {
   Doubles low_, high_;
 };
 
-/// a + b sqrt(5), of integers below 2^19, to a unit in the last place or two whatever cancels. It
-/// is what the cosines and sines of fifths of a circle leave of the sums of Eqs. (1.5), (1.6).
-HWY_INLINE Floats with_root_of_five(Ints a, Ints b) {
+/// a + b sqrt(5), of whole numbers below 2^19, to a unit in the last place or two whatever cancels.
+/// It is what the cosines and sines of fifths of a circle leave of the sums of Eqs. (1.5), (1.6).
+HWY_INLINE Floats with_root_of_five(Floats a, Floats b) {
 #if HWY_NATIVE_FMA
   const FloatTag d;
-  const Floats B = hn::ConvertTo(d, b);
   // 2.25 and what is missing, in two parts: the first sum is exact, the next two are rounded once.
-  const Floats exact = hn::MulAdd(B, hn::Set(d, 2.25F), hn::ConvertTo(d, a));
-  const Floats most = hn::MulAdd(B, hn::Set(d, -0.01393202227F), exact);
-  return hn::MulAdd(B, hn::Set(d, -2.341203874e-10F), most);
+  const Floats exact = hn::MulAdd(b, hn::Set(d, 2.25F), a);
+  const Floats most = hn::MulAdd(b, hn::Set(d, -0.01393202227F), exact);
+  return hn::MulAdd(b, hn::Set(d, -2.341203874e-10F), most);
 #else
+  const IntTag di;
   DoubleSums sum;
-  sum.add(a, 1);
-  sum.add(b, 2.23606797749978969);
+  sum.add(hn::ConvertTo(di, a), 1);
+  sum.add(hn::ConvertTo(di, b), 2.23606797749978969);
   return sum.sum();
 #endif
-}
-
-/// The same to a millionth of a and b: enough to choose among periods.
-HWY_INLINE Floats about_root_of_five(Ints a, Ints b) {
-  const FloatTag d;
-  return hn::MulAdd(hn::ConvertTo(d, b), hn::Set(d, 2.2360679775F), hn::ConvertTo(d, a));
 }
 
 /// N = 5, in both full phase channels: U is 10 C, and V 5 S / sin(2 pi / 5). Frames n and N - n
 /// have the same cosine and opposite sines.
 struct FifthSums {
   FrameSums first;
-  Floats U, V;  ///< of the second channel
+  Floats U, V;  ///< of the second channel, to a millionth: enough to choose among periods
 };
 
+/// Whole numbers of the size of frames are exact in float, where a multiple is added in one step.
 template <class Pixel>
 HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
+  const FloatTag d;
   const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
-  const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
+  const auto level = [&](Ints v) SLIPSTREAM_STEP { return hn::ConvertTo(d, v); };
+  const Floats two = hn::Set(d, 2.0F), four = hn::Set(d, 4.0F), root = hn::Set(d, 2.2360679775F);
   const Ints I0 = I(0), I1 = I(1), I2 = I(2), I3 = I(3), I4 = I(4);
   const Ints outer = hn::Add(I1, I4), inner = hn::Add(I2, I3), others = hn::Add(outer, inner);
-  const Ints rise = hn::Sub(I1, I4), inner_rise = hn::Sub(I2, I3);
-  const Ints whole = hn::Sub(hn::ShiftLeft<2>(I0), others);
-  const Ints root = hn::Sub(outer, inner);
+  const Floats rise = level(hn::Sub(I1, I4)), inner_rise = level(hn::Sub(I2, I3));
+  const Floats whole = hn::MulSub(four, level(I0), level(others));
+  const Floats apart = level(hn::Sub(outer, inner));
   return {{hn::Add(I0, others), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
-           with_root_of_five(whole, root),
-           with_root_of_five(hn::Sub(twice(rise), inner_rise), inner_rise)},
-          about_root_of_five(whole, hn::Neg(root)),
-          about_root_of_five(hn::Neg(hn::Add(rise, twice(inner_rise))), rise)};
+           with_root_of_five(whole, apart),
+           with_root_of_five(hn::MulSub(two, rise, inner_rise), inner_rise)},
+          hn::NegMulAdd(root, apart, whole),
+          hn::MulSub(root, rise, hn::MulAdd(two, inner_rise, rise))};
 }
 
 template <class Pixel>
@@ -159,6 +157,41 @@ HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const
   }
   return {sum, greatest, C.sum(), S.sum()};
 }
+
+/// Whether any frame is at full scale, many pixels at a time: few are.
+template <class Pixel>
+class Saturation {
+ public:
+  HWY_INLINE Saturation(const Pixel* const* frames, std::size_t count, std::int32_t full_scale)
+      : frames_(frames),
+        count_(count),
+        full_scale_(static_cast<Pixel>(full_scale)),
+        occurs_(full_scale <= std::numeric_limits<Pixel>::max()) {}
+
+  /// Among the pixels of `vectors` vectors of floats from pixel `i` on.
+  template <std::size_t vectors>
+  HWY_INLINE bool among(std::size_t i) const {
+    if (!occurs_) return false;
+    constexpr std::size_t pixels = vectors * hn::MaxLanes(FloatTag());
+    const hn::CappedTag<Pixel, pixels> d;
+    const auto full_scale = hn::Set(d, full_scale_);
+    bool saturated = false;
+    for (std::size_t start = 0; start < pixels; start += hn::Lanes(d)) {
+      auto greatest = hn::Zero(d);
+      for (std::size_t n = 0; n < count_; ++n) {
+        greatest = hn::Max(greatest, hn::LoadU(d, frames_[n] + i + start));
+      }
+      saturated |= !hn::AllFalse(d, hn::Eq(hn::Max(greatest, full_scale), greatest));
+    }
+    return saturated;
+  }
+
+ private:
+  const Pixel* const* frames_;
+  std::size_t count_;
+  Pixel full_scale_;
+  bool occurs_;
+};
 
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

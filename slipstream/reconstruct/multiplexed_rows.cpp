@@ -96,32 +96,63 @@ HWY_INLINE MultiplexedSums multiplexed_sums(const SinusoidStage& stage, const Cu
   }
 }
 
-/// MultiplexedCue::coordinate, in periods of the high frequency. `modulation`: B_1^c.
-template <int steps>
-HWY_INLINE Floats cue_periods(const CueStage& cue, const CueLimits& limits,
-                              const MultiplexedSums& sums, Floats modulation) {
+/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, and B_1^c.
+template <std::size_t count>
+struct CueChannels {
+  Several<count> channel, sine, modulation;
+
+  HWY_INLINE CueChannels() {}
+};
+
+/// MultiplexedCue::coordinate of each, in periods of the high frequency, for N >= 5.
+template <std::size_t count>
+HWY_INLINE Several<count> periods_of_circle(const CueStage& cue, const CueChannels<count>& of) {
   const FloatTag d;
-  const Floats one = hn::Set(d, 1.0F), f_h = hn::Set(d, cue.periods);
-  if constexpr (is_circle<steps>) {
-    const Floats sine = hn::Mul(hn::Set(d, cue.sine_weight), sums.cue_sine);
-    return hn::Mul(f_h, angle_in_turns(sine, sums.cue));  // (3.88)
-  } else {
-    constexpr bool mean = steps == 3;
+  const Floats weight = hn::Set(d, cue.sine_weight), f_h = hn::Set(d, cue.periods);
+  Several<count> sine;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, of.sine[k]); });
+  Several<count> periods = angles_in_turns<count>(sine, of.channel);  // (3.88)
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(f_h, periods[k]); });
+  return periods;
+}
+
+/// The same for N = 3 and 4; 0 without light.
+template <int steps, std::size_t count>
+HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLimits& limits,
+                                               const CueChannels<count>& of) {
+  const FloatTag d;
+  const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
+  Several<count> R, periods;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
-        hn::MulSub(sums.cue, hn::Set(d, mean ? 1.0F / 3 : 1.0F / 4), hn::Set(d, limits.ambient));
-    const auto has_light = hn::Gt(modulation, hn::Set(d, 1e-9F));
-    const Floats ratio = quotient(value, hn::Max(modulation, hn::Set(d, 1e-9F)));
-    const Floats R = hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset));
-    const Floats held = hn::Clamp(R, hn::Neg(one), one);
-    if constexpr (mean) {
-      const Floats half = hn::Mul(f_h, hn::Set(d, 0.5F));
-      return hn::IfThenElseZero(has_light, hn::MulAdd(held, half, half));
-    } else {
-      const Floats sine = hn::Sqrt(hn::Max(hn::NegMulAdd(held, held, one), hn::Zero(d)));
-      const Floats turns = angle_in_turns(sine, held);
-      return hn::IfThenElseZero(has_light, hn::Mul(hn::Add(f_h, f_h), turns));
-    }
+        hn::MulSub(of.channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
+    const Floats ratio = quotient(value, hn::Max(of.modulation[k], least));
+    R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
+                     one);
+  });
+  if constexpr (steps == 3) {
+    const Floats half = hn::Set(d, 0.5F * cue.periods);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
+  } else {
+    Several<count> sine;
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      sine[k] = hn::Sqrt(hn::Max(hn::NegMulAdd(R[k], R[k], one), hn::Zero(d)));
+    });
+    periods = angles_in_turns<count>(sine, R);
+    const Floats twice = hn::Set(d, 2 * cue.periods);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(twice, periods[k]); });
   }
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    periods[k] = hn::IfThenElseZero(hn::Gt(of.modulation[k], least), periods[k]);
+  });
+  return periods;
+}
+
+template <int steps, std::size_t count>
+HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
+                                      const CueChannels<count>& of) {
+  if constexpr (is_circle<steps>) return periods_of_circle(cue, of);
+  return periods_of_reference < is_circle<steps> ? 3 : steps > (cue, limits, of);
 }
 
 /// In [0, 1).
@@ -148,7 +179,7 @@ HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
   return hn::Clamp(k, hn::Zero(d), hn::Set(d, cue.periods - 1));
 }
 
-/// One row, vector by vector. Members are copies, which no store can change.
+/// One row. Members are copies, which no store can change.
 template <int steps, class Pixel>
 class MultiplexedVectors {
  public:
@@ -159,60 +190,118 @@ class MultiplexedVectors {
         cue_limits_(work.cue_limits),
         row_(work.row),
         all_frames_(frames),
+        saturation_(steps == 0 ? frames : frames_.data(),
+                    steps == 0 ? work.stage.cosines.size() : steps, work.limits.full_scale),
         in_field_(work.cue.coordinate) {
     std::copy_n(frames, steps, frames_.begin());
   }
+  MultiplexedVectors(const MultiplexedVectors&) = delete;  // it points into itself
+  MultiplexedVectors& operator=(const MultiplexedVectors&) = delete;
+  ~MultiplexedVectors() = default;
 
-  HWY_INLINE void operator()(std::size_t i) const {
+  /// The vectors from pixel `i` on.
+  template <std::size_t count>
+  HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
-    const IntTag di;
-    const MultiplexedSums sums =
-        multiplexed_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
-    // On the circle a whole turn more or less leads to the same place.
-    Floats turn = corrected_turn(stage_, sums.high);
-    if constexpr (!is_circle<steps>) turn = within_a_turn(turn);
-    const Floats square = modulation_square(stage_, sums.high);
     const bool decoding = row_.turn != nullptr;
-    Floats modulation = square;  // of no use where it is not asked for
-    if (!is_circle<steps> || decoding) {
-      modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage_.modulation_scale));
+    Several<count> U, V, square, sum;
+    CueChannels<count> cue;
+    FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const MultiplexedSums sums = at(i + k * hn::Lanes(d));
+      U[k] = sums.high.U;
+      V[k] = sums.high.V;
+      cue.channel[k] = sums.cue;
+      cue.sine[k] = sums.cue_sine;
+      sum[k] = hn::ConvertTo(d, sums.high.sum);
+      square[k] = modulation_square(stage_, sums.high);
+      cue.modulation[k] = square[k];  // of no use where it is not asked for
+      if (!is_circle<steps> || decoding) {
+        cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
+      }
+      all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
+    });
+    if (!decoding && hn::AllTrue(d, all_hidden)) {
+      return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        store_hidden(i + k * hn::Lanes(d), sum[k], square[k]);
+      });
     }
-    const Floats periods = hn::Sub(cue_periods<steps>(cue_, cue_limits_, sums, modulation), turn);
-    const Floats k = nearest_order<steps>(cue_, periods);
-    const Floats y = coordinate(hn::Add(turn, k));
-    Floats doubt = hn::Abs(hn::Sub(periods, k));
-    if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
 
-    const auto is_dim = hn::Le(square, hn::Set(d, cue_limits_.lit_square));
-    const auto is_doubtful = hn::Gt(doubt, hn::Set(d, cue_.largest_doubt));
-    const Ints flags =
-        hn::Or(exposure_flags(limits_, sums.high, square),
-               hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dim), hn::Set(di, PixelFlag::dim)),
-                      hn::IfThenElseZero(hn::RebindMask(di, is_doubtful),
-                                         hn::Set(di, PixelFlag::doubtful_order))));
-    hn::StoreU(flags, di, row_.flags + i);
-    store(mean(sums.high, modulation, y), row_.mean + i, row_.past_cache);
-    if (HWY_UNLIKELY(decoding)) {
-      hn::StoreU(turn, d, row_.turn + i);
-      hn::StoreU(modulation, d, row_.modulation + i);
-      hn::StoreU(doubt, d, row_.doubt + i);
-      hn::StoreU(y, d, row_.unhidden_coordinate + i);
+    // On the circle a whole turn more or less leads to the same place.
+    Several<count> turn = corrected_turns<count>(stage_, V, U);
+    if constexpr (!is_circle<steps>) {
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });
     }
-    const auto is_nobody = hn::Lt(square, hn::Set(d, cue_limits_.voting_square));
-    const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-    hn::StoreU(hn::IfThenElse(is_nobody, nan, y), d, row_.coordinate + i);
+    const Several<count> cue_place = cue_periods<steps, count>(cue_, cue_limits_, cue);
+    const bool saturated = saturation_.template among<count>(i);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const std::size_t pixel = i + k * hn::Lanes(d);
+      const Floats periods = hn::Sub(cue_place[k], turn[k]);
+      const Floats order = nearest_order<steps>(cue_, periods);
+      const Floats y = coordinate(hn::Add(turn[k], order));
+      Floats doubt = hn::Abs(hn::Sub(periods, order));
+      if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
+      store_flags(pixel, square[k], doubt, saturated);
+      store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
+      if (HWY_UNLIKELY(decoding)) {
+        hn::StoreU(turn[k], d, row_.turn + pixel);
+        hn::StoreU(cue.modulation[k], d, row_.modulation + pixel);
+        hn::StoreU(doubt, d, row_.doubt + pixel);
+        hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
+      }
+      hn::StoreU(hn::IfThenElse(is_nobody(square[k]), nan(), y), d, row_.coordinate + pixel);
+    });
   }
 
  private:
+  static HWY_INLINE Floats nan() {
+    return hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+  }
+  HWY_INLINE MultiplexedSums at(std::size_t i) const {
+    return multiplexed_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
+  }
+  HWY_INLINE FloatMask is_nobody(Floats square) const {
+    return hn::Lt(square, hn::Set(FloatTag(), cue_limits_.voting_square));
+  }
+  HWY_INLINE FloatMask is_dark_at(Floats square) const {
+    return hn::Lt(square, hn::Set(FloatTag(), limits_.least_square));
+  }
+
+  HWY_INLINE FloatMask is_dim(Floats square) const {
+    return hn::Le(square, hn::Set(FloatTag(), cue_limits_.lit_square));
+  }
+  HWY_INLINE FloatMask is_doubtful(Floats doubt) const {
+    return hn::Gt(doubt, hn::Set(FloatTag(), cue_.largest_doubt));
+  }
+
+  /// Pixels of which no point comes and whom nobody asks.
+  HWY_INLINE void store_hidden(std::size_t i, Floats sum, Floats square) const {
+    const FloatTag d;
+    store_flags(i, square, hn::Zero(d), false);
+    store(shown_mean(sum, hn::Zero(d), hn::Zero(d)), row_.mean + i, row_.past_cache);
+    hn::StoreU(nan(), d, row_.coordinate + i);
+  }
+
+  HWY_INLINE void store_flags(std::size_t i, Floats square, Floats doubt, bool saturated) const {
+    const IntTag di;
+    const auto flag_where = [&](FloatMask where, PixelFlag flag) SLIPSTREAM_STEP {
+      return hn::IfThenElseZero(hn::RebindMask(di, where), hn::Set(di, flag));
+    };
+    Ints flags = hn::Or(flag_where(is_dark_at(square), PixelFlag::dark),
+                        hn::Or(flag_where(is_dim(square), PixelFlag::dim),
+                               flag_where(is_doubtful(doubt), PixelFlag::doubtful_order)));
+    if (HWY_UNLIKELY(saturated)) flags = hn::Or(flags, saturation_flag(limits_, at(i).high));
+    hn::StoreU(flags, di, row_.flags + i);
+  }
+
   HWY_INLINE Floats coordinate(Floats turns) const {
     if constexpr (is_circle<steps>) return in_field_(turns);
     return hn::Mul(turns, hn::Set(FloatTag(), cue_.coordinate.scale));
   }
 
-  /// Less the shade that the cue of 3 steps casts on it.
-  HWY_INLINE Floats mean(const FrameSums& sums, Floats modulation, Floats y) const {
+  /// Of the sum, less the shade that the cue of 3 steps casts on it.
+  HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
     const FloatTag d;
-    Floats sum = hn::ConvertTo(d, sums.sum);
     if constexpr (steps == 3) {
       const Floats one = hn::Set(d, 1.0F);
       const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
@@ -228,13 +317,16 @@ class MultiplexedVectors {
   MultiplexedRow row_;
   const Pixel* const* all_frames_;
   std::array<const Pixel*, std::max(steps, 1)> frames_{};
+  Saturation<Pixel> saturation_;
   FieldPlacer in_field_;
 };
 
 template <int steps, class Pixel>
 HWY_INLINE void decode_steps(const MultiplexedWork& work, const Pixel* const* frames) {
   const MultiplexedVectors<steps, Pixel> vectors(work, frames);
-  for_each_vector(work.row.width, vectors);
+  for_each_group(static_cast<std::size_t>(work.row.width),
+                 [&]<std::size_t count>(Together<count>, std::size_t i)
+                     SLIPSTREAM_STEP { vectors.template decode<count>(i); });
 }
 
 template <class Pixel>

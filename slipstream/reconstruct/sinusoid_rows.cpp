@@ -76,41 +76,6 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
   return turn;
 }
 
-/// Whether any frame is at full scale, many pixels at a time: few are.
-template <class Pixel>
-class Saturation {
- public:
-  HWY_INLINE Saturation(const Pixel* const* frames, std::size_t count, std::int32_t full_scale)
-      : frames_(frames),
-        count_(count),
-        full_scale_(static_cast<Pixel>(full_scale)),
-        occurs_(full_scale <= std::numeric_limits<Pixel>::max()) {}
-
-  /// Among the pixels of `vectors` vectors of floats from pixel `i` on.
-  template <std::size_t vectors>
-  HWY_INLINE bool among(std::size_t i) const {
-    if (!occurs_) return false;
-    constexpr std::size_t pixels = vectors * hn::MaxLanes(FloatTag());
-    const hn::CappedTag<Pixel, pixels> d;
-    const auto full_scale = hn::Set(d, full_scale_);
-    bool saturated = false;
-    for (std::size_t start = 0; start < pixels; start += hn::Lanes(d)) {
-      auto greatest = hn::Zero(d);
-      for (std::size_t n = 0; n < count_; ++n) {
-        greatest = hn::Max(greatest, hn::LoadU(d, frames_[n] + i + start));
-      }
-      saturated |= !hn::AllFalse(d, hn::Eq(hn::Max(greatest, full_scale), greatest));
-    }
-    return saturated;
-  }
-
- private:
-  const Pixel* const* frames_;
-  std::size_t count_;
-  Pixel full_scale_;
-  bool occurs_;
-};
-
 /// What the row keeps of a vector besides its turns and flags.
 HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits, Ints sum,
                              Floats square, const SinusoidRow& row, std::size_t i) {
@@ -130,16 +95,12 @@ HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& l
 /// Turns of sums. `N`: 3, 4 or 6, where the phase is folded; else 0.
 template <int N, std::size_t count>
 HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>& U,
-                                Several<count> V) {
+                                const Several<count>& V) {
   if constexpr (N != 0) {
     using Fold = std::conditional_t<N == 4, FoldOfFour, FoldOfThree>;
     return folded_turns<Fold, count>(stage.folded, V, U);
   } else {
-    const Floats weight = hn::Set(FloatTag(), stage.sine_weight);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { V[k] = hn::Mul(weight, V[k]); });
-    Several<count> turn = angles_in_turns<count>(V, U);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
-    return turn;
+    return corrected_turns<count>(stage, V, U);
   }
 }
 
@@ -208,19 +169,12 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
   });
 }
 
-/// The last vectors overlap those before them where the width is no multiple.
 template <int N, class Frames>
 HWY_INLINE void decode_with(const SinusoidStage& stage, const SinusoidLimits& limits,
                             const SinusoidRow& row, const Frames& frames) {
-  const auto width = static_cast<std::size_t>(row.width);
-  const std::size_t lanes = hn::Lanes(FloatTag()), together = at_once * lanes;
-  std::size_t i = 0;
-  for (; i + together <= width; i += together) {
-    decode_vectors<N, at_once>(stage, limits, frames, row, i);
-  }
-  for (; i < width; i += lanes) {
-    decode_vectors<N, 1>(stage, limits, frames, row, std::min(i, width - lanes));
-  }
+  for_each_group(static_cast<std::size_t>(row.width),
+                 [&]<std::size_t count>(Together<count>, std::size_t i)
+                     SLIPSTREAM_STEP { decode_vectors<N, count>(stage, limits, frames, row, i); });
 }
 
 template <int N, class Pixel>

@@ -60,13 +60,6 @@ HWY_INLINE Several<count> angles_in_turns(const Several<count>& S, const Several
   return turn;
 }
 
-HWY_INLINE Floats angle_in_turns(Floats S, Floats C) {
-  Several<1> sine, cosine;
-  sine[0] = S;
-  cosine[0] = C;
-  return angles_in_turns<1>(sine, cosine)[0];
-}
-
 /// corrected_phase, in turns; past either end of [0, 1] by what was added.
 HWY_INLINE Floats corrected_by_wave(const SinusoidStage& stage, Floats turn) {
   const FloatTag d;
@@ -105,10 +98,15 @@ HWY_INLINE Floats corrected_after(const SinusoidStage& stage, Floats turn) {
   return hn::Sub(turn, hn::Floor(turn));
 }
 
-/// Wrapped phase in turns, of a single vector.
-HWY_INLINE Floats corrected_turn(const SinusoidStage& stage, const FrameSums& sums) {
-  const Floats V = hn::Mul(hn::Set(FloatTag(), stage.sine_weight), sums.V);
-  return corrected_after(stage, angle_in_turns(V, sums.U));
+/// Wrapped phase in turns, of sums.
+template <std::size_t count>
+HWY_INLINE Several<count> corrected_turns(const SinusoidStage& stage, Several<count> V,
+                                          const Several<count>& U) {
+  const Floats weight = hn::Set(FloatTag(), stage.sine_weight);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { V[k] = hn::Mul(weight, V[k]); });
+  Several<count> turn = angles_in_turns<count>(V, U);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = corrected_after(stage, turn[k]); });
+  return turn;
 }
 
 /// U^2 + sine_square V^2: V^2 of integers is exact, the square of its rounded multiple is not.
@@ -127,14 +125,6 @@ HWY_INLINE Ints saturation_flag(const SinusoidLimits& limits, const FrameSums& s
   const IntTag di;
   return hn::IfThenElseZero(hn::Gt(sums.greatest, hn::Set(di, limits.full_scale - 1)),
                             hn::Set(di, PixelFlag::saturated));
-}
-
-/// `dark` and `saturated`.
-HWY_INLINE Ints exposure_flags(const SinusoidLimits& limits, const FrameSums& sums, Floats square) {
-  const IntTag di;
-  const auto is_dark = hn::Lt(square, hn::Set(FloatTag(), limits.least_square));
-  return hn::Or(hn::IfThenElseZero(hn::RebindMask(di, is_dark), hn::Set(di, PixelFlag::dark)),
-                saturation_flag(limits, sums));
 }
 
 /// Turns of one frequency to coordinates in the field, see coordinate_in_field.

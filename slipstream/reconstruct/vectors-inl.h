@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
@@ -45,6 +46,19 @@ inline constexpr std::size_t at_once = 4;
 #else
 inline constexpr std::size_t at_once = 2;
 #endif
+
+template <std::size_t count>
+using Together = std::integral_constant<std::size_t, count>;
+
+/// Calls `body(Together<count>(), i)` for `count` vectors from pixel i on, all the vectors of a
+/// row. The last overlap those before them where the width is no multiple.
+template <class Body>
+HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
+  const std::size_t lanes = hn::Lanes(FloatTag()), together = at_once * lanes;
+  std::size_t i = 0;
+  for (; i + together <= width; i += together) body(Together<at_once>(), i);
+  for (; i < width; i += lanes) body(Together<1>(), std::min(i, width - lanes));
+}
 
 /// An array of them; that of the standard library is not compiled for each target.
 template <std::size_t count, class Vector = Floats>

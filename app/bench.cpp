@@ -119,7 +119,7 @@ void tell_sizes(const TimedRows& rows, double bandwidth, Output& output) {
     const BenchRow& row = timed.row;
     if (row.name != "fused" || row.steps != 3) continue;
     const double pixels = static_cast<double>(row.width) * row.height;
-    output.say("{:>5}x{:<4} {:>5.1f} MP {:>6} {:>11.3f} {:>8.0f} {:>10.3f} {:>13.0f} {:>13.0f}%",
+    output.say("{:>5}x{:<4} {:>5.1f} MP {:>6} {:>11.3f} {:>8.0f} {:>10.3f} {:>13.1f} {:>13.0f}%",
                row.width, row.height, 1e-6 * pixels, row.threads, timed.timing.median,
                1e3 / timed.timing.median, 1e6 * timed.timing.median / pixels, row.bytes_per_pixel,
                100 * timed.bytes_per_second() / bandwidth);

@@ -198,16 +198,17 @@ class ReconstructorOfScans {
  public:
   explicit ReconstructorOfScans(const ReconstructSettings& settings) : settings_(settings) {}
 
-  const Reconstructor& for_scan(const ScanDescription& scan, Size camera, const GammaChoice& gamma,
+  const Reconstructor& for_scan(const ScanDescription& scan, const Scanner& scanner,
+                                const GammaChoice& gamma,
                                 const PhotometricCalibration& photometry) {
     const std::string wanted =
         fmt::format("{} {} {} {} {} {} {} {} {} {} {}", scan.scanner->string(),
                     nlohmann::json(settings_of(scan.strategy)).dump(), name_of(scan.strategy),
-                    name_of(scan.axis), text_of(camera), text_of(scan.projector),
+                    name_of(scan.axis), text_of(scanner.camera.size), text_of(scan.projector),
                     json_of(gamma).dump(), scan.light.alpha_p, scan.light.beta_p,
                     photometry.ambient.value_or(0), photometry.noise_variance.value_or(0));
     if (wanted != made_for_) {
-      reconstructor_.emplace(scanner_for(scan, camera), scan.strategy, scan.axis,
+      reconstructor_.emplace(scanner, scan.strategy, scan.axis,
                              settings_for(settings_, scan, gamma, photometry));
       made_for_ = wanted;
     }
@@ -235,9 +236,12 @@ void tell(const nlohmann::json& scan, Output& output) {
                scan["median_sigma_z_mm"].get<double>());
   }
   const auto& seconds = scan["seconds"];
-  output.say("  time: {:.0f} ms to read, {:.0f} for tables, {:.0f} to reconstruct, {:.0f} to write",
-             1e3 * seconds["read"].get<double>(), 1e3 * seconds["tables"].get<double>(),
-             1e3 * seconds["reconstruct"].get<double>(), 1e3 * seconds["write"].get<double>());
+  const auto ms = [&](const char* lap) { return 1e3 * seconds[lap].get<double>(); };
+  output.say(
+      "  time: {:.0f} ms to read, {:.0f} for gamma, {:.0f} for tables, {:.0f} to reconstruct, "
+      "{:.0f} "
+      "to write",
+      ms("read"), ms("gamma"), ms("tables"), ms("reconstruct"), ms("write"));
   for (const auto& [name, path] : scan["files"].items()) {
     output.say("  {}: {}", name, path.get<std::string>());
   }
@@ -249,23 +253,24 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const ScanDescription scan = describe(folder, flags.input);
   const LoadedFrames loaded = read_frames(scan.frames, scan.bits);
   for (const std::string& warning : loaded.warnings) output.warn(warning);
+  const Scanner scanner = scanner_for(scan, loaded.frames.size());
+  const PhotometricCalibration photometry = photometry_for(scan, flags.input);
   const double read = watch.lap();
   const bool two_cameras = scan.second_camera && !flags.one_camera;
   const GammaChoice gamma =
       two_cameras ? GammaChoice{.source = "two cameras", .sentence = "two cameras, free of gamma"}
                   : choose_gamma(flags.input.gamma, scan, loaded.frames);
+  const double choosing = watch.lap();
   if (two_cameras && flags.uncertainty) {
     throw Error("--uncertainty is of one camera and the projector; add --one-camera");
   }
-  const PhotometricCalibration photometry = photometry_for(scan, flags.input);
   if (flags.uncertainty && !photometry.noise_variance) {
     throw Error(
         fmt::format("{}: no noise variance in it, which --uncertainty needs; measure it "
                     "with slipstream calibrate noise, or give --noise-variance",
                     scan.scanner->string()));
   }
-  const Reconstructor& reconstruct =
-      reconstructors.for_scan(scan, loaded.frames.size(), gamma, photometry);
+  const Reconstructor& reconstruct = reconstructors.for_scan(scan, scanner, gamma, photometry);
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
   const auto reconstructed = [&]() -> ReconstructedBy {
@@ -281,17 +286,20 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
                         : std::nullopt;
   nlohmann::json files = write_outputs(flags, folder, result, uncertainty);
 
-  nlohmann::json told = {
-      {"scan", folder.string()},
-      {"points", point_count(result.cloud)},
-      {"pixels", result.cloud.z.pixel_count()},
-      {"counts", counts_of(result.cloud)},
-      {"backend", backend},
-      {"gamma", json_of(gamma)},
-      {"files", std::move(files)},
-      {"warnings", loaded.warnings},
-      {"seconds",
-       {{"read", read}, {"tables", tables}, {"reconstruct", computed}, {"write", watch.lap()}}}};
+  nlohmann::json told = {{"scan", folder.string()},
+                         {"points", point_count(result.cloud)},
+                         {"pixels", result.cloud.z.pixel_count()},
+                         {"counts", counts_of(result.cloud)},
+                         {"backend", backend},
+                         {"gamma", json_of(gamma)},
+                         {"files", std::move(files)},
+                         {"warnings", loaded.warnings},
+                         {"seconds",
+                          {{"read", read},
+                           {"gamma", choosing},
+                           {"tables", tables},
+                           {"reconstruct", computed},
+                           {"write", watch.lap()}}}};
   if (uncertainty) told["median_sigma_z_mm"] = median_depth_sigma(*uncertainty);
   if (const auto rms = error_against_truth(folder, result.cloud)) told["rms_mm"] = *rms;
   return told;

@@ -15,7 +15,9 @@ namespace slipstream {
 namespace {
 
 constexpr double cloud_bytes = 4 * sizeof(float) + 1;  ///< x, y, z, intensity, validity
-constexpr double ray_bytes = 2 * sizeof(float);
+/// The blocks' share in a pixel; those of the rows between two knots are the same.
+constexpr double block_bytes =
+    static_cast<double>(sizeof(RayBlocks::Block)) / (RayBlocks::width * RayBlocks::spacing);
 constexpr double published_cloud_bytes = 4 * sizeof(double);
 
 Frames<std::uint8_t> bytes_of(const FrameSet& frames) {
@@ -85,7 +87,8 @@ class StageByStage {
                  {.width = width,
                   .turn = turn_.row(row),
                   .mean = mean_.row(row),
-                  .flags = flags_.row(row)});
+                  .flags = flags_.row(row),
+                  .nan_if_flagged = true});
     }
     for (int row = 0; row < turn_.height(); ++row) {
       point_row(stages_.point, stages_.coordinate,
@@ -123,7 +126,7 @@ BenchRow fused_row(const std::shared_ptr<const BenchScan>& scan, const Strategy&
       Work{FusedReconstructor::make(scan->scanner, strategy, Axis::x, settings).value(),
            bytes_of(scan->frames),
            {}});
-  const double bytes = frame_count(strategy) + ray_bytes + cloud_bytes;
+  const double bytes = frame_count(strategy) + block_bytes + cloud_bytes;
   return row_for(*scan, std::move(name), steps, bytes,
                  [scan, work] { work->reconstruct(work->frames, work->cloud); });
 }
@@ -136,8 +139,11 @@ void add_steps(std::vector<BenchRow>& rows, int steps,
   add_published(rows, scan, steps);
   const auto staged = std::make_shared<StageByStage>(*scan, strategy);
   const double between = 2 * (sizeof(float) + sizeof(std::int32_t));
-  rows.push_back(row_for(*scan, "simd", steps, steps + between + ray_bytes + cloud_bytes,
+  rows.push_back(row_for(*scan, "simd", steps, steps + between + block_bytes + cloud_bytes,
                          [scan, staged] { (*staged)(); }));
+  rows.push_back(row_for(*scan, "tables", steps, 0, [scan, strategy] {
+    static_cast<void>(fused_stages(scan->scanner, strategy, Axis::x, {}));
+  }));
   rows.push_back(fused_row(scan, strategy, "fused", steps));
   ReconstructSettings corrected;
   corrected.phase_corrections = {{steps, phase_correction(PowerLaw{2.2}, steps)}};

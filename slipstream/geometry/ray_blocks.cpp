@@ -17,8 +17,8 @@ namespace {
 
 constexpr double coordinate_tolerance = 4e-7;  // of the field
 constexpr double ray_tolerance = 2.5e-7;
-/// More than what is taken for straight bends: of what 1/Z spans over the field, which is also not
-/// asked for at the ends of the block, and of half the field's breadth.
+/// How far from its limit what is taken for straight stays, so that it may bend: of all that 1/Z
+/// spans over the field, and of half the field's breadth.
 constexpr double depth_margin = 0.02, field_margin = 1.5e-3;
 constexpr int nodes = 10;        // of the coordinate
 constexpr int column_nodes = 4;  // of a block's columns
@@ -32,6 +32,9 @@ constexpr std::size_t index(int i) {
 
 /// Rows: nodes or powers of p, columns: nodes or powers of t.
 using NodeArray = Eigen::Array<double, nodes, 1>;
+/// The nodes between the ends of the field.
+constexpr int places = nodes + 2;
+using PlaceArray = Eigen::Array<double, places, 1>;
 using Samples = Eigen::Matrix<double, nodes, column_nodes>;
 
 /// Values of T_0 ... at x.
@@ -62,8 +65,10 @@ NodeArray values(const PlanePolynomial& polynomial, const NodeArray& p, const No
 
 /// What all blocks share.
 struct Fit {
-  NodeArray p, y, low_edge, high_edge;
+  NodeArray p, y;
+  PlaceArray places_p, low_edge, high_edge;
   Eigen::Matrix<double, nodes, nodes> spectrum;              ///< from values at p
+  Eigen::Matrix<double, 2, nodes> ends;                      ///< values at 1 and -1 from those at p
   Eigen::Matrix<double, column_nodes, column_nodes> across;  ///< from values at t, transposed
   Eigen::Matrix<double, nodes, nodes> powers = chebyshev_coefficients<nodes>();
   Eigen::Matrix<double, column_nodes, column_nodes> across_powers =
@@ -74,10 +79,14 @@ struct Fit {
     for (int i = 0; i < nodes; ++i) {
       p(i) = std::cos(std::numbers::pi * (i + 0.5) / nodes);
       y(i) = geometry.unit_coordinate.inverse(p(i));
-      std::tie(low_edge(i), high_edge(i)) = geometry.places_at(p(i));
       at_p.row(i) = chebyshev_polynomials<nodes>(p(i));
     }
     spectrum = at_p.inverse();
+    ends << chebyshev_polynomials<nodes>(1) * spectrum, chebyshev_polynomials<nodes>(-1) * spectrum;
+    places_p << 1, p, -1;
+    for (int i = 0; i < places; ++i) {
+      std::tie(low_edge(i), high_edge(i)) = geometry.places_at(places_p(i));
+    }
     Eigen::Matrix<double, column_nodes, column_nodes> at_t;
     for (int i = 0; i < column_nodes; ++i) {
       at_t.row(i) = chebyshev_polynomials<column_nodes>(unit_column(node_columns[index(i)]));
@@ -98,25 +107,19 @@ RayBlocks::Range intersection(const RayBlocks::Range& a, const RayBlocks::Range&
   return {std::max(a.least, b.least), std::min(a.largest, b.largest)};
 }
 
-/// Where what is known at the nodes is above the margin, taken for straight between them and
-/// beyond the outermost.
-RayBlocks::Range range_above(double margin, const NodeArray& values, const NodeArray& p) {
-  Eigen::Array<double, nodes + 2, 1> x, above;
-  const auto beyond = [&](int end, int next, double end_p) {
-    return values(end) + (values(end) - values(next)) / (p(end) - p(next)) * (end_p - p(end));
-  };
-  x << 1, p, -1;
-  above << beyond(0, 1, 1), values, beyond(nodes - 1, nodes - 2, -1);
-  above -= margin;
-  const auto crossing = [&](Eigen::Index inside, Eigen::Index outside) {
+/// Where what is known at the places is above the margin, taken for straight between them.
+RayBlocks::Range range_above(double margin, const PlaceArray& values, const PlaceArray& p) {
+  const PlaceArray above = values - margin;
+  const auto crossing = [&](int inside, int outside) {
     const double share = above(inside) / (above(inside) - above(outside));
-    return static_cast<float>(std::lerp(x(inside), x(outside), share));
+    return static_cast<float>(std::lerp(p(inside), p(outside), share));
   };
-  Eigen::Index first = 0, last = 0;
-  while (first < x.size() && !(above(first) > 0)) ++first;
-  if (first == x.size()) return {};
-  for (last = first; last + 1 < x.size() && above(last + 1) > 0;) ++last;
-  return {last + 1 == x.size() ? whole.least : crossing(last, last + 1),
+  int first = 0;
+  while (first < places && !(above(first) > 0)) ++first;
+  if (first == places) return {};
+  int last = first;
+  while (last + 1 < places && above(last + 1) > 0) ++last;
+  return {last + 1 == places ? whole.least : crossing(last, last + 1),
           first == 0 ? whole.largest : crossing(first, first - 1)};
 }
 
@@ -149,12 +152,15 @@ class KnotRow {
                            fill_ray(rays_.E_x, first_column, Block::E_x, block) &&
                            fill_ray(rays_.E_y, first_column, Block::E_y, block);
     if (!described) return {};
-    const NodeArray least_depth = inverse_depth.rowwise().minCoeff();
-    const NodeArray least_inside =
+    PlaceArray least_depth;
+    const Eigen::Array<double, 2, 1> at_ends = (fit_.ends * inverse_depth).rowwise().minCoeff();
+    least_depth << at_ends(0), inverse_depth.rowwise().minCoeff(), at_ends(1);
+    const PlaceArray least_inside =
         inside_field(first_column).min(inside_field(first_column + RayBlocks::width - 1));
-    return {true, tolerance,
-            intersection(range_above(depth_margin * (largest - smallest), least_depth, fit_.p),
-                         range_above(field_margin, least_inside, fit_.p))};
+    return {
+        true, tolerance,
+        intersection(range_above(depth_margin * (largest - smallest), least_depth, fit_.places_p),
+                     range_above(field_margin, least_inside, fit_.places_p))};
   }
 
  private:
@@ -210,10 +216,11 @@ class KnotRow {
   }
 
   /// What stays of the field's breadth to either side of q, which is linear in p.
-  [[nodiscard]] NodeArray inside_field(int column) const {
+  [[nodiscard]] PlaceArray inside_field(int column) const {
     const Eigen::Vector3d e = ray(column);
-    const NodeArray q = (geometry_.place_constant.dot(e) + fit_.p * geometry_.place_slope.dot(e)) /
-                        (geometry_.facing * e);
+    const PlaceArray q =
+        (geometry_.place_constant.dot(e) + fit_.places_p * geometry_.place_slope.dot(e)) /
+        (geometry_.facing * e);
     return (q - fit_.low_edge).min(fit_.high_edge - q);
   }
 

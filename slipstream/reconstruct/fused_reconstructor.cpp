@@ -282,16 +282,8 @@ void multiplexed_band(const Pass<Pixel>& pass, int first, int last, FusedScratch
   block.prepare(pass.width());
   int decoded = within(first - Block::seen), asked = within(first - Block::voters);
   block.clear(decoded - Block::looks_past, decoded);
-  for (int begin = first, end = first; begin < last; begin = end) {
-    end = std::min(begin + Block::most_rows, last);
-    block.forget_vote();
-    for (; decoded < within(end + Block::seen); ++decoded) {
-      decode_multiplexed(pass, decoded, decoded >= first && decoded < last, scratch, output);
-    }
-    block.clear(decoded, decoded + Block::looks_past);
-    std::erase_if(block.disagreeing,
-                  [begin](PixelPlace at) { return at.row < begin - Block::voters; });
-    for (; asked < within(end + Block::voters); ++asked) {
+  const auto ask_until = [&](int row) {
+    for (; asked < row; ++asked) {
       find_disagreeing(cue,
                        {.width = pass.width(),
                         .row = asked,
@@ -300,6 +292,18 @@ void multiplexed_band(const Pass<Pixel>& pass, int first, int last, FusedScratch
                         .below = block.coordinates(asked + 1)},
                        block.disagreeing);
     }
+  };
+  for (int begin = first, end = first; begin < last; begin = end) {
+    end = std::min(begin + Block::most_rows, last);
+    block.forget_vote();
+    std::erase_if(block.disagreeing,
+                  [begin](PixelPlace at) { return at.row < begin - Block::voters; });
+    for (; decoded < within(end + Block::seen); ++decoded) {
+      decode_multiplexed(pass, decoded, decoded >= first && decoded < last, scratch, output);
+      ask_until(std::min(decoded, within(end + Block::voters)));
+    }
+    block.clear(decoded, decoded + Block::looks_past);
+    ask_until(within(end + Block::voters));
     vote(pass, begin, end, block, output);
     if constexpr (!std::is_same_v<Output, FusedDecoding>) {
       for (int row = begin; row < end; ++row) {

@@ -90,8 +90,8 @@ struct ReconstructedBy {
 };
 
 /// Of a scan with two cameras, by matching their phases.
-ReconstructedBy match_cameras(const ScanDescription& scan, const FrameSet& frames,
-                              ReconstructFlags flags, Output& output) {
+ReconstructedBy match_cameras(const ScanDescription& scan, const Scanner& scanner,
+                              const FrameSet& frames, ReconstructFlags flags, Output& output) {
   flags.input.scanner.reset();
   const ScanDescription second = describe(*scan.second_camera, flags.input);
   if (name_of(second.strategy) != name_of(scan.strategy) ||
@@ -101,9 +101,8 @@ ReconstructedBy match_cameras(const ScanDescription& scan, const FrameSet& frame
   }
   const LoadedFrames loaded = read_frames(second.frames, second.bits);
   for (const std::string& warning : loaded.warnings) output.warn(warning);
-  const PhaseMatcher match(scanner_for(scan, frames.size()),
-                           scanner_for(second, loaded.frames.size()), scan.strategy, scan.axis,
-                           flags.settings, flags.match);
+  const PhaseMatcher match(scanner, scanner_for(second, loaded.frames.size()), scan.strategy,
+                           scan.axis, flags.settings, flags.match);
   return {match(frames, loaded.frames), match.backend_for(frames)};
 }
 
@@ -274,7 +273,7 @@ nlohmann::json reconstruct_scan(const fs::path& folder, const ReconstructFlags& 
   const double tables = watch.lap();
   if (!gamma.sentence.empty()) output.say("{}: {}", folder.string(), gamma.sentence);
   const auto reconstructed = [&]() -> ReconstructedBy {
-    if (two_cameras) return match_cameras(scan, loaded.frames, flags, output);
+    if (two_cameras) return match_cameras(scan, scanner, loaded.frames, flags, output);
     const std::string backend = reconstruct.backend_for(loaded.frames);
     if (flags.files.any_map() || flags.uncertainty) return {reconstruct(loaded.frames), backend};
     return {{reconstruct.cloud(loaded.frames), {}}, backend};

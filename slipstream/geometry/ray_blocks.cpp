@@ -17,12 +17,13 @@ namespace {
 
 constexpr double coordinate_tolerance = 4e-7;  // of the field
 constexpr double ray_tolerance = 2.5e-7;
-/// How far from its limit what is taken for straight stays, so that it may bend: of all that 1/Z
-/// spans over the field, and of half the field's breadth.
+/// How far from its limit what is taken for straight between nodes stays, so that it may bend: of
+/// all that 1/Z spans over the field, and of half the field's breadth.
 constexpr double depth_margin = 0.02, field_margin = 1.5e-3;
 constexpr int nodes = 10;        // of the coordinate
 constexpr int column_nodes = 4;  // of a block's columns
-constexpr std::array<int, column_nodes> node_columns{1, 10, 21, 30};
+/// The outermost are the block's own: what holds there holds between them.
+constexpr std::array<int, column_nodes> node_columns{0, 10, 21, 31};
 
 using Block = RayBlocks::Block;
 

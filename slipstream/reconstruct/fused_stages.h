@@ -43,7 +43,9 @@ struct FusedStages {
   CoordinateStage coordinate;
   PointStage point;
   RayTable rays;
-  std::optional<RayBlocks> blocks;  ///< none for small pictures
+  /// None for small pictures. With one frequency they describe only what lies before the cut of
+  /// `coordinate`.
+  std::optional<RayBlocks> blocks;
 
   [[nodiscard]] int frame_count() const { return sinusoid.steps + (low ? low->sinusoid.steps : 0); }
 };

@@ -151,8 +151,11 @@ HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLim
 template <int steps, std::size_t count>
 HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
                                       const CueChannels<count>& of) {
-  if constexpr (is_circle<steps>) return periods_of_circle(cue, of);
-  return periods_of_reference < is_circle<steps> ? 3 : steps > (cue, limits, of);
+  if constexpr (is_circle<steps>) {
+    return periods_of_circle(cue, of);
+  } else {
+    return periods_of_reference<steps>(cue, limits, of);
+  }
 }
 
 /// In [0, 1).
@@ -221,7 +224,7 @@ class MultiplexedVectors {
       }
       all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
     });
-    if (!decoding && hn::AllTrue(d, all_hidden)) {
+    if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
       return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
         store_hidden(i + k * hn::Lanes(d), sum[k], square[k]);
       });
@@ -254,6 +257,9 @@ class MultiplexedVectors {
   }
 
  private:
+  /// The cue on the mean, which is told without it.
+  static constexpr bool casts_shade = steps == 3;
+
   static HWY_INLINE Floats nan() {
     return hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
   }
@@ -278,7 +284,7 @@ class MultiplexedVectors {
   HWY_INLINE void store_hidden(std::size_t i, Floats sum, Floats square) const {
     const FloatTag d;
     store_flags(i, square, hn::Zero(d), false);
-    store(shown_mean(sum, hn::Zero(d), hn::Zero(d)), row_.mean + i, row_.past_cache);
+    store(hn::Mul(sum, hn::Set(d, limits_.mean_scale)), row_.mean + i, row_.past_cache);
     hn::StoreU(nan(), d, row_.coordinate + i);
   }
 
@@ -302,7 +308,7 @@ class MultiplexedVectors {
   /// Of the sum, less the shade that the cue of 3 steps casts on it.
   HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
     const FloatTag d;
-    if constexpr (steps == 3) {
+    if constexpr (casts_shade) {
       const Floats one = hn::Set(d, 1.0F);
       const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
       sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, 3 * cue_.shade)), R, sum);

@@ -266,14 +266,13 @@ HWY_INLINE void store_all(const PointRow& row, bool past_cache, const BlockParts
 /// Vectors of which every pixel that is not dark has its point, as at the edges of shadows.
 template <std::size_t count>
 HWY_INLINE void store_where_not_dark(const PointRow& row, const BlockParts<count>& parts,
-                                     Several<count> z) {
+                                     const Several<count, FloatMask>& dark, Several<count> z) {
   const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
-  static_assert(static_cast<int>(Validity::valid) == 0 &&
-                static_cast<int>(Validity::too_dark) == PixelFlag::dark);
+  static_assert(static_cast<int>(Validity::valid) == 0);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const Ints flags = hn::LoadU(IntTag(), row.flags + parts.pixel(k));
-    z[k] = hn::IfThenElse(is_dark(flags), nan, z[k]);
-    store_validity(hn::And(flags, hn::Set(IntTag(), PixelFlag::dark)),
+    z[k] = hn::IfThenElse(dark[k], nan, z[k]);
+    const auto reason = hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark));
+    store_validity(hn::IfThenElseZero(hn::RebindMask(IntTag(), dark[k]), reason),
                    row.validity + parts.pixel(k));
   });
   store_depths(row, row.past_cache, parts, z);
@@ -310,7 +309,7 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
   Several<count> p;
   Several<count, FloatMask> good;
   FloatMask all = hn::FirstN(d, hn::Lanes(d));
-  fetch_ahead(row.validity + parts.pixel(0), row.past_cache);
+  fetch_ahead(row.validity + parts.pixel(0), false);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     fetch_ahead(row, parts.pixel(k));
     p[k] = source.unit_coordinate(parts.pixel(k));
@@ -323,10 +322,11 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
     return store_all(row, false, parts, z);
   }
   FloatMask all_dark = hn::FirstN(d, hn::Lanes(d)), all_good_or_dark = all_dark;
+  Several<count, FloatMask> dark;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const FloatMask dark = is_dark(hn::LoadU(IntTag(), row.flags + parts.pixel(k)));
-    all_dark = hn::And(all_dark, dark);
-    all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark, good[k]));
+    dark[k] = is_dark(hn::LoadU(IntTag(), row.flags + parts.pixel(k)));
+    all_dark = hn::And(all_dark, dark[k]);
+    all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark[k], good[k]));
   });
   if (hn::AllTrue(d, all_dark)) {
     return each<count>([&](std::size_t k) SLIPSTREAM_STEP { store_dark(row, parts.pixel(k)); });
@@ -334,11 +334,11 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
   const Several<count> z = depths(parts, p);
   if (stage.limits_depth) {
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      const FloatMask dark = is_dark(hn::LoadU(IntTag(), row.flags + parts.pixel(k)));
-      all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark, within_limits(stage, z[k])));
+      all_good_or_dark = hn::And(all_good_or_dark, hn::Or(dark[k], within_limits(stage, z[k])));
     });
   }
-  if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark))) return store_where_not_dark(row, parts, z);
+  if (HWY_LIKELY(hn::AllTrue(d, all_good_or_dark)))
+    return store_where_not_dark(row, parts, dark, z);
   const PointRow seen = row;  // the originals stay in registers if nobody else sees them
   const BlockParts<count> seen_parts = parts;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -375,7 +375,8 @@ HWY_INLINE void point_part(const PointStage& stage, const Source& source, const 
       point_blocks<at_once>(stage, source, row, pixel, coefficients, described, 0, whole * vectors);
   point_blocks<1>(stage, source, row, pixel, coefficients, described, next, whole * vectors);
   if (whole == count) return;
-  point_blocks<1>(stage, source, row, static_cast<std::size_t>(row.width) - width,
+  const int last = RayBlocks::first_column(static_cast<int>(first + whole), row.width);
+  point_blocks<1>(stage, source, row, static_cast<std::size_t>(last),
                   coefficients + whole * MixedBlocks::terms, described + whole, 0, vectors);
 }
 

@@ -56,7 +56,7 @@ struct PointRow {
 };
 
 /// One frequency: `row.coordinate` holds turns, of which `coordinate` makes coordinates; NaN where
-/// a pixel is dark or saturated.
+/// a pixel is dark or saturated. Blocks describe no coordinate past the cut, see FusedStages.
 void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row);
 /// Two frequencies.
 void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row);

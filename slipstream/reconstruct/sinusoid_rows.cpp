@@ -110,6 +110,8 @@ struct RowFrames {
   Sums sums;
   Saturated saturation;
 };
+template <class Sums, class Saturated>
+RowFrames(Sums, Saturated) -> RowFrames<Sums, Saturated>;
 
 /// Vectors from pixel `i` on; `N` as in `turns`.
 template <int N, std::size_t count, class Sums, class Saturated>

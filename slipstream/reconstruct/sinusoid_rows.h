@@ -64,7 +64,7 @@ struct SinusoidRow {
                          ///< mean left alone
   /// Turns of dark pixels, and what else a second sinusoid says of them, may be left as they were.
   bool only_lit = false;
-  bool nan_if_flagged = false;  ///< turns of dark and saturated pixels are NaN
+  bool nan_if_flagged = false;  ///< turns of dark and saturated pixels are NaN; not with `another`
 };
 
 void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,

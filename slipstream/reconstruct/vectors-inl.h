@@ -97,8 +97,9 @@ HWY_INLINE void store(Floats values, float* to, bool past_cache) {
 /// changes.
 template <class Value>
 HWY_INLINE void fetch_ahead(const Value* to, bool past_cache) {
-  constexpr std::size_t ahead = 512 / sizeof(Value);
-  if (!past_cache) hwy::Prefetch(to + ahead);
+  constexpr std::uintptr_t bytes_ahead = 512;  // past the end of an array, too: it is not read
+  if (past_cache) return;
+  hwy::Prefetch(reinterpret_cast<const Value*>(reinterpret_cast<std::uintptr_t>(to) + bytes_ahead));
 }
 
 /// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:

@@ -98,6 +98,20 @@ TEST(RayBlocks, AreRightForAnyScanner) {
   EXPECT_GT(points, 100 * 1000);
 }
 
+/// A camera that sees twice as wide as the projector lights: rays diverge within a block.
+TEST(RayBlocks, AreRightInNarrowPictures) {
+  for (const int width : {32, 40, 48}) {
+    SCOPED_TRACE(width);
+    Scanner scanner;
+    scanner.camera.size = {width, 64};
+    scanner.camera.intrinsic << 0.5 * width, 0, 0.5 * width, 0, 80, 32, 0, 0, 1;
+    scanner.projector.size = {1000, 1000};
+    scanner.projector.intrinsic << 1000, 0, 1200, 0, 1000, 500, 0, 0, 1;
+    scanner.translation = {-100, 0, 0};
+    EXPECT_GT(check(scanner, Axis::x), 100);
+  }
+}
+
 TEST(RayBlocks, AreNotForSmallPictures) {
   const Scanner scanner = example_scanner({64, 25});
   const auto geometry = stripe_geometry(scanner, Axis::x, 0.02);

@@ -28,7 +28,8 @@ inline double coordinate_at_infinity(const Scanner& scanner, Axis axis, int colu
 struct Agreement {
   std::size_t points = 0;
   std::size_t other_validity = 0;
-  double worst = 0;  ///< relative error of depth where the gap is kept
+  std::size_t other_intensity = 0;  ///< of the same validity
+  double worst = 0;                 ///< relative error of depth where the gap is kept
 };
 
 inline Agreement compare(const Scanner& scanner, Axis axis, const FusedCloud& cloud,
@@ -43,6 +44,8 @@ inline Agreement compare(const Scanner& scanner, Axis axis, const FusedCloud& cl
         ++agreement.other_validity;
         continue;
       }
+      const float difference = cloud.intensity(column, row) - exact.cloud.intensity(column, row);
+      agreement.other_intensity += std::abs(difference) <= 1e-3F ? 0 : 1;
       if (validity != Validity::valid) continue;
       ++agreement.points;
       const double y = exact.decoded.coordinate(column, row);

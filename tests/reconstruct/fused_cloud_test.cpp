@@ -66,6 +66,7 @@ TEST(FusedCloud, HasThePointsOfTheEquationsInLargePictures) {
       const Agreement agreement = compare(scanner, axis, cloud, exact);
       EXPECT_GT(agreement.points, 50000U);
       EXPECT_LE(agreement.other_validity, 3U);
+      EXPECT_EQ(agreement.other_intensity, 0U);
       EXPECT_LE(agreement.worst, depth_bound);
     }
   }

@@ -44,6 +44,7 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquations) {
             settings());
         EXPECT_GT(agreement.points, 2000U);
         EXPECT_LE(agreement.other_validity, 1U);
+        EXPECT_LE(agreement.other_intensity, 1U);
         EXPECT_LE(agreement.worst, depth_bound);
       }
     }

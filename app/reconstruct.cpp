@@ -238,8 +238,7 @@ void tell(const nlohmann::json& scan, Output& output) {
   const auto ms = [&](const char* lap) { return 1e3 * seconds[lap].get<double>(); };
   output.say(
       "  time: {:.0f} ms to read, {:.0f} for gamma, {:.0f} for tables, {:.0f} to reconstruct, "
-      "{:.0f} "
-      "to write",
+      "{:.0f} to write",
       ms("read"), ms("gamma"), ms("tables"), ms("reconstruct"), ms("write"));
   for (const auto& [name, path] : scan["files"].items()) {
     output.say("  {}: {}", name, path.get<std::string>());

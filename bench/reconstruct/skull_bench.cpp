@@ -20,10 +20,12 @@ void skull_to_cloud(benchmark::State& state) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const Scanner scanner = read_scanner(folder / "calibration.xml");
   const FrameSet frames = read_frames(images_in_folder(folder / "dual-frequency")).frames;
-  const auto reconstruct = FusedReconstructor::make(
-      scanner, DualFrequency{.steps = 3, .high = 16, .low = 1}, Axis::x, {});
+  const auto reconstruct =
+      FusedReconstructor::make(scanner, DualFrequency{.steps = 3, .high = 16, .low = 1}, Axis::x,
+                               {})
+          .value();
   FusedCloud cloud;
-  for (auto _ : state) (*reconstruct)(frames, cloud);
+  for (auto _ : state) reconstruct(frames, cloud);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(cloud.z.pixel_count()));
 }
 BENCHMARK(skull_to_cloud)->Unit(benchmark::kMillisecond);

@@ -16,7 +16,9 @@ namespace slipstream {
 namespace {
 
 constexpr double coordinate_tolerance = 4e-7;  // of the field
-constexpr double ray_tolerance = 2.5e-7;
+constexpr double ray_tolerance = 1e-7;
+/// Of the cubic term of a ray's direction: what comes after it is less than a tenth of that.
+constexpr double largest_ray_twist = 1e-6;
 /// How far from its limit what is taken for straight between nodes stays, so that it may bend: of
 /// all that 1/Z spans over the field, and of half the field's breadth.
 constexpr double depth_margin = 0.02, field_margin = 1.5e-3;
@@ -206,11 +208,11 @@ class KnotRow {
     for (int i = 0; i < column_nodes; ++i) {
       samples(i) = E(first_column + node_columns[index(i)], row_);
     }
-    Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit_.across;
-    if (!(std::abs(spectrum(3)) <= ray_tolerance)) return false;
-    spectrum(3) = 0;
+    const Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit_.across;
+    if (!(std::abs(spectrum(3)) <= largest_ray_twist)) return false;
     const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit_.across_powers;
-    for (int m = 0; m < 3; ++m) {
+    static_assert(RayBlocks::ray_terms == column_nodes);
+    for (int m = 0; m < RayBlocks::ray_terms; ++m) {
       block.coefficients[index(place + m)] = static_cast<float>(monomials(m));
     }
     return true;
@@ -244,7 +246,7 @@ bool is_quadratic(const std::array<const Block*, 4>& b, double inverse_depth_tol
   };
   return missed(0, Block::E_x) <= inverse_depth_tolerance &&
          missed(Block::E_x, Block::E_y) <= ray_tolerance &&
-         missed(Block::E_y, Block::E_y + 3) <= ray_tolerance;
+         missed(Block::E_y, Block::E_y + RayBlocks::ray_terms) <= ray_tolerance;
 }
 
 }  // namespace

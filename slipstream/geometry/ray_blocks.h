@@ -15,16 +15,17 @@ struct StripeGeometry;
 /// What StripeGeometry and RayTable say of a block of neighbouring pixels of a row, as polynomials
 /// in t, the column from the block's middle in half blocks, and p, the coordinate mapped to
 /// [-1, 1]: 1/Z as the sum of c_k p^k + t d_k p^k + t^2 e_k p^k + t^3 f, projector lens included,
-/// and E_x, E_y as quadratics in t. Kept at every eighth row; between them the coefficients are
+/// and E_x, E_y as cubics in t. Kept at every eighth row; between them the coefficients are
 /// quadratic.
 struct RayBlocks {
   static constexpr int width = 32;  ///< pixels of a block; a row's last one may overlap another
   static constexpr int spacing = 8;
   static constexpr int constants = 9, slopes = 7, bends = 4, twists = 1;  ///< terms c, d, e, f
+  static constexpr int ray_terms = 4;
 
   /// The coefficients in the order in which they are named, then some that mean nothing.
   struct alignas(64) Block {
-    static constexpr int E_x = constants + slopes + bends + twists, E_y = E_x + 3;
+    static constexpr int E_x = constants + slopes + bends + twists, E_y = E_x + ray_terms;
     std::array<float, 32> coefficients{};
   };
 
@@ -53,7 +54,7 @@ struct RayBlocks {
   }
 };
 
-/// To 1e-6 of the field in the coordinate and 5e-7 in E_x, E_y where it is `described`. None for
+/// To 1e-6 of the field in the coordinate and 2.5e-7 in E_x, E_y where it is `described`. None for
 /// pictures less than a block wide or less than five knots high.
 std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
 

@@ -227,9 +227,11 @@ HWY_INLINE Several<count> depths(const BlockParts<count>& parts, const Several<c
 /// E_x or E_y, whose coefficients begin at `first`.
 template <std::size_t count>
 HWY_INLINE Floats ray_direction(const BlockParts<count>& parts, std::size_t k, std::size_t first) {
-  const Floats slope =
-      hn::MulAdd(parts.coefficient(k, first + 2), parts.t[k], parts.coefficient(k, first + 1));
-  return hn::MulAdd(slope, parts.t[k], parts.coefficient(k, first));
+  static_assert(RayBlocks::ray_terms == 4);
+  Floats sum = parts.coefficient(k, first + 3);
+  sum = hn::MulAdd(sum, parts.t[k], parts.coefficient(k, first + 2));
+  sum = hn::MulAdd(sum, parts.t[k], parts.coefficient(k, first + 1));
+  return hn::MulAdd(sum, parts.t[k], parts.coefficient(k, first));
 }
 
 HWY_INLINE void fetch_ahead(const PointRow& row, std::size_t i) {

@@ -158,9 +158,12 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
     if (saturated) flags = hn::Or(flags, saturation_flag(limits, frames.sums(at(k))));
     if (row.another) flags = hn::Or(flags, known(k));
     hn::StoreU(flags, di, row.flags + at(k));
-    if (row.nan_if_flagged) hn::StoreU(nan, d, row.turn + at(k));
   });
-  if (row.only_lit && all_dark(known)) return;
+  if (row.only_lit && all_dark(known)) {
+    if (!row.nan_if_flagged) return;
+    return each<count>([&](std::size_t k)
+                           SLIPSTREAM_STEP { hn::StoreU(nan, d, row.turn + at(k)); });
+  }
   turn = turns<N, count>(stage, U, V);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     if (row.nan_if_flagged) {

@@ -68,18 +68,21 @@ int check(const Scanner& scanner, Axis axis) {
           worst = std::max(worst, std::abs(inverse - 1 / exact.z) / span);
           ++points;
         }
-        const auto quadratic = [&](int first) {
-          return coefficient(known, block, first) + t * coefficient(known, block, first + 1) +
-                 t * t * coefficient(known, block, first + 2);
+        const auto cubic = [&](int first) {
+          double sum = 0;
+          for (int k = RayBlocks::ray_terms - 1; k >= 0; --k) {
+            sum = sum * t + coefficient(known, block, first + k);
+          }
+          return sum;
         };
-        worst_ray = std::max({worst_ray,
-                              std::abs(quadratic(RayBlocks::Block::E_x) - rays->E_x(column, row)),
-                              std::abs(quadratic(RayBlocks::Block::E_y) - rays->E_y(column, row))});
+        worst_ray =
+            std::max({worst_ray, std::abs(cubic(RayBlocks::Block::E_x) - rays->E_x(column, row)),
+                      std::abs(cubic(RayBlocks::Block::E_y) - rays->E_y(column, row))});
       }
     }
   }
   EXPECT_LE(worst, 1e-6);
-  EXPECT_LE(worst_ray, 5e-7);
+  EXPECT_LE(worst_ray, 2.5e-7);
   return points;
 }
 

@@ -1,12 +1,6 @@
 #include "app/camera_flags.h"
 
-#include <algorithm>
-#include <array>
 #include <charconv>
-#include <cmath>
-#include <limits>
-#include <string_view>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -14,6 +8,31 @@
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {
+
+namespace {
+
+/// "640x480+16+8" or "640x480". Throws Error for anything else.
+CameraRegion region_from(const std::string& text) {
+  const std::size_t plus = text.find('+');
+  CameraRegion region{.size = size_from(text.substr(0, plus), "--region")};
+  if (plus == std::string::npos) return region;
+  const char* const end = text.data() + text.size();
+  const auto [middle, bad_x] = std::from_chars(text.data() + plus + 1, end, region.x);
+  bool good = bad_x == std::errc() && middle != end && *middle == '+';
+  if (good) {
+    const auto [rest, bad_y] = std::from_chars(middle + 1, end, region.y);
+    good = bad_y == std::errc() && rest == end && region.x >= 0 && region.y >= 0;
+  }
+  if (!good) {
+    throw Error(
+        fmt::format("--region '{}' is no region; give width x height + x + y, as "
+                    "640x480+16+8",
+                    text));
+  }
+  return region;
+}
+
+}  // namespace
 
 void add_camera_flags(CLI::App& command, CameraFlags& flags) {
   const std::string group = "Camera";
@@ -40,59 +59,16 @@ void add_camera_flags(CLI::App& command, CameraFlags& flags) {
       ->group(group);
 }
 
-Region region_from(const std::string& text) {
-  const std::size_t plus = text.find('+');
-  Region region{.size = size_from(text.substr(0, plus), "--region")};
-  if (plus == std::string::npos) return region;
-  const char* const end = text.data() + text.size();
-  const auto [middle, bad_x] = std::from_chars(text.data() + plus + 1, end, region.x);
-  bool good = bad_x == std::errc() && middle != end && *middle == '+';
-  if (good) {
-    const auto [rest, bad_y] = std::from_chars(middle + 1, end, region.y);
-    good = bad_y == std::errc() && rest == end && region.x >= 0 && region.y >= 0;
-  }
-  if (!good) {
-    throw Error(
-        fmt::format("--region '{}' is no region; give width x height + x + y, as "
-                    "640x480+16+8",
-                    text));
-  }
-  return region;
-}
-
-V4l2Settings v4l2_settings(const CameraFlags& flags, std::optional<double> rate, int cycle) {
-  constexpr std::array<std::pair<std::string_view, int>, 3> bits_of{
-      {{"Mono8", 8}, {"Mono10", 10}, {"Mono12", 12}}};
-  V4l2Settings settings;
+CameraSettings camera_settings(const CameraFlags& flags, std::optional<double> rate, int cycle) {
+  CameraSettings settings;
+  settings.gain = flags.gain;
   settings.frame_rate = rate;
+  settings.pixel_format = mono_format_named(flags.pixel_format);
+  settings.trigger = flags.trigger;
+  settings.packet_size = flags.packet_size;
   settings.cycle = cycle;
-  const auto* bits = std::find_if(bits_of.begin(), bits_of.end(), [&](const auto& known) {
-    return known.first == flags.pixel_format;
-  });
-  if (bits == bits_of.end()) {
-    throw Error(
-        fmt::format("--pixel-format {} is not of a v4l2 camera; Mono8, Mono10 or Mono12 are",
-                    flags.pixel_format));
-  }
-  settings.format.bits = bits->second;
-  if (flags.region) {
-    const Region region = region_from(*flags.region);
-    if (region.x != 0 || region.y != 0) {
-      throw Error(fmt::format("--region {}: a v4l2 camera has sizes, but no region; as 640x480",
-                              *flags.region));
-    }
-    settings.format.size = region.size;
-  }
-  if (!flags.trigger.empty()) {
-    throw Error(fmt::format("--trigger {}: v4l2 cameras run freely", flags.trigger));
-  }
   if (flags.exposure) settings.exposure = *flags.exposure / 1e3;
-  if (flags.gain) {
-    if (!(std::abs(*flags.gain) <= std::numeric_limits<int>::max())) {
-      throw Error(fmt::format("--gain {} is out of range; a whole number of 32 bits", *flags.gain));
-    }
-    settings.gain = static_cast<int>(std::lround(*flags.gain));
-  }
+  if (flags.region) settings.region = region_from(*flags.region);
   return settings;
 }
 

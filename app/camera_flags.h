@@ -5,8 +5,7 @@
 
 #include <CLI/App.hpp>
 
-#include "slipstream/capture/v4l2_source.h"
-#include "slipstream/image/size.h"
+#include "slipstream/camera/camera_settings.h"
 
 namespace slipstream::app {
 
@@ -23,18 +22,8 @@ struct CameraFlags {
 /// Adds --exposure, --gain, --region, --pixel-format, --trigger and --packet-size.
 void add_camera_flags(CLI::App& command, CameraFlags& flags);
 
-/// A part of a picture: where, and how large.
-struct Region {
-  int x = 0;
-  int y = 0;
-  Size size;
-};
-
-/// "640x480+16+8" or "640x480". Throws Error for anything else.
-Region region_from(const std::string& text);
-
-/// As a UVC camera takes it, at that rate, of patterns in cycles of so many. Throws Error for flags
-/// that such a camera does not have.
-V4l2Settings v4l2_settings(const CameraFlags& flags, std::optional<double> rate, int cycle);
+/// As the library takes it, at that rate, of patterns in cycles of so many. Throws Error for a
+/// region or a pixel format that is none.
+CameraSettings camera_settings(const CameraFlags& flags, std::optional<double> rate, int cycle);
 
 }  // namespace slipstream::app

@@ -1,3 +1,5 @@
+#include "app/camera_serve.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -8,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "app/genicam.h"
 #include "app/scan_flags.h"
 #include "app/stop_signal.h"
 #include "app/virtual_flags.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -10,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/genicam.h"
+#include "slipstream/camera/open_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/replay_source.h"
@@ -94,36 +93,19 @@ OpenedSource open_replay(const std::string& path, const SourceRequest& request) 
 }
 
 /// Of a camera, which does not say what is projected.
-OpenedSource open_camera(const SourceRequest& request, const auto& open) {
+OpenedSource open_camera_source(const std::string&, const SourceRequest& request) {
   if (!request.scan.strategy) {
     throw Error(fmt::format(
         "{}: a camera does not say what patterns it sees; say so with --strategy", request.source));
   }
   OpenedSource opened;
   opened.scan = scan_from(request.scan, {});
-  opened.frames = open(frame_count(opened.scan.strategy) +
-                       (request.indexing == PatternIndexing::marker ? 1 : 0));
+  const int cycle =
+      frame_count(opened.scan.strategy) + (request.indexing == PatternIndexing::marker ? 1 : 0);
+  opened.frames =
+      open_camera(request.source, camera_settings(request.camera, pace_from(request.rate), cycle));
   set_scanner(opened, request, {}, request.source);
   return opened;
-}
-
-OpenedSource open_aravis(const std::string& name, const SourceRequest& request) {
-  return open_camera(request, [&](int cycle) {
-    return open_genicam_camera(name, request.camera, pace_from(request.rate), cycle);
-  });
-}
-
-OpenedSource open_v4l2(const std::string& text, const SourceRequest& request) {
-  int number = -1;
-  const char* const end = text.data() + text.size();
-  const auto [rest, bad] = std::from_chars(text.data(), end, number);
-  if (bad != std::errc() || rest != end || number < 0) {
-    throw Error(fmt::format("source v4l2:{}: a number is wanted, as v4l2:0 for /dev/video0", text));
-  }
-  return open_camera(request, [&](int cycle) {
-    return std::make_unique<V4l2Source>(
-        number, v4l2_settings(request.camera, pace_from(request.rate), cycle));
-  });
 }
 
 struct Scheme {
@@ -135,8 +117,8 @@ struct Scheme {
 constexpr std::array schemes{
     Scheme{"virtual", "virtual", open_virtual},
     Scheme{"replay", "replay:PATH", open_replay},
-    Scheme{"aravis", "aravis:NAME", open_aravis},
-    Scheme{"v4l2", "v4l2:NUMBER", open_v4l2},
+    Scheme{"aravis", "aravis:NAME", open_camera_source},
+    Scheme{"v4l2", "v4l2:NUMBER", open_camera_source},
 };
 
 }  // namespace

@@ -5,14 +5,17 @@
 #   slipstream_room(phase
 #     USES error image capture          rooms to its left
 #     LINKS Eigen3::Eigen               libraries that its headers show
-#     HIDES TBB::tbb)                   libraries that only its sources see
+#     HIDES TBB::tbb                    libraries that only its sources see
+#     LEAVES_OUT some.cpp)              sources that this build goes without
 set_property(GLOBAL PROPERTY SLIPSTREAM_ROOMS "")
 
 function(slipstream_room room)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "USES;LINKS;HIDES")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "USES;LINKS;HIDES;LEAVES_OUT")
   set(target slipstream_${room})
   set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room})
   file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp)
+  list(TRANSFORM arg_LEAVES_OUT PREPEND ${folder}/)
+  list(REMOVE_ITEM sources ${arg_LEAVES_OUT})
   list(TRANSFORM arg_USES PREPEND slipstream_ OUTPUT_VARIABLE used_targets)
 
   if(sources)

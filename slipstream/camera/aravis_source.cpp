@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/camera/aravis_connection.h"
-#include "slipstream/capture/frame_count.h"
+#include "slipstream/camera/frame_count.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream {

@@ -15,17 +15,20 @@ struct CameraRegion {
   Size size;
 };
 
-/// What a camera is set to; what is not given stays as the camera has it.
+/// What a camera is set to; what is not given stays as the camera has it. Cameras of V4L2 take less
+/// than those of GenICam, as said at each.
 struct CameraSettings {
-  std::optional<double> exposure;    ///< s
-  std::optional<double> gain;        ///< in the camera's unit, mostly dB
-  std::optional<double> frame_rate;  ///< Hz; of a camera that runs freely
+  std::optional<double> exposure;    ///< s; turns automatic exposure off
+  std::optional<double> gain;        ///< in the camera's unit, mostly dB; V4L2: rounded
+  std::optional<double> frame_rate;  ///< Hz, of a camera that runs freely; V4L2: the nearest
+  /// V4L2: begins at 0, 0, and is 640x480 where not given.
   std::optional<CameraRegion> region;
+  /// V4L2: mono8 (the driver's GREY, or the luma of its YUYV), mono10 (Y10) or mono12 (Y12).
   MonoFormat pixel_format = MonoFormat::mono8;
-  /// What starts each frame: empty: the camera runs freely; "Software": AravisSource::trigger; or
-  /// the camera's name of a line, as "Line1".
+  /// What starts each frame: empty: the camera runs freely, as V4L2 must; "Software":
+  /// AravisSource::trigger; or the camera's name of a line, as "Line1".
   std::string trigger;
-  int packet_size = 0;  ///< GigE Vision, bytes; 0: the largest that passes
+  int packet_size = 0;  ///< GigE Vision alone, bytes; 0: the largest that passes
   /// Patterns in a scan. When a camera was gone and is back, the count of its frames goes on at a
   /// multiple of it.
   int cycle = 1;

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/camera/aravis_source.h"
-#include "slipstream/camera/camera_list.h"
+#include "slipstream/camera/open_camera.h"
 #include "slipstream/reconstruct/fused_reconstructor.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -307,11 +307,11 @@ TEST(VirtualGigeCamera, StalledConsumerLosesFramesAndGoesOn) {
 TEST(VirtualGigeCamera, IsListed) {
   const auto camera = serve(some_frames(1, {160, 120}), "LISTED");
   REQUIRE_CAMERA(camera);
-  for (const CameraDescription& found : list_genicam_cameras()) {
+  for (const CameraDescription& found : list_cameras()) {
     if (found.serial == "LISTED") {
-      EXPECT_EQ(found.name, "Aravis-Fake-LISTED");
+      EXPECT_EQ(found.name, "aravis:Aravis-Fake-LISTED");
       EXPECT_EQ(found.address, address);
-      EXPECT_NO_THROW(AravisSource(found.name, {}));
+      EXPECT_NO_THROW(open_camera(found.name, {}));
       return;
     }
   }

@@ -66,9 +66,9 @@ std::string contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Rooms of which CMake does not tell in builds without cameras or windows.
+/// Rooms of which CMake does not tell in builds without windows.
 bool may_be_off(const std::string& room) {
-  static const std::set<std::string> optional{"camera", "opengl", "project", "view"};
+  static const std::set<std::string> optional{"opengl", "project", "view"};
   return optional.contains(room);
 }
 

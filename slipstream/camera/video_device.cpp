@@ -1,4 +1,4 @@
-#include "slipstream/capture/video_device.h"
+#include "slipstream/camera/video_device.h"
 
 #include <cerrno>
 #include <cstring>

@@ -1,8 +1,15 @@
-#include "slipstream/camera/camera_list.h"
+#include "slipstream/camera/genicam.h"
 
 #include <arv.h>
 
+#include "slipstream/camera/aravis_source.h"
+
 namespace slipstream {
+
+std::unique_ptr<FrameSource> open_genicam_camera(const std::string& name,
+                                                 const CameraSettings& settings) {
+  return std::make_unique<AravisSource>(name, settings);
+}
 
 std::vector<CameraDescription> list_genicam_cameras() {
   const auto text = [](const char* value) { return std::string(value == nullptr ? "" : value); };

@@ -1,4 +1,4 @@
-#include "slipstream/capture/v4l2_source.h"
+#include "slipstream/camera/v4l2_source.h"
 
 #include <algorithm>
 #include <array>
@@ -82,18 +82,46 @@ void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pix
   }
 }
 
+/// Throws Error for settings that no such camera has.
+FrameFormat format_from(const CameraSettings& settings) {
+  const MonoFormat pixels = settings.pixel_format;
+  if (pixels != MonoFormat::mono8 && pixels != MonoFormat::mono10 && pixels != MonoFormat::mono12) {
+    throw Error(fmt::format(
+        "--pixel-format {} is not of a v4l2 camera; Mono8, Mono10 or Mono12 are", name_of(pixels)));
+  }
+  const CameraRegion region = settings.region.value_or(CameraRegion{.size = {640, 480}});
+  if (region.x != 0 || region.y != 0) {
+    throw Error(
+        fmt::format("--region {}x{}+{}+{}: a v4l2 camera has sizes, but no region; as 640x480",
+                    region.size.width, region.size.height, region.x, region.y));
+  }
+  if (!settings.trigger.empty()) {
+    throw Error(fmt::format("--trigger {}: v4l2 cameras run freely", settings.trigger));
+  }
+  return {region.size, bits_of(pixels)};
+}
+
+/// V4L2 counts gain in whole numbers.
+double whole_gain(double gain) {
+  if (!(std::abs(gain) <= std::numeric_limits<int>::max())) {
+    throw Error(fmt::format("--gain {} is out of range; a whole number of 32 bits", gain));
+  }
+  return std::round(gain);
+}
+
 }  // namespace
 
 /// An open camera with its buffers.
 class V4l2Source::Stream {
  public:
-  Stream(std::string name, std::unique_ptr<VideoDevice> device, const V4l2Settings& settings)
+  Stream(std::string name, std::unique_ptr<VideoDevice> device, const FrameFormat& format,
+         const CameraSettings& settings)
       : name_(std::move(name)), device_(std::move(device)) {
     v4l2_capability capability;
     if (!is_camera(*device_, capability)) {
       throw Error(fmt::format("{} is no camera that gives a stream of frames", name_));
     }
-    set_format(settings.format);
+    set_format(format);
     set_rate(settings);
     set_light(settings);
   }
@@ -188,7 +216,7 @@ class V4l2Source::Stream {
                             name_, wanted.bits));
   }
 
-  void set_rate(const V4l2Settings& settings) const {
+  void set_rate(const CameraSettings& settings) const {
     if (!settings.frame_rate) return;
     if (!(*settings.frame_rate > 0 && *settings.frame_rate < 1e6)) {
       throw Error(
@@ -204,7 +232,7 @@ class V4l2Source::Stream {
     }
   }
 
-  void set_light(const V4l2Settings& settings) const {
+  void set_light(const CameraSettings& settings) const {
     if (settings.exposure) {
       const double steps = std::round(*settings.exposure * 1e4);  // of 100 us
       const bool possible = steps >= 1 && steps <= std::numeric_limits<int>::max();
@@ -217,8 +245,9 @@ class V4l2Source::Stream {
     }
     if (settings.gain) {
       set_control(*device_, V4L2_CID_AUTOGAIN, 0);
-      if (!set_control(*device_, V4L2_CID_GAIN, *settings.gain)) {
-        throw Error(fmt::format("camera {} does not take a gain of {}", name_, *settings.gain));
+      const int gain = static_cast<int>(*settings.gain);
+      if (!set_control(*device_, V4L2_CID_GAIN, gain)) {
+        throw Error(fmt::format("camera {} does not take a gain of {}", name_, gain));
       }
     }
   }
@@ -254,16 +283,21 @@ class V4l2Source::Stream {
   std::vector<std::span<std::uint8_t>> buffers_;
 };
 
-V4l2Source::V4l2Source(std::string name, Open open, const V4l2Settings& settings)
-    : name_(std::move(name)), open_(std::move(open)), settings_(settings), count_(settings.cycle) {
-  require_valid(settings.format);
+V4l2Source::V4l2Source(std::string name, Open open, const CameraSettings& settings)
+    : name_(std::move(name)),
+      open_(std::move(open)),
+      settings_(settings),
+      format_(format_from(settings)),
+      count_(settings.cycle) {
+  require_valid(format_);
+  if (settings_.gain) settings_.gain = whole_gain(*settings_.gain);
   if (settings.cycle < 1) {
     throw Error(fmt::format("{} patterns in a scan; at least 1", settings.cycle));
   }
-  stream_ = std::make_unique<Stream>(name_, open_(), settings_);
+  stream_ = std::make_unique<Stream>(name_, open_(), format_, settings_);
 }
 
-V4l2Source::V4l2Source(int number, const V4l2Settings& settings)
+V4l2Source::V4l2Source(int number, const CameraSettings& settings)
     : V4l2Source(
           fmt::format("/dev/video{}", number),
           [number] { return open_video_device(fmt::format("/dev/video{}", number)); }, settings) {}
@@ -272,7 +306,7 @@ V4l2Source::~V4l2Source() = default;
 
 void V4l2Source::start() {
   const bool gone = !stream_;
-  if (gone) stream_ = std::make_unique<Stream>(name_, open_(), settings_);
+  if (gone) stream_ = std::make_unique<Stream>(name_, open_(), format_, settings_);
   try {
     stream_->start();
   } catch (const std::exception&) {

@@ -6,26 +6,16 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/camera_description.h"
-#include "slipstream/capture/frame_count.h"
+#include "slipstream/camera/camera_description.h"
+#include "slipstream/camera/camera_settings.h"
+#include "slipstream/camera/frame_count.h"
+#include "slipstream/camera/video_device.h"
 #include "slipstream/capture/frame_source.h"
-#include "slipstream/capture/video_device.h"
 
 namespace slipstream {
-
-/// What a UVC camera is set to; what is not given stays as the camera has it.
-struct V4l2Settings {
-  /// Size and 8, 10 or 12 bits: of the driver's GREY or the luma of its YUYV, Y10, Y12.
-  FrameFormat format{{640, 480}, 8};
-  std::optional<double> frame_rate;  ///< Hz; the camera takes the nearest that it has
-  std::optional<double> exposure;    ///< s; turns automatic exposure off
-  std::optional<int> gain;           ///< in the camera's unit; turns automatic gain off
-  int cycle = 1;                     ///< patterns in a scan, as of FrameCount
-};
 
 /// UVC and other cameras of Linux, through V4L2. Sequence and device time are the driver's, so that
 /// frames which it dropped are seen. A camera that was unplugged is sought until it is back.
@@ -35,14 +25,14 @@ class V4l2Source : public FrameSource {
 
   /// Opens the camera; `name` is what messages call it. Throws Error where it does not take a
   /// setting, WorldError where it does not answer.
-  V4l2Source(std::string name, Open open, const V4l2Settings& settings);
+  V4l2Source(std::string name, Open open, const CameraSettings& settings);
   /// The camera /dev/video<number>.
-  V4l2Source(int number, const V4l2Settings& settings);
+  V4l2Source(int number, const CameraSettings& settings);
   ~V4l2Source() override;
   V4l2Source(const V4l2Source&) = delete;
   V4l2Source& operator=(const V4l2Source&) = delete;
 
-  [[nodiscard]] FrameFormat format() const override { return settings_.format; }
+  [[nodiscard]] FrameFormat format() const override { return format_; }
   [[nodiscard]] bool has_own_pace() const override { return true; }
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
@@ -58,7 +48,8 @@ class V4l2Source : public FrameSource {
 
   std::string name_;
   Open open_;
-  V4l2Settings settings_;
+  CameraSettings settings_;
+  FrameFormat format_;
   std::unique_ptr<Stream> stream_;
   FrameCount count_;
   mutable std::mutex mutex_;

@@ -1,4 +1,4 @@
-#include "slipstream/capture/frame_count.h"
+#include "slipstream/camera/frame_count.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "slipstream/capture/v4l2_source.h"
+#include "slipstream/camera/v4l2_source.h"
 
 #include <cerrno>
 #include <cstring>
@@ -149,8 +149,8 @@ V4l2Source::Open opener(const std::shared_ptr<MadeUpCamera>& camera) {
   };
 }
 
-V4l2Settings small_frames(int bits = 8) {
-  return {.format = {{6, 4}, bits}, .cycle = 4};
+CameraSettings small_frames(MonoFormat format = MonoFormat::mono8) {
+  return {.region = CameraRegion{.size = {6, 4}}, .pixel_format = format, .cycle = 4};
 }
 
 TEST(V4l2Source, GivesTheGreyFramesOfTheDriver) {
@@ -194,16 +194,17 @@ TEST(V4l2Source, TakesTheLumaOfYuyv) {
 }
 
 TEST(V4l2Source, GivesMoreBitsAsTheyAre) {
-  for (const auto& [code, bits] : {std::pair{V4L2_PIX_FMT_Y10, 10}, {V4L2_PIX_FMT_Y12, 12}}) {
+  for (const auto& [code, format] :
+       {std::pair{V4L2_PIX_FMT_Y10, MonoFormat::mono10}, {V4L2_PIX_FMT_Y12, MonoFormat::mono12}}) {
     const auto camera = std::make_shared<MadeUpCamera>();
     camera->pixel_format = code;
     camera->row_bytes = 16;
-    V4l2Source source("made up", opener(camera), small_frames(bits));
+    V4l2Source source("made up", opener(camera), small_frames(format));
     source.start();
     camera->frames_ready = 1;
     Frame frame(source.format());
     ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
-    EXPECT_EQ(frame.bits, bits);
+    EXPECT_EQ(frame.bits, bits_of(format));
     EXPECT_EQ(std::get<1>(frame.pixels)(2, 1), MadeUpCamera::byte(0, 20) | MadeUpCamera::byte(0, 21)
                                                                                << 8);
   }
@@ -274,7 +275,7 @@ TEST(V4l2Source, StartsAgainThoughItWasGoneAtTheStop) {
 
 TEST(V4l2Source, SetsRateAndLight) {
   const auto camera = std::make_shared<MadeUpCamera>();
-  V4l2Settings settings = small_frames();
+  CameraSettings settings = small_frames();
   settings.frame_rate = 120;
   settings.exposure = 0.002;
   settings.gain = 7;
@@ -288,21 +289,34 @@ TEST(V4l2Source, SetsRateAndLight) {
 TEST(V4l2Source, SaysWhatTheCameraDoesNotTake) {
   const auto camera = std::make_shared<MadeUpCamera>();
   const auto open_with = [&](const auto& change) {
-    V4l2Settings settings = small_frames();
+    CameraSettings settings = small_frames();
     change(settings);
     const V4l2Source source("made up", opener(camera), settings);
   };
   expect_error([&] { open_with([](auto& to) {
-                       to.format.size = {640, 480};
+                       to.region->size = {640, 480};
                      }); },
                {"made up", "640x480", "6x4"});
-  expect_error([&] { open_with([](auto& to) { to.format.bits = 12; }); }, {"12 bits"});
-  expect_error([&] { open_with([](auto& to) { to.format.bits = 7; }); }, {"7 bits"});
+  expect_error([&] { open_with([](auto& to) { to.pixel_format = MonoFormat::mono12; }); },
+               {"12 bits"});
   expect_error([&] { open_with([](auto& to) { to.exposure = 0; }); }, {"exposure of 0 s"});
   expect_error([&] { open_with([](auto& to) { to.frame_rate = -2; }); }, {"-2"});
   camera->controls.erase(V4L2_CID_GAIN);
   expect_error([&] { open_with([](auto& to) { to.gain = 3; }); }, {"gain of 3"});
   EXPECT_THROW(V4l2Source(4000, {}), WorldError);
+}
+
+TEST(V4l2Source, RefusesWhatNoSuchCameraHas) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  const auto open_with = [&](const CameraSettings& settings) {
+    const V4l2Source source("made up", opener(camera), settings);
+  };
+  expect_error([&] { open_with({.pixel_format = MonoFormat::mono10p}); },
+               {"Mono10p", "Mono8, Mono10 or Mono12"});
+  expect_error([&] { open_with({.region = CameraRegion{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
+  expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "run freely"});
+  expect_error([&] { open_with({.gain = 1e12}); }, {"--gain"});
+  expect_error([&] { open_with({.cycle = 0}); }, {"0 patterns"});
 }
 
 TEST(V4l2Cameras, AreListedWithoutFailure) {

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "app/commands.h"
+
+namespace slipstream::app {
+
+/// Adds `slipstream camera serve`, in programs built with Aravis.
+void add_camera_serve(CLI::App& camera, SharedFlags& shared, Command& chosen);
+
+}  // namespace slipstream::app

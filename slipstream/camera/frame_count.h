@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+
+namespace slipstream {
+
+/// Counts a camera's frames from 0 by the numbers that the camera gives them, and finds how many
+/// are missing. The count goes on for ever, while the camera's own numbers may begin again: GigE
+/// Vision counts 1 to 65535 and then from 1 (no frame is numbered 0). Numbers above 65535 are taken
+/// to be of a camera that never runs out of them.
+class FrameCount {
+ public:
+  /// `cycle`: patterns in a scan, at least 1. Frame k of a camera that was started at the first
+  /// pattern shows pattern k modulo `cycle`. To keep that true when the camera was gone and starts
+  /// again at the first pattern, its count goes on at the next multiple of `cycle` that leaves a
+  /// gap of one or more, so that no scan mixes frames from before and after.
+  explicit FrameCount(int cycle) : cycle_(static_cast<std::uint64_t>(cycle)) {}
+
+  /// The camera starts, or starts again: its frame numbered `first` shows the first pattern.
+  void begin(std::uint64_t first) {
+    if (!none_yet_) start_ = (expected_ + cycle_) / cycle_ * cycle_;
+    none_yet_ = true;
+    first_ = last_ = first;
+    unwrapped_ = 0;
+  }
+
+  /// The count of the frame that the camera gave this number. A number more than `far` below the
+  /// last, or below `first`, says that the camera has started again; begin() is then called here.
+  std::uint64_t operator()(std::uint64_t number) {
+    if (step_to(number) < -far || unwrapped_ + step_to(number) < 0) {
+      begin(number >= first_ && number < first_ + far ? first_ : number);
+    }
+    unwrapped_ += step_to(number);
+    last_ = number;
+    const std::uint64_t count = start_ + static_cast<std::uint64_t>(unwrapped_);
+    if (none_yet_) expected_ = count;
+    none_yet_ = false;
+    if (count >= expected_) {
+      missing_ += count - expected_;
+      expected_ = count + 1;
+    }
+    return count;
+  }
+
+  /// How many counts, in all, belong to frames that never came. Frames lost between begin() and the
+  /// first that came are not among them: the connection to the camera is then still being set up.
+  [[nodiscard]] std::uint64_t missing() const { return missing_; }
+  /// A step back of more numbers than this is a camera that started again, not a late frame.
+  static constexpr int far = 1000;
+
+ private:
+  /// From the last number to this one, across the end of 16 bits where that is nearer.
+  [[nodiscard]] std::int64_t step_to(std::uint64_t number) const {
+    constexpr std::int64_t round = 65535;
+    const auto step = static_cast<std::int64_t>(number - last_);
+    if (number > round || last_ > round) return step;
+    if (step < -round / 2) return step + round;
+    return step > round / 2 && unwrapped_ > round / 2 ? step - round : step;
+  }
+
+  std::uint64_t cycle_;
+  std::uint64_t start_ = 0;     ///< the count of the frame numbered `first_`
+  std::uint64_t expected_ = 0;  ///< the count after the largest so far
+  std::uint64_t missing_ = 0;
+  bool none_yet_ = true;        ///< no frame came since begin()
+  std::uint64_t first_ = 0;     ///< the camera's number of the first frame after begin()
+  std::uint64_t last_ = 0;      ///< the camera's number of the last frame that came
+  std::int64_t unwrapped_ = 0;  ///< frames from `first_` to `last_`
+};
+
+}  // namespace slipstream

@@ -1,8 +1,10 @@
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +15,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/pattern/pattern_in_8_bits.h"
+#include "slipstream/project/monitor_sink.h"
 #include "slipstream/project/projection.h"
 
 namespace slipstream::app {
@@ -96,7 +99,8 @@ std::string line_of(const project::PatternSwap& swap, const project::PatternSwap
                      std::chrono::duration<double>(swap.time - first.time).count());
 }
 
-void tell(const project::ProjectionReport& report, int hold, Output& output) {
+void tell(const project::ProjectionReport& report, const project::MonitorSink& projector, int hold,
+          Output& output) {
   const double rate =
       report.seconds > 0 ? static_cast<double>(report.shown - 1) / report.seconds : 0;
   output.say("{} patterns in {:.1f} s, {:.2f} per second; {} late", report.shown, report.seconds,
@@ -104,15 +108,15 @@ void tell(const project::ProjectionReport& report, int hold, Output& output) {
   if (!report.waits_for_refresh) {
     output.warn("the driver does not wait for the monitor's refresh; patterns went by the clock");
   }
-  if (!report.has_gamma_table) output.warn("the monitor has no gamma table that could be set");
+  if (!projector.state().empty()) output.warn(projector.state());
   output.document = {{"patterns", report.shown},
                      {"late", report.late},
                      {"seconds", report.seconds},
                      {"patterns_per_second", rate},
                      {"hold", hold},
-                     {"refresh_hz", report.refresh_hz},
+                     {"refresh_hz", projector.refresh_hz()},
                      {"waits_for_refresh", report.waits_for_refresh},
-                     {"gamma_table", report.has_gamma_table}};
+                     {"gamma_table", projector.has_gamma_table()}};
 }
 
 void project_scan(const ProjectFlags& flags, Output& output) {
@@ -127,11 +131,14 @@ void project_scan(const ProjectFlags& flags, Output& output) {
   }
   const Monitor& monitor = monitor_at(monitors, flags.monitor);
   const int hold = hold_from(flags, monitor);
-  const auto patterns = patterns_from(flags, monitor);
+  auto patterns = patterns_from(flags, monitor);
+  const std::size_t count = patterns.size();
+  project::MonitorSink projector(system, flags.monitor);
+  projector.load(std::move(patterns));
 
   std::string log = "swap,pattern,seconds\n";
   std::optional<project::PatternSwap> first;
-  project::ProjectionSettings settings{.monitor = flags.monitor, .hold = hold};
+  project::ProjectionSettings settings{.refresh_hz = projector.refresh_hz(), .hold = hold};
   settings.on_swap = [&](const project::PatternSwap& swap) {
     if (!first) first = swap;
     if (!flags.log.empty()) log += line_of(swap, *first);
@@ -140,10 +147,11 @@ void project_scan(const ProjectFlags& flags, Output& output) {
   const auto start = std::chrono::steady_clock::now();
   settings.ends = [&] {
     const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    return stop.raised() || (flags.duration && passed.count() >= *flags.duration);
+    return projector.closed() || stop.raised() ||
+           (flags.duration && passed.count() >= *flags.duration);
   };
-  const project::ProjectionReport report = project::project_patterns(system, patterns, settings);
-  tell(report, hold, output);
+  const project::ProjectionReport report = project::project_patterns(projector, count, settings);
+  tell(report, projector, hold, output);
   if (!flags.log.empty()) {
     write_file(flags.log, log);
     output.say("log: {}", flags.log);

@@ -8,15 +8,11 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/project/gamma_table.h"
-#include "slipstream/project/pattern_window.h"
 
 namespace slipstream::project {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-constexpr double usual_refresh_hz = 60;
 
 Clock::duration from_seconds(double seconds) {
   return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -26,8 +22,8 @@ Clock::duration from_seconds(double seconds) {
 /// tells is rounded.
 class Pace {
  public:
-  Pace(const PatternWindow& window, double refresh_hz, int hold)
-      : window_(window), refresh_(from_seconds(1 / refresh_hz)), hold_(hold) {}
+  Pace(PatternSink& sink, double refresh_hz, int hold)
+      : sink_(sink), refresh_(from_seconds(1 / refresh_hz)), hold_(hold) {}
 
   /// Puts pattern n on when the one before has had its time; returns when that was, or nothing
   /// where it is `over` before.
@@ -52,10 +48,9 @@ class Pace {
   /// Showing waits for the next refresh, so it is begun half a refresh before. Drivers without a
   /// screen do not wait: then the clock alone says when.
   void refresh(std::size_t n) {
-    window_.draw(n);
     const Clock::time_point due = last_ + refresh_;
     if (started_) std::this_thread::sleep_until(due - refresh_ / 2);
-    window_.show();
+    sink_.show(n);
     const auto now = Clock::now();
     const bool waited = !started_ || now > due - refresh_ / 4;
     late_ |= started_ && now > due + refresh_ / 2;
@@ -64,7 +59,7 @@ class Pace {
     ++refreshes_;
   }
 
-  const PatternWindow& window_;
+  PatternSink& sink_;
   Clock::duration refresh_;
   int hold_;
   bool started_ = false, late_ = false;
@@ -75,25 +70,21 @@ class Pace {
 
 }  // namespace
 
-ProjectionReport project_patterns(const opengl::WindowSystem& system,
-                                  const std::vector<Image<std::uint8_t>>& patterns,
+ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
                                   const ProjectionSettings& settings) {
-  if (patterns.empty()) throw Error("no pattern to be shown; one or more are wanted");
+  if (count == 0) throw Error("no pattern to be shown; one or more are wanted");
   if (settings.hold < 1) {
     throw Error(fmt::format("a pattern cannot stay for {} refreshes; 1 or more", settings.hold));
   }
-  const PatternWindow window(system, settings.monitor, patterns);
-  const IdentityGammaTable table(system, settings.monitor);
+  if (!(settings.refresh_hz > 0)) {
+    throw Error(fmt::format("a projector of {} Hz shows nothing; above 0", settings.refresh_hz));
+  }
   ProjectionReport report;
-  report.has_gamma_table = table.exists();
-  const auto monitor = system.monitors().at(static_cast<std::size_t>(settings.monitor));
-  report.refresh_hz = monitor.refresh_hz > 0 ? monitor.refresh_hz : usual_refresh_hz;
-
-  Pace pace(window, report.refresh_hz, settings.hold);
+  Pace pace(sink, settings.refresh_hz, settings.hold);
   Clock::time_point first;
-  const auto over = [&] { return window.closed() || (settings.ends && settings.ends()); };
+  const auto over = [&] { return settings.ends && settings.ends(); };
   while (!over()) {
-    const auto n = static_cast<std::size_t>(report.shown % patterns.size());
+    const auto n = static_cast<std::size_t>(report.shown % count);
     const std::optional<Clock::time_point> time = pace.next(n, over);
     if (!time) break;
     const PatternSwap swap{report.shown, static_cast<int>(n), *time};

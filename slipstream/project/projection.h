@@ -1,12 +1,11 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <vector>
 
-#include "slipstream/image/image.h"
-#include "slipstream/opengl/window.h"
+#include "slipstream/capture/pattern_sink.h"
 
 namespace slipstream::project {
 
@@ -19,10 +18,10 @@ struct PatternSwap {
 
 /// How patterns are shown, one after another and from the first again.
 struct ProjectionSettings {
-  int monitor = 0;  ///< of WindowSystem::monitors
-  int hold = 1;     ///< refreshes of the monitor that each stays for
+  double refresh_hz = 60;  ///< of the projector, as MonitorSink::refresh_hz
+  int hold = 1;            ///< refreshes of the projector that each stays for
   std::function<void(const PatternSwap&)> on_swap = {};
-  std::function<bool()> ends = {};  ///< asked after each refresh, beside the Esc key
+  std::function<bool()> ends = {};  ///< asked after each refresh
 };
 
 /// What became of it.
@@ -32,16 +31,14 @@ struct ProjectionReport {
       0;                   ///< that a pattern was put on for: `hold` each, 1 or more for the last
   std::uint64_t late = 0;  ///< that came more than half a refresh after their time
   double seconds = 0;      ///< from the first to the last
-  double refresh_hz = 0;   ///< as the monitor says; 60 where it does not
-  bool waits_for_refresh = true;  ///< else the driver does not, and patterns went by the clock
-  bool has_gamma_table = true;
+  /// Whether show() waits for the projector's refresh; else patterns went by the clock.
+  bool waits_for_refresh = true;
 };
 
-/// Shows the patterns, which are of the monitor's size, in their order, none left out and none
-/// twice, until Esc is pressed or `ends` says so; in the main thread. Throws as PatternWindow does,
-/// Error where `hold` is below 1 or there is no pattern.
-ProjectionReport project_patterns(const opengl::WindowSystem& system,
-                                  const std::vector<Image<std::uint8_t>>& patterns,
+/// Shows the `count` patterns that `sink` has loaded in their order, over and over, none left out
+/// and none twice, until `ends` says so. Throws as the sink does, Error where `hold` is below 1,
+/// the rate is not above 0 or there is no pattern.
+ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
                                   const ProjectionSettings& settings);
 
 /// How many refreshes a pattern has to stay for so many patterns per second. Throws Error where

@@ -1,4 +1,4 @@
-#include "slipstream/project/pattern_window.h"
+#include "slipstream/project/monitor_sink.h"
 
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
@@ -40,23 +40,27 @@ opengl::Resource texture_of(const Image<std::uint8_t>& pattern) {
   return texture;
 }
 
+double refresh_hz_of(const opengl::WindowSystem& system, int monitor) {
+  constexpr int usual_hz = 60;
+  const auto monitors = system.monitors();
+  const auto number = static_cast<std::size_t>(monitor);
+  if (number >= monitors.size()) {
+    throw Error(fmt::format("monitor {} is not there; {} connected, numbered from 0", monitor,
+                            monitors.size()));
+  }
+  return monitors[number].refresh_hz > 0 ? monitors[number].refresh_hz : usual_hz;
+}
+
 }  // namespace
 
-PatternWindow::PatternWindow(const opengl::WindowSystem& system, int monitor,
-                             const std::vector<Image<std::uint8_t>>& patterns)
-    : window_(system, {.title = "slipstream project", .fills_monitor = monitor}),
+MonitorSink::MonitorSink(const opengl::WindowSystem& system, int monitor)
+    : monitor_(monitor),
+      refresh_hz_(refresh_hz_of(system, monitor)),
+      window_(system, {.title = "slipstream project", .fills_monitor = monitor}),
+      gamma_table_(system, monitor),
       program_({.vertex = vertex_shader, .fragment = fragment_shader}),
       vertex_array_(opengl::make_vertex_array()),
       size_(window_.framebuffer_size()) {
-  for (const Image<std::uint8_t>& pattern : patterns) {
-    if (pattern.size() != size_) {
-      throw Error(
-          fmt::format("the patterns are {}x{}, but monitor {} is {}x{}; each pixel must meet "
-                      "its own",
-                      pattern.width(), pattern.height(), monitor, size_.width, size_.height));
-    }
-    textures_.push_back(texture_of(pattern));
-  }
   glfwSetInputMode(window_.get(), GLFW_CURSOR, GLFW_CURSOR_HIDDEN);
   glfwSetKeyCallback(window_.get(), [](GLFWwindow* window, int key, int, int action, int) {
     if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) glfwSetWindowShouldClose(window, GLFW_TRUE);
@@ -66,24 +70,38 @@ PatternWindow::PatternWindow(const opengl::WindowSystem& system, int monitor,
   glDisable(GL_FRAMEBUFFER_SRGB);
 }
 
-void PatternWindow::draw(std::size_t n) const {
+void MonitorSink::load(std::vector<Image<std::uint8_t>> patterns) {
+  require_patterns(patterns, size_, fmt::format("monitor {}", monitor_));
+  window_.make_current();
+  textures_.clear();
+  for (const Image<std::uint8_t>& pattern : patterns) textures_.push_back(texture_of(pattern));
+}
+
+void MonitorSink::show(std::size_t n) {
+  window_.make_current();
+  draw(n);
+  window_.swap();
+  glFinish();
+  ++shown_;
+}
+
+void MonitorSink::draw(std::size_t n) const {
   glViewport(0, 0, size_.width, size_.height);
   program_.use();
   program_.set("pattern", 0);
   program_.set("height", size_.height);
   glActiveTexture(GL_TEXTURE0);
-  glBindTexture(GL_TEXTURE_2D, textures_[n].number());
+  glBindTexture(GL_TEXTURE_2D, textures_.at(n).number());
   glBindVertexArray(vertex_array_.number());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glBindVertexArray(0);
 }
 
-void PatternWindow::show() const {
-  window_.swap();
-  glFinish();
+std::string MonitorSink::state() const {
+  return has_gamma_table() ? "" : "the monitor has no gamma table that could be set";
 }
 
-bool PatternWindow::closed() const {
+bool MonitorSink::closed() const {
   glfwPollEvents();
   return window_.should_close();
 }

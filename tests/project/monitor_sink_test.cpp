@@ -1,8 +1,11 @@
 // Patterns on a monitor, that of Xvfb where there is no other; skipped without either.
-#include "slipstream/project/pattern_window.h"
+#include "slipstream/project/monitor_sink.h"
 
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -38,6 +41,13 @@ class OnAMonitor : public testing::Test {
     if (system_->monitors().empty()) GTEST_SKIP() << "no monitor";
   }
   [[nodiscard]] Size size() const { return system_->monitors().front().size; }
+  /// The patterns on the first monitor, over and over, as the settings say.
+  [[nodiscard]] ProjectionReport project(const std::vector<Image<std::uint8_t>>& patterns,
+                                         const ProjectionSettings& settings) const {
+    MonitorSink sink(*system_, 0);
+    sink.load(patterns);
+    return project_patterns(sink, patterns.size(), settings);
+  }
 
   Desktop desktop_;
   std::unique_ptr<opengl::WindowSystem> system_;
@@ -47,18 +57,20 @@ TEST_F(OnAMonitor, EveryPixelHasItsGreyLevel) {
   for (const Axis axis : {Axis::x, Axis::y}) {
     const auto patterns =
         patterns_of(DualFrequency{.steps = 3, .high = 32, .low = 1}, axis, size());
-    const PatternWindow window(*system_, 0, patterns);
-    ASSERT_EQ(window.window().framebuffer_size(), size());
+    MonitorSink sink(*system_, 0);
+    ASSERT_EQ(sink.size(), size());
+    sink.load(patterns);
     for (std::size_t n = 0; n < patterns.size(); ++n) {
-      window.draw(n);
+      sink.draw(n);
       const Image<Colour> shown = opengl::read_pixels(size());
-      window.show();
+      sink.show(n);
       const bool same = std::equal(shown.begin(), shown.end(), patterns[n].begin(),
                                    [](const Colour& colour, std::uint8_t level) {
                                      return colour == Colour{level, level, level};
                                    });
       EXPECT_TRUE(same) << "pattern " << n;
     }
+    EXPECT_EQ(sink.shown(), patterns.size());
   }
 }
 
@@ -68,7 +80,7 @@ TEST_F(OnAMonitor, PatternsComeInTheirOrderAndAreTold) {
   ProjectionSettings settings;
   settings.on_swap = [&](const PatternSwap& swap) { swaps.push_back(swap); };
   settings.ends = [&] { return swaps.size() >= 10; };
-  const ProjectionReport report = project_patterns(*system_, patterns, settings);
+  const ProjectionReport report = project(patterns, settings);
   ASSERT_EQ(swaps.size(), 10U);
   EXPECT_EQ(report.shown, 10U);
   for (std::size_t i = 0; i < swaps.size(); ++i) {
@@ -85,7 +97,7 @@ TEST_F(OnAMonitor, APatternStaysForItsRefreshes) {
   settings.hold = 3;
   settings.on_swap = [&](const PatternSwap&) { ++swaps; };
   settings.ends = [&] { return swaps >= 7; };
-  const ProjectionReport report = project_patterns(*system_, patterns, settings);
+  const ProjectionReport report = project(patterns, settings);
   EXPECT_EQ(report.shown, 7U);
   EXPECT_EQ(report.refreshes, 6U * 3 + 1);
 }
@@ -96,22 +108,66 @@ TEST_F(OnAMonitor, ItEndsWhileAPatternStays) {
   ProjectionSettings settings;
   settings.hold = 100000;
   settings.ends = [&] { return ++asked > 5; };
-  const ProjectionReport report = project_patterns(*system_, patterns, settings);
+  const ProjectionReport report = project(patterns, settings);
   EXPECT_EQ(report.shown, 1U);
   EXPECT_LE(report.refreshes, 6U);
 }
 
 TEST_F(OnAMonitor, PatternsOfAnotherSizeAreRefused) {
   const auto patterns = patterns_of(PhaseMeasuring{}, Axis::x, {64, 48});
-  EXPECT_THROW(PatternWindow(*system_, 0, patterns), Error);
+  MonitorSink sink(*system_, 0);
+  EXPECT_THROW(sink.load(patterns), Error);
+  EXPECT_THROW(sink.load({}), Error);
+}
+
+TEST_F(OnAMonitor, PatternsTakeThePlaceOfThoseBefore) {
+  MonitorSink sink(*system_, 0);
+  for (const std::uint8_t level : {30, 200}) {
+    sink.load({Image<std::uint8_t>(size(), level)});
+    sink.draw(0);
+    EXPECT_EQ(opengl::read_pixels(size())(5, 5), (Colour{level, level, level}));
+  }
+  EXPECT_THROW(sink.show(1), std::out_of_range);
+}
+
+TEST_F(OnAMonitor, SaysWhatTheMonitorLacks) {
+  const MonitorSink sink(*system_, 0);
+  EXPECT_EQ(sink.state().empty(), sink.has_gamma_table());
+  EXPECT_GT(sink.refresh_hz(), 0);
+  EXPECT_FALSE(sink.closed());
 }
 
 TEST_F(OnAMonitor, AMonitorThatIsNotThereIsRefused) {
-  const auto patterns = patterns_of(PhaseMeasuring{}, Axis::x, size());
-  EXPECT_THROW(PatternWindow(*system_, 99, patterns), Error);
-  EXPECT_THROW(project_patterns(*system_, patterns, {.monitor = 99}), Error);
-  EXPECT_THROW(project_patterns(*system_, patterns, {.hold = 0}), Error);
-  EXPECT_THROW(project_patterns(*system_, {}, {}), Error);
+  EXPECT_THROW(MonitorSink(*system_, 99), Error);
+  EXPECT_THROW(MonitorSink(*system_, -1), Error);
+}
+
+/// Remembers what it was asked to show.
+class WitnessSink : public PatternSink {
+ public:
+  [[nodiscard]] std::optional<Size> size() const override { return std::nullopt; }
+  void load(std::vector<Image<std::uint8_t>>) override {}
+  void show(std::size_t n) override { seen.push_back(n); }
+  [[nodiscard]] std::uint64_t shown() const override { return seen.size(); }
+  [[nodiscard]] std::string state() const override { return {}; }
+
+  std::vector<std::size_t> seen;
+};
+
+TEST(Projection, ShowsPatternsOnAnySink) {
+  WitnessSink sink;
+  const ProjectionReport report = project_patterns(
+      sink, 2, {.refresh_hz = 1000, .hold = 2, .ends = [&] { return sink.shown() >= 7; }});
+  EXPECT_EQ(sink.seen, (std::vector<std::size_t>{0, 0, 1, 1, 0, 0, 1}));
+  EXPECT_EQ(report.shown, 4U);
+  EXPECT_EQ(report.refreshes, 7U);
+}
+
+TEST(Projection, RefusesWhatShowsNothing) {
+  WitnessSink sink;
+  EXPECT_THROW(project_patterns(sink, 0, {}), Error);
+  EXPECT_THROW(project_patterns(sink, 2, {.hold = 0}), Error);
+  EXPECT_THROW(project_patterns(sink, 2, {.refresh_hz = 0}), Error);
 }
 
 TEST(RefreshesForRate, AreWholeNumbers) {

@@ -1,0 +1,21 @@
+#include "slipstream/capture/pattern_sink.h"
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+
+void require_patterns(const std::vector<Image<std::uint8_t>>& patterns, std::optional<Size> size,
+                      const std::string& device) {
+  if (patterns.empty()) throw Error("no pattern to be shown; one or more are wanted");
+  const Size wanted = size.value_or(patterns.front().size());
+  for (const Image<std::uint8_t>& pattern : patterns) {
+    if (pattern.size() == wanted) continue;
+    throw Error(fmt::format("the patterns are {}x{}, but {} is {}x{}; each pixel must meet its own",
+                            pattern.width(), pattern.height(), size ? device : "the first",
+                            wanted.width, wanted.height));
+  }
+}
+
+}  // namespace slipstream

@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -14,6 +15,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/gamma/precompensation.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/folder_sink.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
@@ -98,7 +100,7 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   for (int n = 0; n < patterns.count; ++n) {
     const Image<std::uint16_t> picture = render_pattern(patterns, n, scan.projector, flags.bits);
     if (n == 0) make_folder(folder);
-    const fs::path file = folder / fmt::format("pattern_{:02}.png", n);
+    const fs::path file = pattern_file(folder, static_cast<std::size_t>(n));
     flags.bits == 8 ? write_image(file, in_8_bits(picture)) : write_image(file, picture);
     scan.frames.push_back(file);
     progress.advance();

@@ -37,8 +37,10 @@ PatternSet pattern_at(const PatternSet& patterns, int frame) {
   return one;
 }
 
-Frame frame_of(const FrameSet& exposed, int bits) {
-  Frame frame({exposed.size(), bits});
+}  // namespace
+
+Frame first_frame(const FrameSet& exposed) {
+  Frame frame({exposed.size(), exposed.bits()});
   exposed.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
       const Pixel* const first = views[0].row(0);
@@ -48,8 +50,6 @@ Frame frame_of(const FrameSet& exposed, int bits) {
   });
   return frame;
 }
-
-}  // namespace
 
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   const PatternSet& patterns, const Photometry& photometry,
@@ -67,10 +67,10 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
     light.seed += static_cast<std::uint64_t>(n);
     Frame& frame = frames[static_cast<std::size_t>(n)];
     if (seen && light.rays == 1) {
-      frame = frame_of(take_again(*seen, pattern, light), *light.bits);
+      frame = first_frame(take_again(*seen, pattern, light));
     } else {
       seen = take_scan(scanner, still_scene(scene, motions_at(n, count)), pattern, light);
-      frame = frame_of(seen->frames, *light.bits);
+      frame = first_frame(seen->frames);
     }
     frame.stamp.sequence = static_cast<std::uint64_t>(n);
     frame.stamp.pattern_index = n % patterns.count;

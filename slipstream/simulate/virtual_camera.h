@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/capture/frame_source.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/pattern/pattern_set.h"
@@ -22,6 +23,9 @@ namespace slipstream {
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   const PatternSet& patterns, const Photometry& photometry,
                                   int cycles);
+
+/// The first frame of a set, as a camera gives it; black where the set is unquantised.
+Frame first_frame(const FrameSet& exposed);
 
 /// A camera that gives frames from memory over and over, without end, and counts them as a real
 /// one does.

@@ -54,8 +54,8 @@ class VirtualRig : public PatternSink, public FrameSource {
   Scene scene_;
   Photometry photometry_;
   bool moving_;
-  VirtualScan columns_,
-      rows_;  ///< what the camera sees: which projector pixel lights each of its own
+  VirtualScan columns_;  ///< what the camera sees, with the projector's column that lights it
+  VirtualScan rows_;     ///< the same with the projector's row
   std::vector<Image<std::uint8_t>> patterns_;
   std::optional<std::size_t> on_show_;
   std::uint64_t shown_ = 0, taken_ = 0;

@@ -16,10 +16,15 @@ TEST(RequirePatterns, TakesPatternsOfOneSizeAndOfTheDevices) {
 
 TEST(RequirePatterns, SaysWhatDoesNotFit) {
   expect_error([] { require_patterns({}, Size{6, 4}, "monitor 1"); }, {"no pattern"});
-  expect_error([] { require_patterns({Picture({4, 6})}, Size{6, 4}, "monitor 1"); },
-               {"the patterns are 4x6, but monitor 1 is 6x4"});
   expect_error(
-      [] { require_patterns({Picture({6, 4}), Picture({4, 6})}, std::nullopt, "a folder"); },
+      [] {
+        require_patterns({Picture({4, 6})}, Size{6, 4}, "monitor 1");
+      },
+      {"the patterns are 4x6, but monitor 1 is 6x4"});
+  expect_error(
+      [] {
+        require_patterns({Picture({6, 4}), Picture({4, 6})}, std::nullopt, "a folder");
+      },
       {"the patterns are 4x6, but the first is 6x4"});
 }
 

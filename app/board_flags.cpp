@@ -2,37 +2,22 @@
 
 #include <fmt/format.h>
 
+#include "app/flag_group.h"
 #include "app/scan_flags.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {
 
 void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
-  const std::string group = "Board";
-  subcommand.add_option("--board", flags.kind, "chessboard, circles (asymmetric grid) or charuco")
-      ->capture_default_str()
-      ->group(group);
-  subcommand
-      .add_option("--corners", flags.corners,
-                  "corners between squares, or circles: in a row x rows")
-      ->capture_default_str()
-      ->group(group);
-  subcommand
-      .add_option("--spacing", flags.spacing,
-                  "mm: side of a square; for circles from one row to the next")
-      ->capture_default_str()
-      ->group(group);
-  subcommand
-      .add_option("--circle-diameter", flags.circle_diameter,
-                  "mm; 0.8 of the spacing where not given")
-      ->group(group);
-  subcommand
-      .add_option("--marker-side", flags.marker_side,
-                  "mm, of a ChArUco marker; 0.75 of the spacing where not given")
-      ->group(group);
-  subcommand.add_option("--dictionary", flags.dictionary, "of the markers: 4x4, 5x5, 6x6 or 7x7")
-      ->capture_default_str()
-      ->group(group);
+  const FlagGroup group{subcommand, "Board"};
+  group.add("--board", flags.kind, "chessboard, circles (asymmetric grid) or charuco");
+  group.add("--corners", flags.corners, "corners between squares, or circles: in a row x rows");
+  group.add("--spacing", flags.spacing,
+            "mm: side of a square; for circles from one row to the next");
+  group.add("--circle-diameter", flags.circle_diameter, "mm; 0.8 of the spacing where not given");
+  group.add("--marker-side", flags.marker_side,
+            "mm, of a ChArUco marker; 0.75 of the spacing where not given");
+  group.add("--dictionary", flags.dictionary, "of the markers: 4x4, 5x5, 6x6 or 7x7");
 }
 
 CalibrationBoard board_from(const BoardFlags& flags) {

@@ -1,5 +1,4 @@
 #include <cmath>
-#include <memory>
 #include <string>
 
 #include <fmt/format.h>
@@ -47,20 +46,15 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_calibrate_board(CLI::App& calibrate, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = calibrate.add_subcommand("board", "draw a calibration board to print");
-  const auto flags = std::make_shared<CalibrateBoardFlags>();
-  command->add_option("-o,--output", flags->file, "the picture: .png, .tiff, .bmp or .pgm")
-      ->required();
-  command->add_option("--dpi", flags->dots_per_inch, "pixels for each inch of paper")
-      ->capture_default_str();
-  add_board_flags(*command, flags->board);
-  add_shared_flags(*command, shared);
-  command->footer(
+void add_calibrate_board(CLI::App& calibrate, Command& chosen) {
+  const auto [command, flags] =
+      add_command(calibrate, chosen, write_board, "board", "draw a calibration board to print");
+  command.add("-o,--output", flags.file, "the picture: .png, .tiff, .bmp or .pgm")->required();
+  command.add("--dpi", flags.dots_per_inch, "pixels for each inch of paper");
+  add_board_flags(command.app, flags.board);
+  command.app.footer(
       "Example:\n  slipstream calibrate board --board chessboard --corners 13x9 --spacing 15 -o "
       "board.png");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { write_board(*flags, output); }; });
 }
 
 }  // namespace slipstream::app

@@ -1,8 +1,5 @@
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <memory>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,18 +8,13 @@
 #include <fmt/format.h>
 
 #include "app/board_flags.h"
-#include "app/board_scans.h"
 #include "app/calibrate.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
-#include "app/scan_input.h"
-#include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/calibrate/pose_captures.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
@@ -45,21 +37,11 @@ struct CalibrateGeometryFlags {
   std::optional<std::string> compare;
 };
 
-/// A number of coefficients, or none for "auto".
-std::optional<int> coefficients_from(const std::string& text, const char* flag) {
-  if (text == "auto") return std::nullopt;
-  for (const int count : lens_models) {
-    if (text == std::to_string(count)) return count;
-  }
-  throw Error(fmt::format("{} {} is not known; it is auto or one of {}", flag, text,
-                          fmt::join(lens_models, ", ")));
-}
-
 GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   GeometryCalibrationSettings settings;
-  settings.camera_coefficients = coefficients_from(flags.camera_distortion, "--camera-distortion");
+  settings.camera_coefficients = lens_model_named(flags.camera_distortion, "--camera-distortion");
   settings.projector_coefficients =
-      coefficients_from(flags.projector_distortion, "--projector-distortion");
+      lens_model_named(flags.projector_distortion, "--projector-distortion");
   if (flags.print != "exact" && flags.print != "estimated") {
     throw Error(fmt::format("--print {} is not known; it is estimated or exact", flags.print));
   }
@@ -72,80 +54,21 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   return settings;
 }
 
-/// What all poses together gave.
-struct Captures {
-  std::vector<BoardView> views;
-  std::vector<UnusedPose> unused;
-  Size camera;
-  Size projector;
-};
-
-void require_same(Size& known, Size size, const std::string& pose, const char* what) {
-  if (known == Size{}) known = size;
-  if (size == known) return;
-  throw Error(
-      fmt::format("{}: {} {}, but in the poses before {}; all poses must be of one camera "
-                  "and projector",
-                  pose, what, text_of(size), text_of(known)));
-}
-
-void capture(const BoardScans& scans, const CalibrationBoard& board,
-             const BoardCaptureSettings& settings, Captures& captures, Output& output) {
-  const auto read = [&](const ScanDescription& scan) {
-    LoadedFrames loaded = read_frames(scan.frames, scan.bits);
-    for (const std::string& warning : loaded.warnings) output.warn(warning);
-    if (scan.projector == Size{}) {
-      throw Error(fmt::format("{}: no projector size; give it with --projector", scans.name));
-    }
-    require_same(captures.camera, loaded.frames.size(), scans.name, "frames of");
-    require_same(captures.projector, scan.projector, scans.name, "patterns for");
-    return AxisScan{scan.strategy, std::move(loaded.frames), scan.light};
+PoseCaptures capture_all(const CalibrateGeometryFlags& flags, const CalibrationBoard& board,
+                         Output& output) {
+  const auto amend_by_flags = [&](ScanFiles& files, const fs::path& folder) {
+    amend(files, folder, flags.scan);
   };
-  const AxisScan x = read(scans.x), y = read(scans.y);
-  try {
-    BoardCapture found = board_capture(scans.name, board, x, y, captures.projector, settings);
-    output.say("{}: {}{}", scans.name, found.view ? "" : "left out: ", found.told);
-    if (found.view) {
-      captures.views.push_back(std::move(*found.view));
-    } else {
-      captures.unused.push_back({scans.name, found.told});
-    }
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", scans.name, error.what()));
-  }
-}
-
-Captures capture_all(const CalibrateGeometryFlags& flags, const CalibrationBoard& board,
-                     Output& output) {
   const std::vector<BoardScans> poses =
-      board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
-  for (const std::string& name : flags.excluded) {
-    const bool known = std::any_of(poses.begin(), poses.end(),
-                                   [&](const BoardScans& pose) { return pose.name == name; });
-    if (!known) {
-      throw Error(fmt::format("--exclude {}: there is no such pose in {}", name, flags.folder));
-    }
-  }
-  Captures captures;
+      board_scans(flags.folder, amend_by_flags, axis_named(flags.first_axis));
   Progress progress("poses", static_cast<int>(poses.size()));
-  for (const BoardScans& pose : poses) {
-    if (std::find(flags.excluded.begin(), flags.excluded.end(), pose.name) !=
-        flags.excluded.end()) {
-      captures.unused.push_back({pose.name, "excluded"});
-    } else {
-      capture(pose, board, flags.capture, captures, output);
-    }
-    progress.advance();
-  }
-  if (captures.views.size() < fewest_poses) {
-    const std::string first_reason =
-        captures.unused.empty()
-            ? ""
-            : fmt::format(" ({}: {})", captures.unused[0].name, captures.unused[0].why);
-    throw Error(fmt::format("{}: {} of {} poses can be used{}; at least {} are needed",
-                            flags.folder, captures.views.size(), poses.size(), first_reason,
-                            fewest_poses));
-  }
+  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, flags.capture,
+                                        [&](const std::string& words) {
+                                          if (!words.empty()) output.say("{}", words);
+                                          progress.advance();
+                                        });
+  for (const std::string& warning : captures.warnings) output.warn(warning);
+  require_enough_poses(captures, flags.folder);
   return captures;
 }
 
@@ -153,13 +76,9 @@ nlohmann::json json_of(const ReprojectionRms& rms) {
   return {{"camera", rms.camera}, {"projector", rms.projector}, {"stereo", rms.stereo}};
 }
 
-nlohmann::json json_of(const std::vector<double>& values) {
-  return values;
-}
-
 template <class Vector>
 nlohmann::json json_of_vector(const Vector& vector) {
-  return json_of(std::vector<double>(vector.begin(), vector.end()));
+  return std::vector<double>(vector.begin(), vector.end());
 }
 
 nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const LensChoice& choice,
@@ -185,9 +104,8 @@ void add_quality(nlohmann::json& pose, const std::optional<BoardQuality>& qualit
   pose["scale_error"] = quality ? nlohmann::json(quality->scale_error) : nlohmann::json();
 }
 
-nlohmann::json json_of_poses(const GeometryCalibration& calibration,
-                             const std::vector<UnusedPose>& unused,
-                             const std::optional<ScannerComparison>& comparison) {
+nlohmann::json json_of_poses(const CalibrationReport& report) {
+  const auto& [calibration, views, unused, board, comparison] = report;
   nlohmann::json poses = nlohmann::json::array();
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
@@ -210,9 +128,8 @@ nlohmann::json json_of_poses(const GeometryCalibration& calibration,
   return poses;
 }
 
-nlohmann::json document(const CalibrateGeometryFlags& flags, const Captures& captures,
-                        const GeometryCalibration& calibration,
-                        const std::optional<ScannerComparison>& comparison) {
+nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationReport& report) {
+  const GeometryCalibration& calibration = report.calibration;
   const Scanner& scanner = calibration.state.scanner;
   const BoardQuality left_out = overall(left_out_qualities(calibration));
   nlohmann::json told = {
@@ -220,7 +137,7 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const Captures& cap
       {"rms", json_of(calibration.rms)},
       {"flatness_mm", left_out.flatness},
       {"scale_error", left_out.scale_error},
-      {"poses", json_of_poses(calibration, captures.unused, comparison)},
+      {"poses", json_of_poses(report)},
       {"camera", json_of(scanner.camera, calibration.deviation.camera, calibration.camera_lens,
                          calibration.covered_camera)},
       {"projector", json_of(scanner.projector, calibration.deviation.projector,
@@ -230,9 +147,9 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const Captures& cap
       {"translation_deviation_mm", json_of_vector(calibration.deviation.translation)},
       {"largest_tilt_rad", calibration.largest_tilt},
       {"warnings", calibration.warnings}};
-  if (comparison) {
-    const BoardQuality compared = overall(comparison->poses);
-    told["compared"] = {{"scanner", comparison->name},
+  if (report.comparison != nullptr) {
+    const BoardQuality compared = overall(report.comparison->poses);
+    told["compared"] = {{"scanner", report.comparison->name},
                         {"flatness_mm", compared.flatness},
                         {"scale_error", compared.scale_error}};
   }
@@ -240,36 +157,12 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const Captures& cap
   return told;
 }
 
-void tell(const CalibrateGeometryFlags& flags, const GeometryCalibration& calibration,
-          const std::optional<ScannerComparison>& comparison, Output& output) {
-  const auto& [camera, projector, stereo] = calibration.rms;
-  output.say("RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px", camera, projector,
-             stereo);
-  const BoardQuality left_out = overall(left_out_qualities(calibration));
-  output.say(
-      "each pose measured with a calibration of the others: flat to {:.4f} mm, scale "
-      "error {:.3f} %",
-      left_out.flatness, 100 * left_out.scale_error);
-  if (comparison) {
-    const BoardQuality compared = overall(comparison->poses);
-    output.say("measured with {}: flat to {:.4f} mm, scale error {:.3f} %", comparison->name,
-               compared.flatness, 100 * compared.scale_error);
-  }
-  output.say("lens models: camera {}, projector {}",
-             name_of_lens_model(calibration.camera_lens.coefficients),
-             name_of_lens_model(calibration.projector_lens.coefficients));
-  for (const std::string& warning : calibration.warnings) output.warn(warning);
-  output.say("the scanner file is {}", flags.scanner);
-  if (flags.report)
-    output.say("the report is {}", (fs::path(*flags.report) / "report.md").string());
-}
-
 void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
   std::optional<Scanner> other;
   if (flags.compare) other = read_scanner(*flags.compare);
-  const Captures captures = capture_all(flags, board, output);
+  const PoseCaptures captures = capture_all(flags, board, output);
   if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
@@ -279,79 +172,60 @@ void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
     comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
                                calibration.views, board);
   }
-  if (flags.report) {
-    write_calibration_report(*flags.report, {calibration, calibration.views, captures.unused, board,
-                                             comparison ? &*comparison : nullptr});
-  }
+  const CalibrationReport report{calibration, calibration.views, captures.unused, board,
+                                 comparison ? &*comparison : nullptr};
+  if (flags.report) write_calibration_report(*flags.report, report);
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
-  output.document = document(flags, captures, calibration, comparison);
-  tell(flags, calibration, comparison, output);
+  output.document = document(flags, report);
+  output.say("{}", text_of(report));
+  for (const std::string& warning : calibration.warnings) output.warn(warning);
+  output.say("the scanner file is {}", flags.scanner);
+  if (flags.report) {
+    output.say("the report is {}", (fs::path(*flags.report) / "report.md").string());
+  }
   if (!kept.empty()) {
     output.say("kept of the file that was there: {}", fmt::join(kept, ", "));
   }
 }
 
 void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
-  const std::string group = "Model";
+  const FlagGroup group{command, "Model"};
   const std::string models = fmt::format("coefficients of its lens: auto, or {} in OpenCV's order",
                                          fmt::join(lens_models, ", "));
-  command.add_option("--camera-distortion", flags.camera_distortion, models)
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--projector-distortion", flags.projector_distortion, models)
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--print", flags.print,
-                  "the board's corners: estimated (near where printed) or exact")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--print-deviation", flags.print_deviation,
-                  "standard deviation of a printed corner, in spacings")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--min-modulation", flags.capture.minimum_modulation,
-                  "least modulation of a pixel whose phase is used, grey levels of 255")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--neighbourhood", flags.capture.neighbourhood,
-                  "radius about a corner in which phase is used, in distances to the next corner")
-      ->capture_default_str()
-      ->group(group);
+  group.add("--camera-distortion", flags.camera_distortion, models);
+  group.add("--projector-distortion", flags.projector_distortion, models);
+  group.add("--print", flags.print, "the board's corners: estimated (near where printed) or exact");
+  group.add("--print-deviation", flags.print_deviation,
+            "standard deviation of a printed corner, in spacings");
+  group.add("--min-modulation", flags.capture.minimum_modulation,
+            "least modulation of a pixel whose phase is used, grey levels of 255");
+  group.add("--neighbourhood", flags.capture.neighbourhood,
+            "radius about a corner in which phase is used, in distances to the next corner");
 }
 
 }  // namespace
 
-void add_calibrate_geometry(CLI::App& calibrate_command, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = calibrate_command.add_subcommand(
-      "geometry", "scans of a board in several poses to a scanner file");
-  const auto flags = std::make_shared<CalibrateGeometryFlags>();
+void add_calibrate_geometry(CLI::App& calibrate_command, Command& chosen) {
+  const auto [command, flags] = add_command(calibrate_command, chosen, calibrate, "geometry",
+                                            "scans of a board in several poses to a scanner file");
   command
-      ->add_option("folder", flags->folder,
-                   "holds a folder for each pose: scan folders x and y, or the pictures of both")
+      .add("folder", flags.folder,
+           "holds a folder for each pose: scan folders x and y, or the pictures of both")
       ->required();
-  command->add_option("-o,--output", flags->scanner, "the scanner file: .yaml or .xml")->required();
-  command->add_option("--report", flags->report, "a folder for a report with pictures");
-  command->add_option("--compare", flags->compare, "a scanner file to hold beside the result");
-  command->add_option("--exclude", flags->excluded, "poses to leave out, by name");
-  command
-      ->add_option("--first-axis", flags->first_axis,
-                   "where both scans lie in one folder: x or y, whose pictures come first")
-      ->capture_default_str();
-  add_board_flags(*command, flags->board);
-  add_model_flags(*command, *flags);
-  add_scan_flags(*command, flags->scan);
-  command->remove_option(command->get_option("--axis"));
-  add_shared_flags(*command, shared);
-  command->footer(
+  command.add("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")->required();
+  command.add("--report", flags.report, "a folder for a report with pictures");
+  command.add("--compare", flags.compare, "a scanner file to hold beside the result");
+  command.add("--exclude", flags.excluded, "poses to leave out, by name");
+  command.add("--first-axis", flags.first_axis,
+              "where both scans lie in one folder: x or y, whose pictures come first");
+  add_board_flags(command.app, flags.board);
+  add_model_flags(command.app, flags);
+  add_scan_flags(command.app, flags.scan);
+  command.app.remove_option(command.app.get_option("--axis"));
+  command.app.footer(
       "Example:\n  slipstream calibrate geometry poses --board chessboard --corners 13x9 --spacing "
       "10 --strategy dual-frequency --steps 3 --high 16 --low 1 --projector 1824x1140 -o "
       "scanner.yaml --report report");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { calibrate(*flags, output); }; });
 }
 
 }  // namespace slipstream::app

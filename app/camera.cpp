@@ -5,7 +5,9 @@
 namespace slipstream::app {
 namespace {
 
-void list(Output& output) {
+struct ListFlags {};
+
+void list(const ListFlags&, Output& output) {
   output.document = {{"cameras", nlohmann::json::array()}};
   for (const CameraDescription& camera : list_cameras()) {
     output.say("{}  {} {} {}, {} {}", camera.name, camera.vendor, camera.model, camera.serial,
@@ -20,20 +22,14 @@ void list(Output& output) {
   if (output.document["cameras"].empty()) output.say("no camera answers");
 }
 
-void add_list(CLI::App& camera, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = camera.add_subcommand("list", "cameras that answer, as --source names them");
-  add_shared_flags(*command, shared);
-  command->callback([&chosen] { chosen = [](Output& output) { list(output); }; });
-}
-
 }  // namespace
 
-void add_camera(CLI::App& program, SharedFlags& shared, Command& chosen) {
+void add_camera(CLI::App& program, Command& chosen) {
   CLI::App* camera = program.add_subcommand("camera", "find cameras; serve a virtual one");
   camera->require_subcommand(1);
-  add_list(*camera, shared, chosen);
+  add_command(*camera, chosen, list, "list", "cameras that answer, as --source names them");
 #ifdef SLIPSTREAM_CAMERAS
-  add_camera_serve(*camera, shared, chosen);
+  add_camera_serve(*camera, chosen);
 #endif
 }
 

@@ -22,8 +22,7 @@ struct CameraFlags {
 /// Adds --exposure, --gain, --region, --pixel-format, --trigger and --packet-size.
 void add_camera_flags(CLI::App& command, CameraFlags& flags);
 
-/// As the library takes it, at that rate, of patterns in cycles of so many. Throws Error for a
-/// region or a pixel format that is none.
-CameraSettings camera_settings(const CameraFlags& flags, std::optional<double> rate, int cycle);
+/// As the library takes it. Throws Error for a region or a pixel format that is none.
+CameraSettings camera_settings(const CameraFlags& flags);
 
 }  // namespace slipstream::app

@@ -5,6 +5,6 @@
 namespace slipstream::app {
 
 /// Adds `slipstream camera serve`, in programs built with Aravis.
-void add_camera_serve(CLI::App& camera, SharedFlags& shared, Command& chosen);
+void add_camera_serve(CLI::App& camera, Command& chosen);
 
 }  // namespace slipstream::app

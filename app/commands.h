@@ -2,9 +2,11 @@
 
 #include <functional>
 #include <memory>
+#include <string>
 
 #include <CLI/App.hpp>
 
+#include "app/flag_group.h"
 #include "app/output.h"
 
 namespace slipstream::app {
@@ -12,26 +14,37 @@ namespace slipstream::app {
 /// A subcommand that has been chosen and its flags read: does the work, tells `Output` about it.
 using Command = std::function<void(Output&)>;
 
-/// Flags that every subcommand has.
-struct SharedFlags {
-  bool json = false;
-  int threads = 0;  ///< 0: as many as the machine has cores
+/// A subcommand that was added: its flags without a heading of their own, and where values go.
+template <class Flags>
+struct AddedCommand {
+  FlagGroup command;
+  Flags& flags;  ///< live as long as the subcommand
 };
 
-void add_shared_flags(CLI::App& subcommand, SharedFlags& shared);
+/// Adds a subcommand to `parent`; when it is chosen, `chosen` calls `work` with its flags.
+template <class Flags>
+AddedCommand<Flags> add_command(CLI::App& parent, Command& chosen,
+                                void (*work)(const Flags&, Output&), const std::string& name,
+                                const std::string& help) {
+  CLI::App* const command = parent.add_subcommand(name, help);
+  const auto flags = std::make_shared<Flags>();
+  command->callback(
+      [flags, work, &chosen] { chosen = [flags, work](Output& output) { work(*flags, output); }; });
+  return {{*command}, *flags};
+}
 
 /// Each adds a subcommand to the program; when it is chosen, `chosen` becomes its work.
-void add_patterns(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_simulate(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_calibrate(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_design(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_reconstruct(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_project(CLI::App& program, SharedFlags& shared, Command& chosen);  // with SLIPSTREAM_VIEW
-void add_live(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_view(CLI::App& program, SharedFlags& shared, Command& chosen);  // with SLIPSTREAM_VIEW
-void add_reproduce(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_bench(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_record(CLI::App& program, SharedFlags& shared, Command& chosen);
-void add_camera(CLI::App& program, SharedFlags& shared, Command& chosen);
+void add_patterns(CLI::App& program, Command& chosen);
+void add_simulate(CLI::App& program, Command& chosen);
+void add_calibrate(CLI::App& program, Command& chosen);
+void add_design(CLI::App& program, Command& chosen);
+void add_reconstruct(CLI::App& program, Command& chosen);
+void add_project(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
+void add_live(CLI::App& program, Command& chosen);
+void add_view(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
+void add_reproduce(CLI::App& program, Command& chosen);
+void add_bench(CLI::App& program, Command& chosen);
+void add_record(CLI::App& program, Command& chosen);
+void add_camera(CLI::App& program, Command& chosen);
 
 }  // namespace slipstream::app

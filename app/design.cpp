@@ -1,5 +1,4 @@
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -83,30 +82,22 @@ void design(const DesignFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_design(CLI::App& program, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = program.add_subcommand(
-      "design", "the pcmp patterns of least noise for a given light, noise and surface");
-  const auto flags = std::make_shared<DesignFlags>();
-  command->add_option("--steps", flags->goal.steps, "frames of one scan, 3 or more")
-      ->capture_default_str();
-  command->add_option("--reflectivity", flags->goal.alpha, "the least that is to be measured")
-      ->capture_default_str();
-  command->add_option("--ambient", flags->ambient, "grey levels of 255; 0 where nothing says it");
-  command->add_option("--noise-variance", flags->noise_variance, "sigma_w^2, grey levels^2 of 255");
-  command->add_option("--scanner", flags->scanner, "scanner file that says both");
-  command
-      ->add_option("--success", flags->goal.success,
-                   "share of the pixels to be unwrapped rightly each by itself")
-      ->capture_default_str();
-  command->add_option("--most-periods", flags->goal.most_periods, "largest f_h to be considered")
-      ->capture_default_str();
-  command->add_option("--plot", flags->plot, "noise over f_h: .png");
-  add_shared_flags(*command, shared);
-  command->footer(
+void add_design(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, design, "design",
+                  "the pcmp patterns of least noise for a given light, noise and surface");
+  command.add("--steps", flags.goal.steps, "frames of one scan, 3 or more");
+  command.add("--reflectivity", flags.goal.alpha, "the least that is to be measured");
+  command.add("--ambient", flags.ambient, "grey levels of 255; 0 where nothing says it");
+  command.add("--noise-variance", flags.noise_variance, "sigma_w^2, grey levels^2 of 255");
+  command.add("--scanner", flags.scanner, "scanner file that says both");
+  command.add("--success", flags.goal.success,
+              "share of the pixels to be unwrapped rightly each by itself");
+  command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
+  command.add("--plot", flags.plot, "noise over f_h: .png");
+  command.app.footer(
       "Example:\n  slipstream design --steps 4 --noise-variance 1.55 --ambient -7 --reflectivity "
       "0.3 --plot design.png");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { design(*flags, output); }; });
 }
 
 }  // namespace slipstream::app

@@ -8,60 +8,46 @@
 #include <fmt/ranges.h>
 
 #include "app/commands.h"
-#include "app/frame_sources.h"
-#include "app/gamma_choice.h"
 #include "app/live_session.h"
 #include "app/scan_input.h"
+#include "app/source_flags.h"
 #include "app/stop_signal.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
-#include "slipstream/io/photometric_file.h"
-#include "slipstream/io/response_file.h"
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/photometry/gamma_choice.h"
+#include "slipstream/reconstruct/engine.h"
 
 namespace slipstream::app {
 namespace {
-using namespace std::chrono_literals;
-using Clock = std::chrono::steady_clock;
 
 struct LiveFlags {
-  SourceRequest source;
+  SourceFlags source;
   std::optional<double> duration;
   std::optional<std::uint64_t> frames;
   bool headless = false;
   std::string indexing = "told";
   std::string gamma = "scanner";
-  bool keep_saturated = false;
   ReconstructSettings settings;
   std::string output;
   std::string record;
   ViewFlags view;
 };
 
-void require_scanner(const OpenedSource& opened, const LiveFlags& flags) {
-  if (opened.scanner.empty()) {
+/// What the engine is made of: the source's scanner, corrected for the gamma that the flags choose.
+EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output& output) {
+  const std::string& file = opened.scanner_name;
+  if (!opened.scanner) {
     throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
                             flags.source.source));
   }
-}
-
-GammaChoice gamma_of(const OpenedSource& opened, const LiveFlags& flags) {
-  return choose_gamma(flags.gamma, response_from(opened.scanner, opened.scanner_name),
-                      step_counts(opened.scan.strategy));
-}
-
-LiveScan scan_of(const OpenedSource& opened, const LiveFlags& flags, const GammaChoice& gamma) {
-  const std::string& file = opened.scanner_name;
-  const PhotometricCalibration known = photometric_calibration_from(opened.scanner, file);
-  require_known_light(opened.scan.strategy, known, file);
-  ReconstructSettings settings = flags.settings;
-  settings.backend = Backend::fused;
-  settings.drop_saturated = !flags.keep_saturated;
-  return {.scanner = completed(scanner_from(opened.scanner, file), file,
-                               opened.frames->format().size, opened.scan.projector),
-          .strategy = opened.scan.strategy,
-          .axis = opened.scan.axis,
-          .settings = settings_for(settings, opened.scan, gamma, known)};
+  EngineSetup setup{
+      completed(*opened.scanner, file, opened.frames->format().size, opened.sequence.projector),
+      opened.sequence, flags.settings};
+  require_ambient_known(setup, file);
+  const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
+  setup.scanner.photometry.response = gamma.response;
+  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
+  return setup;
 }
 
 nlohmann::json json_of(const Latency& latency) {
@@ -94,47 +80,24 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"stages", std::move(stages)}};
 }
 
-void tell(const LiveStatistics& statistics, Output& output) {
-  const LiveStatistics::Frames& frames = statistics.frames;
-  output.say("{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated", frames.captured,
-             statistics.seconds, frames.lost, frames.overwritten, frames.repeated);
-  output.say("{} clouds, {:.1f} per second; {} windows without one, {} resynchronisations",
-             statistics.clouds, statistics.clouds_per_second, statistics.windows_lost,
-             statistics.resynchronisations);
-  output.say(
-      "capture to cloud: {:.2f} ms half of the time, {:.2f} ms for 99 of 100, {:.2f} at most",
-      statistics.latency.p50, statistics.latency.p99, statistics.latency.max);
-}
-
-/// Tells whatever a source has to say, once.
-class StateTeller {
- public:
-  void operator()(const std::string& state, Output& output) {
-    if (state == told_) return;
+/// Tells meanwhile whatever the source has to say, once.
+void wait_until_over(LiveSession& session, Output& output) {
+  std::string told;
+  while (!session.is_over()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    const std::string state = session.recorder.state();
+    if (state == told) continue;
     if (state.empty()) {
       output.say("the source is well again");
     } else {
       output.warn(state);
     }
-    told_ = state;
-  }
-
- private:
-  std::string told_;
-};
-
-void wait_until_over(LiveSession& session, Output& output) {
-  StateTeller tell_state;
-  while (!session.is_over()) {
-    std::this_thread::sleep_for(20ms);
-    tell_state(session.recorder.state(), output);
+    told = state;
   }
 }
 
 void require_good(const LiveFlags& flags) {
-  if (flags.duration && !(*flags.duration > 0)) {
-    throw Error(fmt::format("--duration {} is out of range; above 0 s", *flags.duration));
-  }
+  require_duration(flags.duration);
   if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
   if (!flags.output.empty()) require_cloud_ending(flags.output);
 #ifdef SLIPSTREAM_VIEW
@@ -158,7 +121,7 @@ void run_session(LiveSession& session, [[maybe_unused]] bool headless, Output& o
 /// What the session measured, and what is to be kept of its last cloud.
 void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
   const LiveStatistics statistics = session.pipeline.statistics();
-  tell(statistics, output);
+  output.say("{}", text_of(statistics));
   output.document.update(json_of(statistics));
   output.document["source"] = flags.source.source;
   if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
@@ -166,7 +129,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
     const Pooled<LiveCloud> last = session.pipeline.newest();
     if (!last)
       throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
-    write_cloud(flags.output, cloud_of(last->cloud));
+    write_cloud(flags.output, last->cloud);
     output.document["files"]["cloud"] = flags.output;
   }
 #ifdef SLIPSTREAM_VIEW
@@ -174,49 +137,42 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
 #endif
 }
 
-void live(LiveFlags flags, Output& output) {
+void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
-  flags.source.indexing = pattern_indexing_named(flags.indexing);
-  OpenedSource opened = open_source(flags.source);
+  PatternIndexing indexing = pattern_indexing_named(flags.indexing);
+  const SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
+  NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);
-  require_scanner(opened, flags);
-  const GammaChoice gamma = gamma_of(opened, flags);
-  const LiveScan scan = scan_of(opened, flags, gamma);
-  if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
+  if (opened.sequence.marker) indexing = PatternIndexing::marker;
+  const EngineSetup setup = setup_from(opened, flags, output);
 
   const RecordingHeader header{.format = opened.frames->format(),
                                .frame_rate = flags.source.rate.value_or(0),
-                               .scan = opened.scan,
-                               .scanner = opened.scanner};
+                               .sequence = opened.sequence,
+                               .scanner = setup.scanner};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
   RecordedSource& recorder = *source;
-  LivePipeline pipeline(std::move(source), scan,
-                        {.indexing = flags.source.indexing, .most_frames = flags.frames});
+  LivePipeline pipeline(std::move(source), setup,
+                        {.indexing = indexing, .most_frames = flags.frames});
 
-  const StopSignal stop;
+  const RunEnd end(flags.duration);
   if (!flags.record.empty()) {
-    require_not_replayed(flags.source, flags.record);
+    require_not_replayed(request, flags.record);
     recorder.record_to(flags.record);
   }
-  const auto start = Clock::now();
-  const auto time_over = [&] {
-    const std::chrono::duration<double> passed = Clock::now() - start;
-    return flags.duration && passed.count() >= *flags.duration;
-  };
   pipeline.start();
-  const std::string scheme = flags.source.source.substr(0, flags.source.source.find(':'));
+  const std::string scheme = scheme_of(flags.source.source);
   LiveSession session{pipeline,
                       recorder,
-                      scan,
+                      setup,
                       [&] {
                         const bool at_end = flags.headless || flags.frames;
-                        return stop.raised() || time_over() || pipeline.failure() ||
+                        return end.reached() || pipeline.failure() ||
                                (at_end && !pipeline.running());
                       },
                       flags.source.source,
                       scheme != "virtual" && scheme != "replay",
-                      flags.view,
-                      {.text = opened.scanner, .name = opened.scanner_name, .gammas = {gamma}}};
+                      flags.view};
   output.document["files"] = nlohmann::json::object();
   run_session(session, flags.headless, output);
   pipeline.stop();
@@ -228,56 +184,39 @@ void live(LiveFlags flags, Output& output) {
 
 }  // namespace
 
-void add_live(CLI::App& program, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = program.add_subcommand(
-      "live", "cameras, virtual scanner or recording to clouds, as frames come");
-  const auto flags = std::make_shared<LiveFlags>();
-  flags->source.virtual_scanner.motion = {0.5, 0, 0};
-  command->add_option("--source", flags->source.source, source_forms())->capture_default_str();
-  command->add_option("--rate", flags->source.rate,
-                      "frames per second; 0: as fast as it goes; else the source's own");
-  command->add_flag("--loop", flags->source.loop, "a recording begins again at its end");
-  command->add_option("--duration", flags->duration, "seconds, then it ends");
-  command->add_option("--frames", flags->frames, "so many frames, then it ends");
-  command->add_flag("--headless", flags->headless, "no window");
-  command->add_option("-o,--output", flags->output, "the last cloud: .ply, .pcd or .xyz");
-  command->add_option("--record", flags->record, "all frames, for replay:PATH");
-  command
-      ->add_option("--indexing", flags->indexing,
-                   "how it is known which pattern a frame shows: told (by the source), counted "
-                   "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)")
-      ->capture_default_str();
-  command->add_option("--scanner", flags->source.scanner,
-                      "scanner file; where not that of the recording or of the virtual scanner");
-  command
-      ->add_option("--gamma", flags->gamma,
-                   "the response the phase is corrected for: scanner (as its file says, if it "
-                   "does), none, or a number")
-      ->capture_default_str();
-  const std::string points = "Which pixels become points";
-  command
-      ->add_option("--min-modulation", flags->settings.minimum_modulation,
-                   "least modulation, grey levels of the frames; 15 of 255 where not given")
-      ->group(points);
-  command->add_flag("--keep-saturated", flags->keep_saturated, "keep pixels with a saturated frame")
-      ->group(points);
-  command->add_option("--nearest", flags->settings.nearest, "least depth, mm")
-      ->capture_default_str()
-      ->group(points);
-  command->add_option("--farthest", flags->settings.farthest, "largest depth, mm")->group(points);
+void add_live(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, live, "live",
+                  "cameras, virtual scanner or recording to clouds, as frames come");
+  flags.source.virtual_scanner.motion = {0.5, 0, 0};
+  command.add("--source", flags.source.source, source_forms());
+  command.add("--rate", flags.source.rate,
+              "frames per second; 0: as fast as it goes; else the source's own");
+  command.add("--loop", flags.source.loop, "a recording begins again at its end");
+  command.add("--duration", flags.duration, "seconds, then it ends");
+  command.add("--frames", flags.frames, "so many frames, then it ends");
+  command.add("--headless", flags.headless, "no window");
+  command.add("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
+  command.add("--record", flags.record, "all frames, for replay:PATH");
+  command.add("--indexing", flags.indexing,
+              "how it is known which pattern a frame shows: told (by the source), counted "
+              "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
+  command.add("--scanner", flags.source.scanner,
+              "scanner file; where not that of the recording or of the virtual scanner");
+  command.add("--gamma", flags.gamma,
+              "the response the phase is corrected for: scanner (as its file says, if it "
+              "does), none, or a number");
+  add_point_flags(command.app, flags.settings);
 #ifdef SLIPSTREAM_VIEW
-  add_view_flags(*command, flags->view);
+  add_view_flags(command.app, flags.view);
 #endif
-  add_scan_flags(*command, flags->source.scan);
-  add_virtual_flags(*command, flags->source.virtual_scanner, "--virtual-gamma");
-  add_camera_flags(*command, flags->source.camera);
-  add_shared_flags(*command, shared);
-  command->footer(
+  add_scan_flags(command.app, flags.source.scan);
+  add_virtual_flags(command.app, flags.source.virtual_scanner, "--virtual-gamma");
+  add_camera_flags(command.app, flags.source.camera);
+  command.app.footer(
       "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "
       "slipstream live --source replay:scan.slip --headless --json\n  slipstream live --source "
       "virtual --frames 100 --headless -o cloud.ply");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { live(*flags, output); }; });
 }
 
 }  // namespace slipstream::app

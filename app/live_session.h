@@ -4,7 +4,6 @@
 #include <string>
 
 #include "app/output.h"
-#include "app/save_scan.h"
 #include "app/view_flags.h"
 #include "slipstream/io/recorded_source.h"
 #include "slipstream/live/live_pipeline.h"
@@ -15,13 +14,12 @@ namespace slipstream::app {
 struct LiveSession {
   LivePipeline& pipeline;  ///< started
   RecordedSource& recorder;
-  LiveScan scan;
+  EngineSetup setup;  ///< what is looked for in the frames now
   /// Whether it is to end: asked for, all frames there, time over, or failed.
   std::function<bool()> is_over;
   std::string source;        ///< as it was asked for
   bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
   ViewFlags view;
-  SavedScanner scanner;  ///< its first gamma is the one chosen at the beginning
 };
 
 /// Shows it in a window until that is closed or the session is over; then writes the screenshot

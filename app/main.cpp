@@ -18,6 +18,23 @@ constexpr int success = 0;
 constexpr int failure_of_the_world = 1;
 constexpr int bad_input = 2;
 
+/// Flags that every subcommand has.
+struct SharedFlags {
+  bool json = false;
+  int threads = 0;  ///< 0: as many as the machine has cores
+};
+
+/// Adds them to each subcommand that does work.
+void add_shared_flags(CLI::App& program, SharedFlags& shared) {
+  for (CLI::App* const command : program.get_subcommands(nullptr)) {
+    add_shared_flags(*command, shared);
+    if (!command->get_subcommands(nullptr).empty()) continue;
+    const FlagGroup group{*command};
+    group.add("--json", shared.json, "one JSON document on stdout, words to stderr");
+    group.add("--threads", shared.threads, "at most so many; 0: one for each core");
+  }
+}
+
 int fail(int code, std::string message) {
   for (char& c : message) {
     if (c == '\n') c = ' ';
@@ -44,22 +61,23 @@ int run_program(int argc, char** argv) {
   CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
   program.require_subcommand(1);
   program.set_version_flag("--version", SLIPSTREAM_VERSION);
-  SharedFlags shared;
   Command chosen;
-  add_patterns(program, shared, chosen);
-  add_simulate(program, shared, chosen);
-  add_calibrate(program, shared, chosen);
-  add_design(program, shared, chosen);
-  add_reconstruct(program, shared, chosen);
-  add_live(program, shared, chosen);
+  add_patterns(program, chosen);
+  add_simulate(program, chosen);
+  add_calibrate(program, chosen);
+  add_design(program, chosen);
+  add_reconstruct(program, chosen);
+  add_live(program, chosen);
 #ifdef SLIPSTREAM_VIEW
-  add_project(program, shared, chosen);
-  add_view(program, shared, chosen);
+  add_project(program, chosen);
+  add_view(program, chosen);
 #endif
-  add_record(program, shared, chosen);
-  add_camera(program, shared, chosen);
-  add_reproduce(program, shared, chosen);
-  add_bench(program, shared, chosen);
+  add_record(program, chosen);
+  add_camera(program, chosen);
+  add_reproduce(program, chosen);
+  add_bench(program, chosen);
+  SharedFlags shared;
+  add_shared_flags(program, shared);
 
   try {
     program.parse(argc, argv);
@@ -72,12 +90,6 @@ int run_program(int argc, char** argv) {
 }
 
 }  // namespace
-
-void add_shared_flags(CLI::App& subcommand, SharedFlags& shared) {
-  subcommand.add_flag("--json", shared.json, "one JSON document on stdout, words to stderr");
-  subcommand.add_option("--threads", shared.threads, "at most so many; 0: one for each core")
-      ->capture_default_str();
-}
 
 }  // namespace slipstream::app
 

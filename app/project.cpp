@@ -1,7 +1,5 @@
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -17,6 +15,7 @@
 #include "slipstream/pattern/pattern_in_8_bits.h"
 #include "slipstream/project/monitor_sink.h"
 #include "slipstream/project/projection.h"
+#include "slipstream/project/swap_log.h"
 
 namespace slipstream::app {
 namespace {
@@ -62,41 +61,15 @@ const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
   return monitors[static_cast<std::size_t>(number)];
 }
 
-int hold_from(const ProjectFlags& flags, const Monitor& monitor) {
-  if (flags.rate && flags.hold) throw Error("--rate and --hold exclude each other");
-  if (flags.hold && *flags.hold < 1) {
-    throw Error(fmt::format("--hold {} is out of range; 1 or more refreshes", *flags.hold));
-  }
-  if (!flags.rate) return flags.hold.value_or(1);
-  if (monitor.refresh_hz <= 0) {
-    throw Error(fmt::format(
-        "--rate {}: the monitor does not say how often it refreshes; use --hold", *flags.rate));
-  }
-  return project::refreshes_for_rate(*flags.rate, monitor.refresh_hz);
-}
-
 std::vector<Image<std::uint8_t>> patterns_from(const ProjectFlags& flags, const Monitor& monitor) {
-  const Size projector = projector_from(flags.scan, monitor.size);
+  const Sequence sequence = default_sequence(monitor.size, changes_from(flags.scan));
+  const Size projector = sequence.projector;
   if (projector != monitor.size) {
     throw Error(
         fmt::format("--projector {} is not the size of monitor {}, {}; set the monitor to it",
                     text_of(projector), flags.monitor, text_of(monitor.size)));
   }
-  const Strategy strategy = strategy_from(flags.scan, DualFrequency{});
-  const Axis axis = axis_from(flags.scan, Axis::x);
-  require_resolved(strategy, length_along(axis, projector));
-  const PatternSet set = pattern_set(strategy, axis, light_from(flags.scan, {}));
-  std::vector<Image<std::uint8_t>> patterns;
-  for (int n = 0; n < set.count; ++n) {
-    patterns.push_back(in_8_bits(render_pattern(set, n, projector)));
-  }
-  return patterns;
-}
-
-/// The log's line of a swap: its number, its pattern, and when, s from the first.
-std::string line_of(const project::PatternSwap& swap, const project::PatternSwap& first) {
-  return fmt::format("{},{},{:.6f}\n", swap.sequence, swap.pattern,
-                     std::chrono::duration<double>(swap.time - first.time).count());
+  return patterns_in_8_bits(pattern_set(sequence), projector);
 }
 
 void tell(const project::ProjectionReport& report, const project::MonitorSink& projector, int hold,
@@ -120,9 +93,7 @@ void tell(const project::ProjectionReport& report, const project::MonitorSink& p
 }
 
 void project_scan(const ProjectFlags& flags, Output& output) {
-  if (flags.duration && !(*flags.duration > 0)) {
-    throw Error(fmt::format("--duration {} is out of range; above 0 s", *flags.duration));
-  }
+  require_duration(flags.duration);
   const opengl::WindowSystem system;
   const std::vector<Monitor> monitors = system.monitors();
   if (flags.list) {
@@ -130,30 +101,26 @@ void project_scan(const ProjectFlags& flags, Output& output) {
     return;
   }
   const Monitor& monitor = monitor_at(monitors, flags.monitor);
-  const int hold = hold_from(flags, monitor);
+  const int hold = project::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
   auto patterns = patterns_from(flags, monitor);
   const std::size_t count = patterns.size();
   project::MonitorSink projector(system, flags.monitor);
   projector.load(std::move(patterns));
 
-  std::string log = "swap,pattern,seconds\n";
-  std::optional<project::PatternSwap> first;
-  project::ProjectionSettings settings{.refresh_hz = projector.refresh_hz(), .hold = hold};
-  settings.on_swap = [&](const project::PatternSwap& swap) {
-    if (!first) first = swap;
-    if (!flags.log.empty()) log += line_of(swap, *first);
-  };
-  const StopSignal stop;
-  const auto start = std::chrono::steady_clock::now();
-  settings.ends = [&] {
-    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-    return projector.closed() || stop.raised() ||
-           (flags.duration && passed.count() >= *flags.duration);
-  };
+  project::SwapLog log;
+  const RunEnd end(flags.duration);
+  const project::ProjectionSettings settings{
+      .refresh_hz = projector.refresh_hz(),
+      .hold = hold,
+      .on_swap =
+          [&](const project::PatternSwap& swap) {
+            if (!flags.log.empty()) log.add(swap);
+          },
+      .ends = [&] { return projector.closed() || end.reached(); }};
   const project::ProjectionReport report = project::project_patterns(projector, count, settings);
   tell(report, projector, hold, output);
   if (!flags.log.empty()) {
-    write_file(flags.log, log);
+    write_file(flags.log, log.text());
     output.say("log: {}", flags.log);
     output.document["files"] = {{"log", flags.log}};
   }
@@ -161,27 +128,23 @@ void project_scan(const ProjectFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_project(CLI::App& program, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = program.add_subcommand(
-      "project", "show a strategy's patterns on a projector that is a monitor");
-  const auto flags = std::make_shared<ProjectFlags>();
-  command->add_flag("--list", flags->list, "say which monitors there are, and end");
-  command->add_option("--monitor", flags->monitor, "its number in --list")->capture_default_str();
-  command->add_option("--rate", flags->rate,
-                      "patterns per second: the monitor's refreshes divided by a whole number");
-  command->add_option("--hold", flags->hold,
-                      "refreshes that each pattern stays for; 1 if not given");
-  command->add_option("--duration", flags->duration, "seconds, then it ends");
-  command->add_option("--log", flags->log, "which pattern was shown when: .csv");
-  add_scan_flags(*command, flags->scan);
-  add_shared_flags(*command, shared);
-  command->footer(
+void add_project(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, project_scan, "project",
+                  "show a strategy's patterns on a projector that is a monitor");
+  command.add("--list", flags.list, "say which monitors there are, and end");
+  command.add("--monitor", flags.monitor, "its number in --list");
+  command.add("--rate", flags.rate,
+              "patterns per second: the monitor's refreshes divided by a whole number");
+  command.add("--hold", flags.hold, "refreshes that each pattern stays for; 1 if not given");
+  command.add("--duration", flags.duration, "seconds, then it ends");
+  command.add("--log", flags.log, "which pattern was shown when: .csv");
+  add_scan_flags(command.app, flags.scan);
+  command.app.footer(
       "Examples:\n  slipstream project --list\n  slipstream project --monitor 1 --strategy pmp "
       "--steps 4 --rate 30\nEvery pixel of the monitor shows its own grey level, with the "
       "monitor's "
       "gamma table off. Esc or Ctrl-C ends it.");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { project_scan(*flags, output); }; });
 }
 
 }  // namespace slipstream::app

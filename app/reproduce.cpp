@@ -1,17 +1,15 @@
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "app/commands.h"
 #include "app/progress.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/plot_file.h"
-#include "slipstream/reproduce/reproduction.h"
+#include "tools/reproduce/report.h"
+#include "tools/reproduce/reproduction.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
@@ -25,26 +23,7 @@ struct ReproduceFlags {
   std::uint64_t seed = 1;
 };
 
-/// One that has been run, with the files of its plots.
-struct Done {
-  Reproducible item;
-  Reproduction result;
-  std::vector<fs::path> plots;
-};
-
-std::string text_of(const std::optional<double>& value) {
-  return value ? fmt::format("{:.4g}", *value) : "";
-}
-
-std::string text_of(const std::vector<std::pair<std::string, double>>& parameters) {
-  std::string text;
-  for (const auto& [name, value] : parameters) {
-    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, value);
-  }
-  return text;
-}
-
-nlohmann::json json_of(const Done& done) {
+nlohmann::json json_of(const Reproduced& done) {
   nlohmann::json document{{"id", done.item.id},
                           {"title", done.item.title},
                           {"cells", nlohmann::json::array()},
@@ -66,41 +45,8 @@ nlohmann::json json_of(const Done& done) {
   return document;
 }
 
-/// A section of the Markdown report; pictures relative to its folder.
-std::string markdown_of(const Done& done, const fs::path& folder) {
-  std::string text = fmt::format("## {}: {}\n\n", done.item.name(), done.item.title);
-  if (!done.result.cells.empty()) {
-    text +=
-        "| quantity | of | published | recomputed | improved |\n| --- | --- | --- | --- | --- |\n";
-    for (const ReproducedCell& cell : done.result.cells) {
-      text +=
-          fmt::format("| {} | {} | {} | {} | {} |\n", cell.quantity, text_of(cell.parameters),
-                      text_of(cell.published), text_of(cell.recomputed), text_of(cell.improved));
-    }
-    text += "\n";
-  }
-  for (const std::string& note : done.result.notes) text += note + "\n\n";
-  for (const fs::path& plot : done.plots) {
-    text +=
-        fmt::format("![{}]({})\n\n", plot.stem().string(),
-                    fs::absolute(plot).lexically_proximate(fs::current_path() / folder).string());
-  }
-  return text;
-}
-
-void tell(const Done& done, Output& output) {
-  output.say("{}: {}", done.item.name(), done.item.title);
-  for (const ReproducedCell& cell : done.result.cells) {
-    output.say("  {:52} {:40} published {:>9}  recomputed {:>9}{}", cell.quantity,
-               text_of(cell.parameters), text_of(cell.published), text_of(cell.recomputed),
-               cell.improved ? "  improved " + text_of(cell.improved) : "");
-  }
-  for (const std::string& note : done.result.notes) output.say("  {}", note);
-  for (const fs::path& plot : done.plots) output.say("  {}", plot.string());
-}
-
-Done run(const Reproducible& item, const ReproduceFlags& flags) {
-  Done done{item, item.run(flags.seed), {}};
+Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
+  Reproduced done{item, item.run(flags.seed)};
   if (flags.plots.empty()) return done;
   for (const auto& [name, plot] : done.result.plots) {
     done.plots.push_back(fs::path(flags.plots) / (name + ".png"));
@@ -127,11 +73,11 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   std::string report = "# Published and recomputed\n\n";
   Progress progress("reproduce", static_cast<int>(items.size()));
   for (const Reproducible& item : items) {
-    const Done done = run(item, flags);
+    const Reproduced done = run(item, flags);
     output.document[std::string(item.kind) + "s"].push_back(json_of(done));
     report += markdown_of(done, fs::path(flags.report).parent_path());
     progress.advance();
-    tell(done, output);
+    output.say("{}", text_of(done));
   }
   progress.finish();
   if (!flags.report.empty()) {
@@ -142,21 +88,18 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_reproduce(CLI::App& program, SharedFlags& shared, Command& chosen) {
-  CLI::App* command = program.add_subcommand(
-      "reproduce", "the dissertation's tables and figures: published beside recomputed");
-  const auto flags = std::make_shared<ReproduceFlags>();
-  command->add_option("names", flags->names, "as table-4.1 figure-4.7 section-4.5, or all");
-  command->add_flag("--list", flags->list, "say what there is");
-  command->add_option("--plots", flags->plots, "folder for the figures as PNG");
-  command->add_option("--report", flags->report, "a Markdown report: .md");
-  command->add_option("--seed", flags->seed, "of the simulated noise")->capture_default_str();
-  add_shared_flags(*command, shared);
-  command->footer(
+void add_reproduce(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, reproduce, "reproduce",
+                  "the dissertation's tables and figures: published beside recomputed");
+  command.add("names", flags.names, "as table-4.1 figure-4.7 section-4.5, or all");
+  command.add("--list", flags.list, "say what there is");
+  command.add("--plots", flags.plots, "folder for the figures as PNG");
+  command.add("--report", flags.report, "a Markdown report: .md");
+  command.add("--seed", flags.seed, "of the simulated noise");
+  command.app.footer(
       "Example:\n  slipstream reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report "
       "report.md");
-  command->callback(
-      [flags, &chosen] { chosen = [flags](Output& output) { reproduce(*flags, output); }; });
 }
 
 }  // namespace slipstream::app

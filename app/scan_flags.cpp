@@ -1,12 +1,15 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
-#include <charconv>
+#include <filesystem>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "app/flag_group.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/size_text.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream::app {
 namespace {
@@ -20,74 +23,46 @@ std::string flag_of(std::string setting) {
 }  // namespace
 
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
-  const std::string group = "What the patterns are";
-  subcommand
-      .add_option("--strategy", flags.strategy,
-                  fmt::format("{}", fmt::join(strategy_names(), ", ")))
-      ->group(group);
+  const FlagGroup group{subcommand, "What the patterns are"};
+  group.add("--strategy", flags.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
   for (const SettingDescription& setting : strategy_settings()) {
-    subcommand
-        .add_option(flag_of(setting.name), flags.settings[setting.name],
-                    fmt::format("{} [{}]", setting.help, setting.strategies))
-        ->group(group);
+    group.add(flag_of(setting.name), flags.settings[setting.name],
+              fmt::format("{} [{}]", setting.help, setting.strategies));
   }
-  subcommand
-      .add_option("--axis", flags.axis, "x: the pattern varies along projector columns; y: rows")
-      ->group(group);
-  subcommand.add_option("--projector", flags.projector, "projector pixels, as 1824x1140")
-      ->group(group);
-  subcommand
-      .add_option("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255")
-      ->group(group);
-  subcommand.add_option("--beta-p", flags.beta_p, "darkest grey level of the patterns")
-      ->group(group);
+  group.add("--axis", flags.axis, "x: the pattern varies along projector columns; y: rows");
+  group.add("--projector", flags.projector, "projector pixels, as 1824x1140");
+  group.add("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255");
+  group.add("--beta-p", flags.beta_p, "darkest grey level of the patterns");
 }
 
-Strategy strategy_from(const ScanFlags& flags, const Strategy& otherwise) {
-  const bool replaced = flags.strategy && *flags.strategy != name_of(otherwise);
-  StrategySettings settings = replaced ? StrategySettings{} : settings_of(otherwise);
-  for (const auto& [name, value] : flags.settings) {
-    if (value) settings[name] = *value;
+SequenceChanges changes_from(const ScanFlags& flags) {
+  SequenceChanges changes{.strategy = flags.strategy,
+                          .settings = flags.settings,
+                          .alpha_p = flags.alpha_p,
+                          .beta_p = flags.beta_p};
+  if (flags.axis) changes.axis = axis_named(*flags.axis);
+  if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");
+  return changes;
+}
+
+void amend(ScanFiles& files, const std::filesystem::path& folder, const ScanFlags& flags) {
+  if (!flags.strategy && !std::filesystem::exists(folder / "scan.yaml")) {
+    throw Error(fmt::format("{}: no scan.yaml in it; say what the pictures are with --strategy",
+                            folder.string()));
   }
-  return make_strategy(flags.strategy.value_or(std::string(name_of(otherwise))), settings);
+  files.sequence = changed(files.sequence, changes_from(flags));
 }
 
-Axis axis_from(const ScanFlags& flags, Axis otherwise) {
-  return flags.axis ? axis_named(*flags.axis) : otherwise;
-}
-
-PatternLight light_from(const ScanFlags& flags, PatternLight otherwise) {
-  const PatternLight light{.alpha_p = flags.alpha_p.value_or(otherwise.alpha_p),
-                           .beta_p = flags.beta_p.value_or(otherwise.beta_p)};
-  require_valid(light);
-  return light;
-}
-
-Size projector_from(const ScanFlags& flags, Size otherwise) {
-  return flags.projector ? size_from(*flags.projector, "--projector") : otherwise;
+ScanFiles describe(const std::filesystem::path& folder, const ScanFlags& flags) {
+  ScanFiles files = scan_files_in(folder);
+  amend(files, folder, flags);
+  return files;
 }
 
 Size size_from(const std::string& text, const std::string& flag) {
-  constexpr int largest = 65536;
-  Size size;
-  const char* const end = text.data() + text.size();
-  const auto [middle, bad_width] = std::from_chars(text.data(), end, size.width);
-  bool good = bad_width == std::errc() && middle != end && *middle == 'x';
-  if (good) {
-    const auto [rest, bad_height] = std::from_chars(middle + 1, end, size.height);
-    good = bad_height == std::errc() && rest == end;
-  }
-  good = good && size.width >= 1 && size.height >= 1 && size.width <= largest &&
-         size.height <= largest;
-  if (!good) {
-    throw Error(fmt::format("{} '{}' is not a size; give width x height in pixels, as 1824x1140",
-                            flag, text));
-  }
-  return size;
-}
-
-std::string text_of(Size size) {
-  return fmt::format("{}x{}", size.width, size.height);
+  if (const std::optional<Size> size = size_of_text(text)) return *size;
+  throw Error(fmt::format("{} '{}' is not a size; give width x height in pixels, as 1824x1140",
+                          flag, text));
 }
 
 }  // namespace slipstream::app

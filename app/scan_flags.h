@@ -7,9 +7,8 @@
 #include <CLI/App.hpp>
 
 #include "slipstream/image/size.h"
-#include "slipstream/pattern/axis.h"
-#include "slipstream/pattern/pattern_set.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/strategy/sequence_changes.h"
 
 namespace slipstream::app {
 
@@ -27,17 +26,17 @@ struct ScanFlags {
 /// --beta-p.
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags);
 
-/// The strategy that the flags say, over `otherwise` (what scan.yaml said, or a default): another
-/// --strategy replaces it whole, settings alone change it.
-Strategy strategy_from(const ScanFlags& flags, const Strategy& otherwise);
-Axis axis_from(const ScanFlags& flags, Axis otherwise);
-PatternLight light_from(const ScanFlags& flags, PatternLight otherwise);
-Size projector_from(const ScanFlags& flags, Size otherwise);
+/// What they say, by the library's words. Throws Error for an axis or a size that is none.
+SequenceChanges changes_from(const ScanFlags& flags);
+
+/// Puts what the flags say in place of what `files` do. Throws Error where neither says what the
+/// pictures in `folder` are.
+void amend(ScanFiles& files, const std::filesystem::path& folder, const ScanFlags& flags);
+
+/// The scan in a folder, as scan.yaml and the flags say it.
+ScanFiles describe(const std::filesystem::path& folder, const ScanFlags& flags);
 
 /// "1824x1140". Throws Error, naming the flag, for anything else.
 Size size_from(const std::string& text, const std::string& flag);
-
-/// "1824x1140".
-std::string text_of(Size size);
 
 }  // namespace slipstream::app

@@ -7,9 +7,8 @@
 
 #include "app/board_flags.h"
 #include "app/output.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/io/scan_folder.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream::app {
 
@@ -23,14 +22,9 @@ struct SimulateBoardsFlags {
 /// need it. Those must have been added before.
 void add_simulate_boards_flags(CLI::App& simulate, SimulateBoardsFlags& flags);
 
-/// Takes scans of the board along x and along y in each pose, as `scan` says, into folders
+/// Takes scans of the board along x and along y in each pose, as `sequence` says, into folders
 /// board01/x, board01/y and so on.
 void simulate_boards(const std::filesystem::path& folder, const SimulateBoardsFlags& flags,
-                     const Scanner& scanner, const ScanDescription& scan,
-                     const Photometry& photometry, Output& output);
-
-/// Where the frames of a scan go: frame_00.png, ...; .tiff where they are not quantised.
-std::vector<std::filesystem::path> frame_names(const std::filesystem::path& folder,
-                                               const FrameSet& frames);
+                     const VirtualWorld& world, const Sequence& sequence, Output& output);
 
 }  // namespace slipstream::app

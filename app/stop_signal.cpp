@@ -2,6 +2,10 @@
 
 #include <atomic>
 
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
 namespace slipstream::app {
 namespace {
 
@@ -35,6 +39,19 @@ StopSignal::~StopSignal() {
 
 bool StopSignal::raised() const {
   return stop_raised;
+}
+
+void require_duration(const std::optional<double>& duration) {
+  if (!duration || *duration > 0) return;
+  throw Error(fmt::format("--duration {} is out of range; above 0 s", *duration));
+}
+
+bool RunEnd::reached() const {
+  return stop_.raised() || (duration_ && seconds() >= *duration_);
+}
+
+double RunEnd::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
 }  // namespace slipstream::app

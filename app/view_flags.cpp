@@ -3,53 +3,29 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/flag_group.h"
 #include "app/scan_flags.h"
-#include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/view/view_settings.h"
 
 namespace slipstream::app {
-namespace {
-
-void require_picture_ending(const std::string& path) {
-  if (path.empty()) return;
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".png" && extension != ".tiff" && extension != ".tif" && extension != ".bmp") {
-    throw Error(fmt::format("{}: no picture in colour has the ending '{}'; use .png, .tiff or .bmp",
-                            path, extension));
-  }
-}
-
-}  // namespace
 
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
-  const std::string group = "What is drawn";
-  subcommand
-      .add_option("--snapshot", flags.snapshot,
-                  "the cloud as a picture, drawn without a window: .png, .tiff or .bmp")
-      ->group(group);
-  subcommand
-      .add_option("--screenshot", flags.screenshot,
-                  "likewise with the panel and the camera's pictures beside it")
-      ->group(group);
-  subcommand.add_option("--size", flags.size, "of window and pictures, pixels")
-      ->capture_default_str()
-      ->group(group);
-  subcommand
-      .add_option("--colour", flags.colour,
-                  fmt::format("of the points: {}", fmt::join(view::point_colour_names(), ", ")))
-      ->capture_default_str()
-      ->group(group);
-  subcommand
-      .add_option("--save-to", flags.save_to,
-                  "where the viewer's Save makes a folder for each scan")
-      ->capture_default_str()
-      ->group(group);
+  const FlagGroup group{subcommand, "What is drawn"};
+  group.add("--snapshot", flags.snapshot,
+            "the cloud as a picture, drawn without a window: .png, .tiff or .bmp");
+  group.add("--screenshot", flags.screenshot,
+            "likewise with the panel and the camera's pictures beside it");
+  group.add("--size", flags.size, "of window and pictures, pixels");
+  group.add("--colour", flags.colour,
+            fmt::format("of the points: {}", fmt::join(view::point_colour_names(), ", ")));
+  group.add("--save-to", flags.save_to, "where the viewer's Save makes a folder for each scan");
 }
 
 void require_good(const ViewFlags& flags) {
-  require_picture_ending(flags.snapshot);
-  require_picture_ending(flags.screenshot);
+  for (const std::string& path : {flags.snapshot, flags.screenshot}) {
+    if (!path.empty()) require_colour_ending(path);
+  }
   static_cast<void>(size_from(flags));
   static_cast<void>(view_settings_from(flags));
 }

@@ -3,60 +3,36 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/flag_group.h"
 #include "app/scan_flags.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {
 namespace {
 
 void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
-  const std::string group = "Scene";
-  command.add_option("--scene", flags.scene, fmt::format("{}", fmt::join(scene_names(), ", ")))
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--mesh", flags.mesh, "a PLY or OBJ mesh (Y up, facing +Z) instead of a scene")
-      ->group(group);
-  command
-      .add_option("--mesh-size", flags.mesh_size, "its largest side, mm; fills the view where 0")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--reflectivity", flags.reflectivity, "alpha of every surface, 0 to 1")
-      ->group(group);
-  command.add_option("--motion", flags.motion, "motion from frame to frame: X Y Z, mm")
-      ->expected(3)
-      ->group(group);
+  const FlagGroup group{command, "Scene"};
+  group.add("--scene", flags.scene, fmt::format("{}", fmt::join(scene_names(), ", ")));
+  group.add("--mesh", flags.mesh, "a PLY or OBJ mesh (Y up, facing +Z) instead of a scene");
+  group.add("--mesh-size", flags.mesh_size, "its largest side, mm; fills the view where 0");
+  group.add("--reflectivity", flags.reflectivity, "alpha of every surface, 0 to 1");
+  group.add("--motion", flags.motion, "motion from frame to frame: X Y Z, mm")->expected(3);
 }
 
 void add_device_flags(CLI::App& command, VirtualFlags& flags, const std::string& gamma_flag) {
-  const std::string group = "Devices";
+  const FlagGroup group{command, "Devices"};
   Photometry& photometry = flags.photometry;
-  command.add_option("--camera", flags.camera, "size of the example's camera, as 640x480")
-      ->group(group);
-  command.add_option("--ambient", photometry.ambient, "ambient light beta, grey levels of 255")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option(gamma_flag, photometry.gamma, "response of projector and camera")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--bits", flags.bits, "of the camera, 8 to 16")
-      ->capture_default_str()
-      ->group(group);
-  command.add_option("--seed", photometry.seed, "of the noise")
-      ->capture_default_str()
-      ->group(group);
-  command
-      .add_option("--rays", photometry.rays,
-                  "rays of each pixel, 1 to 256: more put edges truer and take longer")
-      ->capture_default_str()
-      ->group(group);
+  group.add("--camera", flags.camera, "size of the example's camera, as 640x480");
+  group.add("--ambient", photometry.ambient, "ambient light beta, grey levels of 255");
+  group.add(gamma_flag, photometry.gamma, "response of projector and camera");
+  group.add("--noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255");
+  group.add("--bits", flags.bits, "of the camera, 8 to 16");
+  group.add("--seed", photometry.seed, "of the noise");
+  group.add("--rays", photometry.rays,
+            "rays of each pixel, 1 to 256: more put edges truer and take longer");
 }
 
 }  // namespace
@@ -79,17 +55,6 @@ Scanner virtual_scanner(const VirtualFlags& flags) {
   return scanner;
 }
 
-PhotometricCalibration photometric_truth(const Photometry& photometry) {
-  double variance = photometry.noise_variance;
-  if (photometry.bits) {
-    const double step = 255.0 / ((1 << *photometry.bits) - 1);
-    variance += quantisation_variance * step * step;
-  }
-  PhotometricCalibration truth{.ambient = photometry.ambient, .noise_variance = {}};
-  if (variance > 0) truth.noise_variance = variance;
-  return truth;
-}
-
 Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {
   Scene scene = flags.mesh ? scene_with_mesh(read_mesh(*flags.mesh), scanner, flags.mesh_size)
                            : scene_named(flags.scene, scanner);
@@ -101,6 +66,23 @@ Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {
     if (!flags.motion.empty()) body.motion = Eigen::Vector3d(flags.motion.data());
   }
   return scene;
+}
+
+VirtualWorld world_from(const VirtualFlags& flags) {
+  VirtualWorld world{.scanner = virtual_scanner(flags), .photometry = flags.photometry};
+  world.scene = virtual_scene(flags, world.scanner);
+  world.photometry.bits = flags.bits;
+  return world;
+}
+
+Sequence sequence_for(const ScanFlags& flags, const Scanner& scanner) {
+  const Size projector = scanner.projector.size;
+  const Sequence sequence = default_sequence(projector, changes_from(flags));
+  if (sequence.projector != projector) {
+    throw Error(fmt::format("--projector {} is not that of the scanner, {}",
+                            text_of(sequence.projector), text_of(projector)));
+  }
+  return sequence;
 }
 
 }  // namespace slipstream::app

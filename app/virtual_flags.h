@@ -6,10 +6,9 @@
 
 #include <CLI/App.hpp>
 
+#include "app/scan_flags.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/io/photometric_file.h"
-#include "slipstream/simulate/scene.h"
-#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::app {
 
@@ -34,9 +33,12 @@ void add_virtual_flags(CLI::App& command, VirtualFlags& flags,
 /// Of the file that --scanner names, else the example with a camera of that size.
 Scanner virtual_scanner(const VirtualFlags& flags);
 
-/// What a calibration of light and sensor would find, rounding included.
-PhotometricCalibration photometric_truth(const Photometry& photometry);
-
 Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner);
+
+/// Both, with the light and the camera that the flags say.
+VirtualWorld world_from(const VirtualFlags& flags);
+
+/// What the flags say that the scanner's projector shows. Throws Error for one of another size.
+Sequence sequence_for(const ScanFlags& flags, const Scanner& scanner);
 
 }  // namespace slipstream::app

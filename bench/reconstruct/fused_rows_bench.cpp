@@ -6,9 +6,11 @@
 
 #include <benchmark/benchmark.h>
 
-#include "slipstream/performance/bench_scan.h"
-#include "slipstream/reconstruct/fused_stages.h"
-#include "slipstream/reconstruct/vector_target.h"
+#include "slipstream/kernels/vector_target.h"
+#include "slipstream/reconstruct/detail/fused_stages.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/strategy/phase_measuring.h"
+#include "tools/bench/bench_scan.h"
 
 namespace slipstream {
 namespace {
@@ -20,8 +22,8 @@ constexpr std::size_t row_size = width;
 struct Row {
   explicit Row(const Strategy& strategy)
       : scan(bench_scan(strategy)),
-        stages(fused_stages(scan.scanner, strategy, Axis::x, {}).value()),
-        limits(sinusoid_limits(stages.sinusoid, {}, 255, 1)) {
+        stages(fused_stages(setup_for(scan), {}).value()),
+        limits(sinusoid_limits(stages.bands.front().sinusoid, {}, 255, 1)) {
     scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
       if constexpr (sizeof(Pixel) == 1) {
         for (const auto& view : views) frames.push_back(view.row(240));
@@ -30,7 +32,7 @@ struct Row {
   }
 
   void decode() {
-    decode_row(stages.sinusoid, limits, frames.data(),
+    decode_row(stages.bands.front().sinusoid, limits, frames.data(),
                {.width = width,
                 .turn = turn.data(),
                 .mean = mean.data(),
@@ -38,7 +40,7 @@ struct Row {
                 .nan_if_flagged = true});
   }
 
-  BenchScan scan;
+  Scan scan;
   FusedStages stages;
   SinusoidLimits limits;
   std::vector<const std::uint8_t*> frames;

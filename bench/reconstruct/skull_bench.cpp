@@ -8,7 +8,8 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/strategy/dual_frequency.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {
@@ -20,12 +21,11 @@ void skull_to_cloud(benchmark::State& state) {
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   const Scanner scanner = read_scanner(folder / "calibration.xml");
   const FrameSet frames = read_frames(images_in_folder(folder / "dual-frequency")).frames;
-  const auto reconstruct =
-      FusedReconstructor::make(scanner, DualFrequency{.steps = 3, .high = 16, .low = 1}, Axis::x,
-                               {})
-          .value();
-  FusedCloud cloud;
-  for (auto _ : state) reconstruct(frames, cloud);
+  const DualFrequency strategy{.steps = 3, .low_steps = {}, .high = 16, .low = 1};
+  Engine engine(scanner, {.strategy = strategy});
+  const FrameViews views = frames;
+  Cloud cloud;
+  for (auto _ : state) engine.cloud(views, cloud);
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(cloud.z.pixel_count()));
 }
 BENCHMARK(skull_to_cloud)->Unit(benchmark::kMillisecond);

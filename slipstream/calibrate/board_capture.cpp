@@ -1,13 +1,13 @@
 #include "slipstream/calibrate/board_capture.h"
 
 #include <utility>
-#include <variant>
 
 #include <fmt/format.h>
 
 #include "slipstream/calibrate/projector_corners.h"
 #include "slipstream/error/error.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 namespace {
@@ -16,18 +16,20 @@ namespace {
 void require_coordinate(const Strategy& strategy) {
   if (!has_coordinate(strategy)) {
     throw Error(
-        fmt::format("{} with these settings gives no projector coordinate; use "
-                    "dual-frequency, or pmp with frequency 1",
-                    name_of(strategy)));
+        fmt::format("{} with these settings gives no projector coordinate; use one period, or a "
+                    "strategy that unwraps",
+                    strategy.name()));
   }
-  const auto* pcmp = std::get_if<PhaseChannelMultiplexing>(&strategy);
-  if (pcmp != nullptr && pcmp->steps == 3) {
-    throw Error("pcmp of 3 steps needs the ambient light; scan boards with dual-frequency");
+  if (needs_ambient_light(strategy.layout())) {
+    throw Error(fmt::format("{} of {} steps needs the ambient light; scan boards with {}",
+                            strategy.name(), frame_count(strategy), default_strategy().name()));
   }
 }
 
-DecodedScan decoded(const AxisScan& scan, int length) {
-  const Decoder decode(scan.strategy, length, Backend::equation, {}, {.light = scan.light});
+BasicMaps<double> decoded(const Scan& scan) {
+  const auto& [strategy, axis, light, projector, marker] = scan.sequence;
+  const Decoder decode(strategy.layout(), length_along(axis, projector), PhaseMethod::equation, {},
+                       {.light = light});
   return decode(scan.frames);
 }
 
@@ -59,20 +61,24 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
 }  // namespace
 
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board,
-                           const AxisScan& along_x, const AxisScan& along_y, Size projector,
+                           const Scan& along_x, const Scan& along_y,
                            const BoardCaptureSettings& settings) {
   constexpr int fewest_lit = 8;
   require_valid(settings);
-  require_coordinate(along_x.strategy);
-  require_coordinate(along_y.strategy);
+  const Size projector = along_x.sequence.projector;
+  require_coordinate(along_x.sequence.strategy);
+  require_coordinate(along_y.sequence.strategy);
+  if (projector == Size{} || along_y.sequence.projector != projector) {
+    throw Error(fmt::format("the scans say projectors of {} and {}; both are one, and known",
+                            text_of(projector), text_of(along_y.sequence.projector)));
+  }
   const FringeFreePictures pictures = fringe_free_pictures(along_x.frames, along_y.frames);
   std::optional<BoardCorners> found = find_board(board, pictures);
   if (!found) {
     return {std::nullopt, why_none(board, pictures)};
   }
-  const ProjectorMap map =
-      projector_map(along_x.frames, decoded(along_x, projector.width), along_y.frames,
-                    decoded(along_y, projector.height), projector, settings.minimum_modulation);
+  const ProjectorMap map = projector_map(along_x.frames, decoded(along_x), along_y.frames,
+                                         decoded(along_y), projector, settings.minimum_modulation);
   BoardView view{name, std::move(found->places), std::move(found->pixels), {}, {}};
   for (const ProjectorCorner& corner :
        projector_corners(map, view.camera, settings.neighbourhood)) {

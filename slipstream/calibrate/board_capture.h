@@ -6,18 +6,9 @@
 #include "slipstream/calibrate/board_corners.h"
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/pattern/pattern_set.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/scan/scan.h"
 
 namespace slipstream {
-
-/// The frames of a board under patterns along one axis.
-struct AxisScan {
-  Strategy strategy;
-  FrameSet frames;
-  PatternLight light = {};  ///< of the patterns; a cue multiplexed into them needs it
-};
 
 struct BoardCaptureSettings {
   /// Grey levels of 8 bits, 0 to 255; below it a pixel's phase is not used.
@@ -31,11 +22,12 @@ struct BoardCapture {
   std::string told;               ///< who found the board, or why there is none
 };
 
-/// Finds the board in a pose's frames and, from both scans, the projector pixel of each corner.
-/// Throws Error where scans are not of that strategy, differ in size, give no coordinate or need
-/// the ambient light for it, the board is larger than said, or a setting is out of range.
+/// Finds the board in a pose's frames and, from a scan along each axis, the projector pixel of each
+/// corner. Throws Error where scans are not of their strategy, differ in size or in the
+/// projector's, give no coordinate or need the ambient light for it, the board is larger than said,
+/// or a setting is out of range.
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board,
-                           const AxisScan& along_x, const AxisScan& along_y, Size projector,
+                           const Scan& along_x, const Scan& along_y,
                            const BoardCaptureSettings& settings = {});
 
 }  // namespace slipstream

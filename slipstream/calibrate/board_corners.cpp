@@ -13,6 +13,7 @@
 
 #include "slipstream/calibrate/charuco.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/quantile.h"
 #include "slipstream/io/mat.h"
 #include "slipstream/io/quiet_opencv.h"
 #include "slipstream/noise/robust.h"
@@ -23,7 +24,7 @@ namespace {
 using Corners = std::vector<cv::Point2f>;
 
 /// Mean and maximum go on to further frames.
-void add_frames(const FrameSet& frames, FringeFreePictures& pictures, int total) {
+void add_frames(const FrameViews& frames, FringeFreePictures& pictures, int total) {
   const auto scale = static_cast<float>(255 / frames.full_scale());
   frames.visit([&](const auto& images) {
     for (const auto& image : images) {
@@ -42,13 +43,8 @@ void add_frames(const FrameSet& frames, FringeFreePictures& pictures, int total)
 /// Contrast from the 1st to the 99.5th percentile spread over 8 bits, as the detectors want it.
 cv::Mat stretched(const cv::Mat& picture) {
   std::vector<float> values(picture.begin<float>(), picture.end<float>());
-  const auto percentile = [&](double share) {
-    const auto at = values.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return static_cast<double>(*at);
-  };
-  const double low = percentile(0.01), high = std::max(percentile(0.995), low + 1);
+  const double low = quantile(values, 0.01),
+               high = std::max<double>(quantile(values, 0.995), low + 1);
   cv::Mat grey;
   picture.convertTo(grey, CV_8U, 255 / (high - low), -low * 255 / (high - low));
   return grey;
@@ -292,7 +288,7 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
 
 }  // namespace
 
-FringeFreePictures fringe_free_pictures(const FrameSet& along_x, const FrameSet& along_y) {
+FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameViews& along_y) {
   if (along_x.size() != along_y.size()) {
     throw Error(fmt::format("the frames along x are {}x{}, those along y {}x{}; both must agree",
                             along_x.size().width, along_x.size().height, along_y.size().width,

@@ -7,7 +7,7 @@
 #include <Eigen/Core>
 
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/capture/frame_views.h"
 #include "slipstream/image/image.h"
 
 namespace slipstream {
@@ -19,7 +19,7 @@ struct FringeFreePictures {
 };
 
 /// Throws Error when the frames of the two scans differ in size.
-FringeFreePictures fringe_free_pictures(const FrameSet& along_x, const FrameSet& along_y);
+FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameViews& along_y);
 
 /// Corners of a board in a picture.
 struct BoardCorners {

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
@@ -114,6 +118,15 @@ LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleSt
   while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
   choice.coefficients = lens_models[chosen];
   return choice;
+}
+
+std::optional<int> lens_model_named(const std::string& text, const std::string& name) {
+  if (text == "auto") return std::nullopt;
+  for (const int count : lens_models) {
+    if (text == std::to_string(count)) return count;
+  }
+  throw Error(fmt::format("{} {} is not known; it is auto or one of {}", name, text,
+                          fmt::join(lens_models, ", ")));
 }
 
 }  // namespace slipstream

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "slipstream/calibrate/board_view.h"
@@ -14,6 +16,10 @@ inline constexpr std::array<int, 7> lens_models{0, 1, 2, 4, 5, 8, 12};
 
 /// "none", "k1", "k1 k2", ... as reported.
 const char* name_of_lens_model(int coefficients);
+
+/// The coefficients of a lens model by a text: one of `lens_models`, or none for "auto". Throws
+/// Error, by `name` what a message calls the text, for another.
+std::optional<int> lens_model_named(const std::string& text, const std::string& name);
 
 /// How well a lens model foresees poses that it was not calibrated with.
 struct LensModelScore {

@@ -143,9 +143,9 @@ double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t
 
 }  // namespace
 
-ProjectorMap projector_map(const FrameSet& frames_x, const DecodedScan& along_x,
-                           const FrameSet& frames_y, const DecodedScan& along_y, Size projector,
-                           double minimum_modulation) {
+ProjectorMap projector_map(const FrameViews& frames_x, const BasicMaps<double>& along_x,
+                           const FrameViews& frames_y, const BasicMaps<double>& along_y,
+                           Size projector, double minimum_modulation) {
   const Size size = frames_x.size();
   ProjectorMap map{Image<double>(size), Image<double>(size), Image<double>(size)};
   const Image<std::uint8_t> saturated_x = saturation_mask(frames_x);

@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/capture/frame_views.h"
+#include "slipstream/cloud/maps.h"
 #include "slipstream/image/image.h"
-#include "slipstream/strategy/decoded_scan.h"
 
 namespace slipstream {
 
@@ -19,9 +19,9 @@ struct ProjectorMap {
 
 /// From a scan along each axis. A pixel is reliable that neither scan saturates and whose
 /// modulation is at least `minimum_modulation` (grey levels of an 8-bit camera) in both.
-ProjectorMap projector_map(const FrameSet& frames_x, const DecodedScan& along_x,
-                           const FrameSet& frames_y, const DecodedScan& along_y, Size projector,
-                           double minimum_modulation);
+ProjectorMap projector_map(const FrameViews& frames_x, const BasicMaps<double>& along_x,
+                           const FrameViews& frames_y, const BasicMaps<double>& along_y,
+                           Size projector, double minimum_modulation);
 
 /// A corner in the projector's picture.
 struct ProjectorCorner {

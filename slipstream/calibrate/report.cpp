@@ -269,6 +269,25 @@ BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses) {
   return {std::sqrt(squares.flatness / count), std::sqrt(squares.scale_error / count)};
 }
 
+std::string text_of(const CalibrationReport& report) {
+  const GeometryCalibration& calibration = report.calibration;
+  const auto& [camera, projector, stereo] = calibration.rms;
+  const BoardQuality left_out = overall(left_out_qualities(calibration));
+  std::string text = fmt::format(
+      "RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px\n"
+      "each pose measured with a calibration of the others: flat to {:.4f} mm, scale error {:.3f} "
+      "%\n",
+      camera, projector, stereo, left_out.flatness, 100 * left_out.scale_error);
+  if (report.comparison != nullptr) {
+    const BoardQuality compared = overall(report.comparison->poses);
+    text += fmt::format("measured with {}: flat to {:.4f} mm, scale error {:.3f} %\n",
+                        report.comparison->name, compared.flatness, 100 * compared.scale_error);
+  }
+  return text + fmt::format("lens models: camera {}, projector {}",
+                            name_of_lens_model(calibration.camera_lens.coefficients),
+                            name_of_lens_model(calibration.projector_lens.coefficients));
+}
+
 void write_calibration_report(const fs::path& folder, const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   Page page;

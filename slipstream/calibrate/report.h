@@ -42,6 +42,10 @@ struct CalibrationReport {
   const ScannerComparison* comparison = nullptr;  ///< may be null
 };
 
+/// The result in a few lines for people: RMS, what the left-out poses say beside what another
+/// scanner file says, lens models.
+std::string text_of(const CalibrationReport& report);
+
 /// Writes report.md and its pictures into a folder: warnings, RMS, what the left-out poses say
 /// beside what another scanner file says, parameters with their standard deviations, lens models,
 /// coverage and residuals. Throws WorldError when that fails.

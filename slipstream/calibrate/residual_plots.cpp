@@ -11,6 +11,7 @@
 
 #include "slipstream/calibrate/coverage.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/quantile.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/mat.h"
 
@@ -58,11 +59,7 @@ double usual_length(const Residuals& residuals) {
       if (residual.allFinite()) lengths.push_back(residual.norm());
     }
   }
-  if (lengths.empty()) return 1;
-  const auto at =
-      lengths.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(lengths.size() - 1));
-  std::nth_element(lengths.begin(), at, lengths.end());
-  return std::max(*at, 1e-6);
+  return lengths.empty() ? 1 : std::max(quantile(lengths, 0.95), 1e-6);
 }
 
 cv::Point point_of(const Eigen::Vector2d& place) {

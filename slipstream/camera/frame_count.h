@@ -11,9 +11,9 @@ namespace slipstream {
 class FrameCount {
  public:
   /// `cycle`: patterns in a scan, at least 1. Frame k of a camera that was started at the first
-  /// pattern shows pattern k modulo `cycle`. To keep that true when the camera was gone and starts
-  /// again at the first pattern, its count goes on at the next multiple of `cycle` that leaves a
-  /// gap of one or more, so that no scan mixes frames from before and after.
+  /// pattern shows pattern k modulo `cycle`. When the camera was gone and starts again at the first
+  /// pattern, the count goes on at the next multiple of `cycle` that leaves at least one frame
+  /// missing: the pattern stays right, and no scan mixes frames from before and after.
   explicit FrameCount(int cycle) : cycle_(static_cast<std::uint64_t>(cycle)) {}
 
   /// The camera starts, or starts again: its frame numbered `first` shows the first pattern.
@@ -42,8 +42,8 @@ class FrameCount {
     return count;
   }
 
-  /// How many counts, in all, belong to frames that never came. Frames lost between begin() and the
-  /// first that came are not among them: the connection to the camera is then still being set up.
+  /// Frames that never came. Those lost between begin() and the first frame that came are not
+  /// counted: the connection to the camera is then still being set up.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
   /// A step back of more numbers than this is a camera that started again, not a late frame.
   static constexpr int far = 1000;

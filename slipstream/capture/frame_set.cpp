@@ -1,40 +1,40 @@
 #include "slipstream/capture/frame_set.h"
 
-#include <algorithm>
-
-#include <fmt/format.h>
-
-#include "slipstream/error/error.h"
-
 namespace slipstream {
 namespace {
 
-template <class Pixel>
-void require_same_size(const std::vector<Image<Pixel>>& images) {
-  for (const Image<Pixel>& image : images) {
-    if (image.size() != images.front().size()) {
-      throw Error(fmt::format("frame {} is {}x{}, the first {}x{}; all frames have one size",
-                              &image - images.data(), image.width(), image.height(),
-                              images.front().width(), images.front().height()));
-    }
+/// Throws where the frames do not go together.
+template <class Images>
+Images checked(Images images, int bits = 8) {
+  using Pixel = std::remove_cvref_t<decltype(*images[0].begin())>;
+  Frames<Pixel> views(images.begin(), images.end());
+  if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
+    static_cast<void>(FrameViews(std::move(views), bits));
+  } else {
+    static_cast<void>(FrameViews(std::move(views)));
   }
+  return images;
 }
 
 }  // namespace
 
-FrameSet::FrameSet(Images8 images) : images_(std::move(images)) {
-  require_same_size(std::get<Images8>(images_));
-}
+FrameSet::FrameSet(Images8 images) : images_(checked(std::move(images))) {}
 
-FrameSet::FrameSet(Images16 images, int bits) : images_(std::move(images)), bits_(bits) {
-  if (bits < 8 || bits > 16) {
-    throw Error(fmt::format("{} bits per camera pixel are out of range; 8 to 16", bits));
-  }
-  require_same_size(std::get<Images16>(images_));
-}
+FrameSet::FrameSet(Images16 images, int bits)
+    : images_(checked(std::move(images), bits)), bits_(bits) {}
 
-FrameSet::FrameSet(ImagesUnquantised images) : images_(std::move(images)) {
-  require_same_size(std::get<ImagesUnquantised>(images_));
+FrameSet::FrameSet(ImagesUnquantised images) : images_(checked(std::move(images))) {}
+
+FrameViews FrameSet::views() const {
+  return std::visit(
+      [&](const auto& images) {
+        using Pixel = std::remove_cvref_t<decltype(*images[0].begin())>;
+        FrameViews views;
+        views.assign<Pixel>(
+            images, bits_, [](const Image<Pixel>& image) { return ImageView<const Pixel>(image); });
+        return views;
+      },
+      images_);
 }
 
 int FrameSet::count() const {
@@ -44,21 +44,6 @@ int FrameSet::count() const {
 Size FrameSet::size() const {
   return std::visit(
       [](const auto& images) { return images.empty() ? Size{} : images.front().size(); }, images_);
-}
-
-Image<std::uint8_t> saturation_mask(const FrameSet& frames) {
-  Image<std::uint8_t> mask(frames.size());
-  if (!frames.quantised()) return mask;
-  frames.visit([&](const auto& views) {
-    for (const auto& view : views) {
-      for (int row = 0; row < view.height(); ++row) {
-        for (int column = 0; column < view.width(); ++column) {
-          if (view(column, row) >= frames.full_scale()) mask(column, row) = 1;
-        }
-      }
-    }
-  });
-  return mask;
 }
 
 }  // namespace slipstream

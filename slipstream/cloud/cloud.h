@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 
+#include "slipstream/image/converted.h"
 #include "slipstream/image/image.h"
 
 namespace slipstream {
@@ -25,23 +27,60 @@ inline constexpr std::size_t validity_count = 7;
 /// "valid", "too dark", ... as printed.
 std::string_view name_of(Validity validity);
 
-/// An organised point cloud: one point per camera pixel, in the camera's frame, Z forward.
-struct Cloud {
-  explicit Cloud(Size size = {});
+/// An organised point cloud: one point for each camera pixel, in the camera's frame, Z forward.
+/// Kept and handed in again it is written anew without allocation.
+template <class Real>
+struct BasicCloud {
+  explicit BasicCloud(Size size = {})
+      : x(size, nan),
+        y(size, nan),
+        z(size, nan),
+        intensity(size),
+        validity(size, Validity::no_point) {}
 
-  Image<double> x;  ///< mm; NaN where not valid, as y and z
-  Image<double> y;
-  Image<double> z;
+  Image<Real> x;  ///< mm; NaN where not valid, as y and z
+  Image<Real> y;
+  Image<Real> z;
   Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
   Image<Validity> validity;
 
   [[nodiscard]] Size size() const { return z.size(); }
+
+ private:
+  static constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();
+};
+
+/// What is shown, filtered and written.
+using Cloud = BasicCloud<float>;
+
+/// From one precision to the other; memory is used where it is of the size.
+template <class From, class To>
+void convert(const BasicCloud<From>& from, BasicCloud<To>& to) {
+  convert(from.x, to.x);
+  convert(from.y, to.y);
+  convert(from.z, to.z);
+  to.intensity = from.intensity;
+  to.validity = from.validity;
+}
+
+/// Depth alone: less is computed and written than for a Cloud.
+struct Depth {
+  Image<float> z;  ///< mm; NaN where not valid
+  Image<Validity> validity;
 };
 
 /// Pixels of each kind of Validity, in its order.
-std::array<std::size_t, validity_count> count_by_validity(const Cloud& cloud);
+std::array<std::size_t, validity_count> count_by_validity(const Image<Validity>& validity);
+
+template <class Real>
+std::array<std::size_t, validity_count> count_by_validity(const BasicCloud<Real>& cloud) {
+  return count_by_validity(cloud.validity);
+}
 
 /// Points of the cloud.
-std::size_t point_count(const Cloud& cloud);
+template <class Real>
+std::size_t point_count(const BasicCloud<Real>& cloud) {
+  return count_by_validity(cloud)[static_cast<std::size_t>(Validity::valid)];
+}
 
 }  // namespace slipstream

@@ -21,4 +21,7 @@ struct Uncertainty {
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 };
 
+/// The median of the standard deviations of depth, mm; 0 where there is no point.
+double median_depth(const Uncertainty& uncertainty);
+
 }  // namespace slipstream

@@ -258,7 +258,7 @@ BlindGamma find_gamma(const Image<MeasuredHarmonics>& pixels, const Image<std::u
   return found;
 }
 
-BlindGamma find_gamma(const FrameSet& frames, int first, int steps) {
+BlindGamma find_gamma(const FrameViews& frames, int first, int steps) {
   const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, first, steps);
   return find_gamma(pixels, well_lit(pixels, frames), steps);
 }

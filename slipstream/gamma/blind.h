@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/capture/frame_views.h"
 #include "slipstream/gamma/pixel_harmonics.h"
 
 namespace slipstream {
@@ -41,7 +41,7 @@ struct BlindGamma {
 /// taken relative to the fundamental as a complex number: for N = 4 it is B_cos (4.60), for N >= 5
 /// its angle is phi_2 (4.61) and its length says more. One gamma for all pixels, because for N = 3
 /// a pixel alone often has several solutions. Pixels too dark or saturated are not asked.
-BlindGamma find_gamma(const FrameSet& frames, int first, int steps);
+BlindGamma find_gamma(const FrameViews& frames, int first, int steps);
 
 /// The same from harmonics already at hand.
 BlindGamma find_gamma(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit,

@@ -13,10 +13,10 @@ namespace slipstream {
 
 using std::numbers::pi;
 
-Image<double> double_three_step_phase(const FrameSet& frames, int first) {
+Image<double> double_three_step_phase(const FrameViews& frames, int first) {
   const PhaseEquations three_steps(3);
   Image<double> phase(frames.size());
-  frames.visit(first, 6, [&](const auto& views) {
+  frames.part(first, 6).visit([&](const auto& views) {
     for_each_row(phase.height(), [&](int row) {
       for (int column = 0; column < phase.width(); ++column) {
         const auto I = [&](std::size_t n) { return static_cast<double>(views[n](column, row)); };

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/capture/frame_views.h"
 #include "slipstream/image/image.h"
 
 namespace slipstream {
@@ -10,6 +10,6 @@ namespace slipstream {
 /// a turn, so its largest part cancels. What people do instead of correcting the phase; it costs
 /// three frames. Wrapped phase of every pixel, rad, [0, 2 pi), from the 6 frames that start at
 /// `first`.
-Image<double> double_three_step_phase(const FrameSet& frames, int first);
+Image<double> double_three_step_phase(const FrameViews& frames, int first);
 
 }  // namespace slipstream

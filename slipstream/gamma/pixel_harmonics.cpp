@@ -11,13 +11,13 @@ namespace slipstream {
 
 using std::numbers::pi;
 
-Image<MeasuredHarmonics> pixel_harmonics(const FrameSet& frames, int first, int steps) {
+Image<MeasuredHarmonics> pixel_harmonics(const FrameViews& frames, int first, int steps) {
   std::vector<std::complex<double>> turns(static_cast<std::size_t>(steps));
   for (std::size_t n = 0; n < turns.size(); ++n) {
     turns[n] = std::polar(1.0, 2 * pi * static_cast<double>(n) / steps);
   }
   Image<MeasuredHarmonics> pixels(frames.size());
-  frames.visit(first, steps, [&](const auto& views) {
+  frames.part(first, steps).visit([&](const auto& views) {
     const auto N = views.size();
     for_each_row(frames.size().height, [&](int row) {
       for (int column = 0; column < frames.size().width; ++column) {
@@ -38,7 +38,7 @@ Image<MeasuredHarmonics> pixel_harmonics(const FrameSet& frames, int first, int 
   return pixels;
 }
 
-Image<std::uint8_t> well_lit(const Image<MeasuredHarmonics>& pixels, const FrameSet& frames,
+Image<std::uint8_t> well_lit(const Image<MeasuredHarmonics>& pixels, const FrameViews& frames,
                              double minimum) {
   const double least = minimum > 0 ? minimum : frames.full_scale() / 16;
   const Image<std::uint8_t> saturated = saturation_mask(frames);

@@ -14,6 +14,8 @@ inline constexpr double largest_gamma = 11;
 /// The projector's light is its pattern's value to the power gamma: Liu 2010, Eq. (4.2).
 struct PowerLaw {
   double gamma = 1;
+
+  friend bool operator==(const PowerLaw&, const PowerLaw&) = default;
 };
 
 /// A measured response: value of the pattern to light, both from 0 to 1, rising throughout; a
@@ -22,10 +24,21 @@ struct ResponseCurve {
   std::vector<double> values;  ///< of the pattern, from 0 to 1, rising
   std::vector<double> light;   ///< at each of them, from 0 to 1, rising
   std::vector<double> slopes;  ///< of the curve there, d light / d value
+
+  friend bool operator==(const ResponseCurve&, const ResponseCurve&) = default;
 };
 
 /// How the light of projector and camera together answers a pattern's value.
 using Response = std::variant<PowerLaw, ResponseCurve>;
+
+/// A response and how well it is known.
+struct MeasuredResponse {
+  Response response{};
+  double gamma = 1;           ///< of the power law, or of the one nearest to a curve
+  double standard_error = 0;  ///< of gamma; 0 where not known
+
+  friend bool operator==(const MeasuredResponse&, const MeasuredResponse&) = default;
+};
 
 /// Throws Error, naming `what`, unless gamma is in [least_gamma, largest_gamma].
 void require_gamma(double gamma, std::string_view what);

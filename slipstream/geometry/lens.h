@@ -30,6 +30,8 @@ struct Lens {
   Eigen::Matrix3d intrinsic = Eigen::Matrix3d::Identity();  ///< K, pixels
   Distortion distortion;
   Size size;  ///< the device's pixels; empty where the calibration does not say
+
+  friend bool operator==(const Lens&, const Lens&) = default;
 };
 
 /// Throws Error, naming the device, unless K is finite, upper triangular with positive focal

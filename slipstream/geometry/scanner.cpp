@@ -1,6 +1,8 @@
 #include "slipstream/geometry/scanner.h"
 
 #include <cmath>
+#include <string_view>
+#include <variant>
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -40,6 +42,42 @@ void require_valid(const Scanner& scanner) {
         "baseline 0 mm: camera and projector stand in one place and see no depth; check "
         "the translation");
   }
+  require_valid(scanner.photometry);
+}
+
+void require_valid(const PhotometricCalibration& photometry) {
+  const auto& [ambient, noise_variance, response] = photometry;
+  if (ambient && !(std::abs(*ambient) <= 255)) {
+    throw Error(fmt::format("ambient_light {} is out of range; -255 to 255 grey levels", *ambient));
+  }
+  if (noise_variance && !(*noise_variance > 0 && std::isfinite(*noise_variance))) {
+    throw Error(fmt::format("noise_variance {} is out of range; above 0", *noise_variance));
+  }
+  if (!response) return;
+  if (const auto* law = std::get_if<PowerLaw>(&response->response)) {
+    require_gamma(law->gamma, "gamma");
+  }
+}
+
+Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector) {
+  const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
+    if (known.width == 0 || known.height == 0) known = said;
+    if (said != Size{} && known != said) {
+      throw Error(fmt::format("{}: its {} has {}, but {} {}; both must agree", file, device,
+                              text_of(known), by, text_of(said)));
+    }
+  };
+  complete(scanner.camera.size, camera, "camera", "the frames are");
+  complete(scanner.projector.size, projector, "projector", "the patterns are for");
+  if (scanner.projector.size == Size{}) {
+    throw Error(fmt::format("{}: says no projector size; give it with --projector", file));
+  }
+  try {
+    require_valid(scanner);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", file, error.what()));
+  }
+  return scanner;
 }
 
 void require_depth_visible(const Scanner& scanner, Axis axis) {

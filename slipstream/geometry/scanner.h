@@ -1,25 +1,52 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include <Eigen/Core>
 
+#include "slipstream/gamma/response.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/pattern/axis.h"
 
 namespace slipstream {
 
-/// A calibrated camera-projector pair. The world is the camera's frame: millimetres, X to the right
-/// and Y down in the picture, Z forward. A point X in it is at rotation X + translation in the
-/// projector's frame.
-struct Scanner {
-  Lens camera;
-  Lens projector;
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
+/// What calibration knows of light and sensor; grey levels of an 8-bit camera.
+struct PhotometricCalibration {
+  std::optional<double> ambient{};         ///< beta of Liu 2010, Eq. (3.2), -255 to 255
+  std::optional<double> noise_variance{};  ///< sigma_w^2, rounding included, above 0
+  /// How the light of projector and camera together answers a pattern's value; phases are corrected
+  /// for it.
+  std::optional<MeasuredResponse> response{};
+
+  friend bool operator==(const PhotometricCalibration&, const PhotometricCalibration&) = default;
 };
 
-/// Throws Error unless both lenses are valid with a size, the rotation is one (to 1e-4) and the
-/// baseline is finite and not zero.
+/// All that calibration knows of a camera and a projector. The world is the camera's frame:
+/// millimetres, X to the right and Y down in the picture, Z forward. A point X in it is at rotation
+/// X + translation in the projector's frame.
+struct Scanner {
+  Lens camera{};
+  Lens projector{};
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
+  PhotometricCalibration photometry{};
+  std::string measured{};  ///< how and when, for people; empty where not known
+
+  friend bool operator==(const Scanner&, const Scanner&) = default;
+};
+
+/// Throws Error unless both lenses are valid with a size, the rotation is one (to 1e-4), the
+/// baseline is finite and not zero, and the photometry is in range.
 void require_valid(const Scanner& scanner);
+
+/// Throws Error for ambient light or noise out of range, or a gamma that is.
+void require_valid(const PhotometricCalibration& photometry);
+
+/// The scanner with the sizes that it does not say taken from the frames and the patterns; `camera`
+/// and `projector` may be empty. Throws Error, naming `file`, where they do not agree with what it
+/// says, no size is known for the projector, or the scanner is not valid.
+Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector);
 
 /// Throws Error when patterns along `axis` carry no depth for this scanner: the baseline runs along
 /// the stripes, so that every ray meets the same stripe at every depth and Eq. (1.15) is singular.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 namespace slipstream {
 
 /// Width and height of a picture or of a device's pixel grid.
@@ -9,5 +11,10 @@ struct Size {
 
   friend bool operator==(const Size&, const Size&) = default;
 };
+
+/// "1824x1140".
+inline std::string text_of(Size size) {
+  return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
 
 }  // namespace slipstream

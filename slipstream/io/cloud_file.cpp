@@ -51,9 +51,9 @@ std::vector<Extra> extras_of(const CloudExtras& extras) {
 /// x y z intensity and the extras of one pixel, as 32-bit floats.
 void append_point(std::string& bytes, const Cloud& cloud, const std::vector<Extra>& extras,
                   int column, int row) {
-  append(bytes, static_cast<float>(cloud.x(column, row)));
-  append(bytes, static_cast<float>(cloud.y(column, row)));
-  append(bytes, static_cast<float>(cloud.z(column, row)));
+  append(bytes, cloud.x(column, row));
+  append(bytes, cloud.y(column, row));
+  append(bytes, cloud.z(column, row));
   append(bytes, cloud.intensity(column, row));
   for (const Extra& extra : extras) append(bytes, extra.values(column, row));
 }
@@ -186,9 +186,9 @@ Cloud read_cloud(const fs::path& path) {
   if (vertices.empty()) throw Error(fmt::format("{}: no point in it", path.string()));
   Cloud cloud({static_cast<int>(vertices.size()), 1});
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    cloud.x.begin()[i] = vertices[i].x;
-    cloud.y.begin()[i] = vertices[i].y;
-    cloud.z.begin()[i] = vertices[i].z;
+    cloud.x.begin()[i] = static_cast<float>(vertices[i].x);
+    cloud.y.begin()[i] = static_cast<float>(vertices[i].y);
+    cloud.z.begin()[i] = static_cast<float>(vertices[i].z);
     cloud.intensity.begin()[i] = static_cast<float>(vertices[i].intensity);
     cloud.validity.begin()[i] = Validity::valid;
   }

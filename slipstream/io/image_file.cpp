@@ -175,6 +175,11 @@ void write_image(const fs::path& path, const Image<Colour>& image) {
   write_mat(path, turned);
 }
 
+void write_map(const fs::path& path, const Image<float>& map) {
+  require_map_ending(path);
+  write_mat(path, mat_of(map));
+}
+
 void write_map(const fs::path& path, const Image<double>& map) {
   require_map_ending(path);
   cv::Mat single;
@@ -192,10 +197,18 @@ Image<double> read_map(const fs::path& path) {
   return image_from<double>(wide);
 }
 
-void write_frames(const std::vector<fs::path>& paths, const FrameSet& frames) {
+void write_frames(const std::vector<fs::path>& paths, const FrameViews& frames) {
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < paths.size(); ++n) write_mat(paths[n], mat_of(views[n]));
   });
+}
+
+void require_colour_ending(const std::filesystem::path& path) {
+  const std::string extension = lower_case_extension(path);
+  if (extension != ".png" && extension != ".tiff" && extension != ".tif" && extension != ".bmp") {
+    throw Error(fmt::format("{}: no picture in colour has the ending '{}'; use .png, .tiff or .bmp",
+                            path.string(), extension));
+  }
 }
 
 }  // namespace slipstream

@@ -29,6 +29,9 @@ LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bi
 /// Reads a grey picture of 8 or 16 bits as it is, without scaling.
 Image<std::uint16_t> read_grey_image(const std::filesystem::path& path);
 
+/// Throws Error unless colours can be written to a file of that ending: png, tif, tiff, bmp.
+void require_colour_ending(const std::filesystem::path& path);
+
 /// Writes a grey picture as PNG, TIFF, BMP or PGM by the file's ending. Throws Error for another
 /// ending, WorldError when it cannot be written; never leaves half a file.
 void write_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
@@ -37,6 +40,7 @@ void write_image(const std::filesystem::path& path, const Image<std::uint16_t>& 
 void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 
 /// Writes a map (depth, phase, coordinate, modulation) as TIFF of 32-bit float, NaN kept.
+void write_map(const std::filesystem::path& path, const Image<float>& map);
 void write_map(const std::filesystem::path& path, const Image<double>& map);
 
 /// Reads a map that write_map wrote.
@@ -44,6 +48,6 @@ Image<double> read_map(const std::filesystem::path& path);
 
 /// Writes the frames to those paths in order: 8- or 16-bit pictures, or 64-bit float TIFF for
 /// unquantised ones.
-void write_frames(const std::vector<std::filesystem::path>& paths, const FrameSet& frames);
+void write_frames(const std::vector<std::filesystem::path>& paths, const FrameViews& frames);
 
 }  // namespace slipstream

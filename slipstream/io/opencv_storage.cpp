@@ -56,8 +56,15 @@ std::string text_of(const YAML::Node& node) {
   return node.IsScalar() ? node.Scalar() : "";
 }
 
+/// A number, or a text that is none.
+StoredMatrix scalar_from(const std::string& text) {
+  StoredMatrix entry = matrix_from("1", "1", {text});
+  if (entry.rows == 0) entry.text = text;
+  return entry;
+}
+
 StoredMatrix entry_from(const YAML::Node& node) {
-  if (node.IsScalar()) return matrix_from("1", "1", {node.Scalar()});
+  if (node.IsScalar()) return scalar_from(node.Scalar());
   if (!node.IsMap() || !node["rows"] || !node["cols"] || !node["data"]) return {};
   std::vector<std::string> data;
   for (const YAML::Node& number : node["data"]) data.push_back(text_of(number));
@@ -79,7 +86,10 @@ std::optional<Entries> entries_from_yaml(std::string text) {
 }
 
 StoredMatrix entry_from(const pugi::xml_node& node) {
-  if (!node.child("data")) return matrix_from("1", "1", {node.text().get()});
+  const auto is_element = [](const pugi::xml_node& child) {
+    return child.type() == pugi::node_element;
+  };
+  if (!node.find_child(is_element)) return scalar_from(node.text().get());
   std::istringstream words(node.child("data").text().get());
   std::vector<std::string> data;
   for (std::string word; words >> word;) data.push_back(word);
@@ -104,7 +114,18 @@ std::string joined(const std::vector<double>& numbers, std::string_view separato
   return fmt::format("{}", fmt::join(numbers, separator));
 }
 
+/// In the double quotes of YAML, on one line.
+std::string quoted(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += static_cast<unsigned char>(c) < ' ' ? ' ' : c;
+  }
+  return quoted + '"';
+}
+
 std::string yaml_of(const std::string& name, const StoredMatrix& entry) {
+  if (entry.rows == 0) return fmt::format("{}: {}\n", name, quoted(entry.text));
   if (entry.rows == 1 && entry.columns == 1) return fmt::format("{}: {}\n", name, entry.numbers[0]);
   return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: [ {} ]\n",
                      name, entry.rows, entry.columns, joined(entry.numbers, ", "));
@@ -125,7 +146,7 @@ std::string with_yaml_entries(const std::string& text, const Entries& entries) {
     }
   }
   for (const auto& [name, entry] : entries) {
-    if (entry.rows > 0) kept += yaml_of(name, entry);
+    if (!entry.empty()) kept += yaml_of(name, entry);
   }
   return kept + end;
 }
@@ -137,8 +158,12 @@ std::string with_xml_entries(const std::string& text, const Entries& entries) {
   for (const auto& [name, entry] : entries) {
     while (root.remove_child(name.c_str())) {
     }
-    if (entry.rows == 0) continue;
+    if (entry.empty()) continue;
     pugi::xml_node node = root.append_child(name.c_str());
+    if (entry.rows == 0) {
+      node.text().set(entry.text.c_str());
+      continue;
+    }
     if (entry.rows == 1 && entry.columns == 1) {
       node.text().set(fmt::format("{}", entry.numbers[0]).c_str());
       continue;
@@ -152,10 +177,6 @@ std::string with_xml_entries(const std::string& text, const Entries& entries) {
   std::ostringstream changed;
   document.save(changed, "  ");
   return changed.str();
-}
-
-bool same_numbers(const StoredMatrix& a, const StoredMatrix& b) {
-  return a.rows == b.rows && a.columns == b.columns && a.numbers == b.numbers;
 }
 
 }  // namespace
@@ -189,7 +210,7 @@ std::string with_entries(const std::string& text, const Entries& entries, const 
   }
   for (const auto& [key, entry] : entries) {
     const bool there = after.contains(key);
-    if (entry.rows == 0 ? there : !there || !same_numbers(after.at(key), entry)) refuse(key);
+    if (entry.empty() ? there : !there || after.at(key) != entry) refuse(key);
   }
   for (const auto& [key, entry] : before) {
     if (!entries.contains(key) && !after.contains(key)) refuse(key);

@@ -8,12 +8,16 @@
 
 namespace slipstream {
 
-/// A matrix or, 1x1, a number of an OpenCV FileStorage file; rows and columns are 0 for what is
-/// neither.
+/// A matrix or, 1x1, a number of an OpenCV FileStorage file, or a line of text; rows and columns
+/// are 0 for what is no matrix.
 struct StoredMatrix {
   int rows = 0;
   int columns = 0;
-  std::vector<double> numbers;  ///< row by row; may be NaN
+  std::vector<double> numbers{};  ///< row by row; may be NaN
+  std::string text{};             ///< of a line of text; else empty
+
+  [[nodiscard]] bool empty() const { return rows == 0 && text.empty(); }
+  friend bool operator==(const StoredMatrix&, const StoredMatrix&) = default;
 };
 
 /// The entries at the top of a FileStorage file (YAML or XML) by name. OpenCV's own reader is not
@@ -26,7 +30,7 @@ std::map<std::string, StoredMatrix> opencv_entries(const std::string& text,
                                                    const std::string& name);
 
 /// The text of a FileStorage file (YAML or XML) with those entries in place of any of their names
-/// and all else as it was. An entry without rows is taken away. Throws Error, calling it `name`,
+/// and all else as it was. An empty entry is taken away. Throws Error, calling it `name`,
 /// when the text is no such file or is laid out so that an entry cannot be replaced.
 std::string with_entries(const std::string& text,
                          const std::map<std::string, StoredMatrix>& entries,

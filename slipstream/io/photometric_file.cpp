@@ -1,71 +1,108 @@
 #include "slipstream/io/photometric_file.h"
 
-#include <cmath>
-#include <map>
-#include <string>
+#include <charconv>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/opencv_storage.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
+using Entries = std::map<std::string, StoredMatrix>;
+
 constexpr const char* ambient_entry = "ambient_light";
 constexpr const char* noise_entry = "noise_variance";
+constexpr const char* gamma_entry = "gamma";
+constexpr const char* error_entry = "gamma_standard_error";
+constexpr const char* values_entry = "response_values";
+constexpr const char* light_entry = "response_light";
 
-PhotometricCalibration photometric_calibration_of(
-    const std::map<std::string, StoredMatrix>& entries, const std::string& file) {
-  const auto number = [&](const char* name) -> std::optional<double> {
-    const auto found = entries.find(name);
-    if (found == entries.end()) return std::nullopt;
-    if (found->second.numbers.size() != 1) {
-      throw Error(fmt::format("{}: {} is not a number", file, name));
-    }
-    return found->second.numbers[0];
-  };
-  const PhotometricCalibration read{.ambient = number(ambient_entry),
-                                    .noise_variance = number(noise_entry)};
-  if (read.ambient && !(std::abs(*read.ambient) <= 255)) {
-    throw Error(fmt::format("{}: {} {} is out of range; -255 to 255 grey levels", file,
-                            ambient_entry, *read.ambient));
-  }
-  if (read.noise_variance && !(*read.noise_variance > 0 && std::isfinite(*read.noise_variance))) {
-    throw Error(
-        fmt::format("{}: {} {} is out of range; above 0", file, noise_entry, *read.noise_variance));
-  }
-  return read;
+std::optional<double> number(const Entries& entries, const char* name) {
+  const auto found = entries.find(name);
+  if (found == entries.end()) return std::nullopt;
+  if (found->second.numbers.size() != 1) throw Error(fmt::format("{} is not a number", name));
+  return found->second.numbers[0];
 }
 
-std::map<std::string, StoredMatrix> entries_of(const PhotometricCalibration& calibration) {
-  std::map<std::string, StoredMatrix> entries;
-  if (calibration.ambient) entries[ambient_entry] = {1, 1, {*calibration.ambient}};
-  if (calibration.noise_variance) entries[noise_entry] = {1, 1, {*calibration.noise_variance}};
-  return entries;
+std::optional<MeasuredResponse> response_of(const Entries& entries) {
+  const std::optional<double> gamma = number(entries, gamma_entry);
+  MeasuredResponse measured{.gamma = gamma.value_or(1),
+                            .standard_error = number(entries, error_entry).value_or(0)};
+  const bool has_values = entries.contains(values_entry), has_light = entries.contains(light_entry);
+  if (has_values != has_light) {
+    throw Error(fmt::format("{} and {} go together", values_entry, light_entry));
+  }
+  if (has_values) {
+    measured.response =
+        response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
+    return measured;
+  }
+  if (!gamma) return std::nullopt;
+  measured.response = PowerLaw{*gamma};
+  return measured;
+}
+
+StoredMatrix row_of(std::vector<double> numbers) {
+  return {1, static_cast<int>(numbers.size()), std::move(numbers)};
 }
 
 }  // namespace
+
+PhotometricCalibration photometric_calibration_of(const Entries& entries, const std::string& name) {
+  try {
+    PhotometricCalibration read{.ambient = number(entries, ambient_entry),
+                                .noise_variance = number(entries, noise_entry),
+                                .response = response_of(entries)};
+    require_valid(read);
+    return read;
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
+Entries entries_of(const PhotometricCalibration& calibration) {
+  Entries entries;
+  if (calibration.ambient) entries[ambient_entry] = row_of({*calibration.ambient});
+  if (calibration.noise_variance) entries[noise_entry] = row_of({*calibration.noise_variance});
+  if (!calibration.response) return entries;
+  const auto& [response, gamma, standard_error] = *calibration.response;
+  entries[gamma_entry] = row_of({gamma});
+  entries[error_entry] = row_of({standard_error});
+  // Empty ones take away what was there.
+  entries[values_entry] = entries[light_entry] = {};
+  if (const auto* curve = std::get_if<ResponseCurve>(&response)) {
+    entries[values_entry] = row_of(curve->values);
+    entries[light_entry] = row_of(curve->light);
+  }
+  return entries;
+}
 
 PhotometricCalibration read_photometric_calibration(const fs::path& scanner_file) {
   return photometric_calibration_of(read_opencv_storage(scanner_file), scanner_file.string());
 }
 
-PhotometricCalibration photometric_calibration_from(const std::string& text,
-                                                    const std::string& name) {
-  return photometric_calibration_of(opencv_entries(text, name), name);
-}
-
-std::string with_photometric_calibration(const std::string& text,
-                                         const PhotometricCalibration& calibration,
-                                         const std::string& name) {
-  return with_entries(text, entries_of(calibration), name);
-}
-
 void write_photometric_calibration(const std::optional<fs::path>& from, const fs::path& to,
                                    const PhotometricCalibration& calibration) {
   write_entries(from, to, entries_of(calibration));
+}
+
+Response response_named(const std::string& text, const std::string& name) {
+  double gamma = 0;
+  const auto [rest, failure] = std::from_chars(text.data(), text.data() + text.size(), gamma);
+  if (failure == std::errc() && rest == text.data() + text.size()) {
+    require_gamma(gamma, name);
+    return PowerLaw{gamma};
+  }
+  const auto measured = read_photometric_calibration(text).response;
+  if (!measured) {
+    throw Error(fmt::format("{}: no gamma in it; slipstream calibrate gamma puts it there", text));
+  }
+  return measured->response;
 }
 
 }  // namespace slipstream

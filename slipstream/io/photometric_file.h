@@ -1,35 +1,41 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/io/opencv_storage.h"
+
 namespace slipstream {
 
-/// What a scanner file says of light and sensor; grey levels of an 8-bit camera.
-struct PhotometricCalibration {
-  std::optional<double> ambient;         ///< beta, `ambient_light`: -255 to 255
-  std::optional<double> noise_variance;  ///< sigma_w^2, rounding included, `noise_variance`: > 0
-};
+// What a scanner file says of light and sensor, each entry for itself:
+//   ambient_light, noise_variance          numbers
+//   gamma, gamma_standard_error            of a power law, or of the one nearest to a curve
+//   response_values, response_light        a measured curve, two rows of numbers
 
-/// Throws Error, naming file and entry, for one that is not a number or out of range.
+/// Reads it from a file that may hold nothing else. Throws Error, naming file and entry, for one
+/// that is not of its form or out of range.
 PhotometricCalibration read_photometric_calibration(const std::filesystem::path& scanner_file);
 
-/// The same of such a file's text; `name` is what a message calls it.
-PhotometricCalibration photometric_calibration_from(const std::string& text,
-                                                    const std::string& name);
-
-/// The text of such a file with what the calibration has in place of what it says, and all else as
-/// it was. Throws Error, calling it `name`, where it is no such text.
-std::string with_photometric_calibration(const std::string& text,
-                                         const PhotometricCalibration& calibration,
-                                         const std::string& name);
+/// The response that a text names: a number, gamma of a power law, or a scanner file that holds
+/// one. Throws Error, by `name` what a message calls the number, where gamma is out of range, and
+/// naming the file where it holds none.
+Response response_named(const std::string& text, const std::string& name);
 
 /// Writes the scanner file `from` to `to` (which may be the same) with what the calibration has in
-/// place of what the file says, and all else as it was. `from` may be missing: the new file then
-/// holds the calibration alone. Throws Error where both names do not end alike in .xml or not.
+/// place of what the file says, and all else as it was, what slipstream does not know too. `from`
+/// may be missing: the new file then holds the calibration alone. Throws Error where both names do
+/// not end alike in .xml or not.
 void write_photometric_calibration(const std::optional<std::filesystem::path>& from,
                                    const std::filesystem::path& to,
                                    const PhotometricCalibration& calibration);
+
+/// The same of entries that have been read, or are to be written; `name` is what a message calls
+/// the file.
+PhotometricCalibration photometric_calibration_of(
+    const std::map<std::string, StoredMatrix>& entries, const std::string& name);
+std::map<std::string, StoredMatrix> entries_of(const PhotometricCalibration& calibration);
 
 }  // namespace slipstream

@@ -10,6 +10,8 @@
 
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/converted.h"
+#include "slipstream/image/quantile.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/mat.h"
 
@@ -119,24 +121,17 @@ void write_page(const fs::path& path, cv::Mat picture, const ValueRange& range,
 }  // namespace
 
 ValueRange robust_range(const Image<double>& map) {
-  std::vector<double> values;
-  std::copy_if(map.begin(), map.end(), std::back_inserter(values),
-               [](double value) { return std::isfinite(value); });
+  std::vector<double> values = finite_values(map);
   if (values.empty()) return {};
-  const auto percentile = [&](double share) {
-    const auto place = values.begin() +
-                       static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
-  };
-  const double low = percentile(0.01), high = percentile(0.99);
+  const double low = quantile(values, 0.01), high = quantile(values, 0.99);
   const double margin = std::max(0.02 * (high - low), 1e-3 * std::abs(high) + 1e-9);
   return {low - margin, high + margin};
 }
 
 void write_depth_preview(const fs::path& path, const Cloud& cloud) {
-  const ValueRange range = robust_range(cloud.z);
-  cv::Mat picture = coloured(cloud.z, range);
+  const Image<double> depth = converted<double>(cloud.z);
+  const ValueRange range = robust_range(depth);
+  cv::Mat picture = coloured(depth, range);
   shade(picture, cloud);
   write_page(path, std::move(picture), range, "depth, mm");
 }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 namespace slipstream {
 
 RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHeader header)
@@ -11,7 +13,7 @@ RecordedSource::RecordedSource(std::unique_ptr<FrameSource> source, RecordingHea
 
 void RecordedSource::set_strategy(const Strategy& strategy) {
   const std::lock_guard lock(mutex_);
-  if (header_.scan) header_.scan->strategy = strategy;
+  if (header_.sequence) header_.sequence->strategy = strategy;
 }
 
 void RecordedSource::record_to(const std::filesystem::path& path) {
@@ -61,6 +63,14 @@ std::string RecordedSource::state() const {
 std::shared_ptr<Recorder> RecordedSource::recorder() const {
   const std::lock_guard lock(mutex_);
   return recorder_;
+}
+
+std::string text_of(const RecordedSource::Recording& recording) {
+  if (!recording.error.empty()) return recording.error;
+  std::string text =
+      fmt::format("{}, {} frames", recording.path.string(), recording.counts.written);
+  if (recording.counts.lost != 0) text += fmt::format(", {} lost", recording.counts.lost);
+  return text;
 }
 
 }  // namespace slipstream

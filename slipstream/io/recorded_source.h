@@ -55,4 +55,7 @@ class RecordedSource : public FrameSource {
   std::shared_ptr<Recorder> recorder_;
 };
 
+/// "scan.slip, 120 frames, 3 lost", or why it ended.
+std::string text_of(const RecordedSource::Recording& recording);
+
 }  // namespace slipstream

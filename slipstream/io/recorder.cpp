@@ -1,6 +1,7 @@
 #include "slipstream/io/recorder.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <utility>
 #include <vector>
@@ -108,6 +109,30 @@ void Recorder::write_all() {
     waiting_.clear();
     room_.notify_one();
   }
+}
+
+std::int64_t record_frames(FrameSource& source, Recorder& recorder,
+                           const std::function<bool(std::int64_t frames)>& ends,
+                           const std::function<void()>& taken,
+                           const std::function<void(const std::string& state)>& told) {
+  // A source without a pace waits for the disk; one with a pace of its own cannot.
+  const std::chrono::milliseconds patience(source.has_own_pace() ? 0 : 60000), most_wait(100);
+  std::int64_t frames = 0;
+  std::string state;
+  Frame frame(source.format());
+  while (!ends(frames) && recorder.error().empty()) {
+    const Arrival arrival = source.next(frame, most_wait);
+    if (arrival == Arrival::ended) break;
+    if (const std::string now = source.state(); now != state) {
+      state = now;
+      told(state);
+    }
+    if (arrival != Arrival::frame) continue;
+    recorder.record(frame, patience);
+    ++frames;
+    taken();
+  }
+  return frames;
 }
 
 }  // namespace slipstream

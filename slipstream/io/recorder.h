@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "slipstream/capture/frame.h"
+#include "slipstream/capture/frame_source.h"
 #include "slipstream/capture/pool.h"
 #include "slipstream/io/recording.h"
 
@@ -61,5 +63,13 @@ class Recorder {
   bool ended_ = false;  ///< no more frames are taken
   std::thread thread_;
 };
+
+/// Hands the frames of a source that has been started to a recorder until `ends` says so, the
+/// source ends or the recording fails; returns how many. `taken` is called after each frame, `told`
+/// when FrameSource::state changes.
+std::int64_t record_frames(FrameSource& source, Recorder& recorder,
+                           const std::function<bool(std::int64_t frames)>& ends,
+                           const std::function<void()>& taken,
+                           const std::function<void(const std::string& state)>& told);
 
 }  // namespace slipstream

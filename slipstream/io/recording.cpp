@@ -19,6 +19,8 @@
 #include <zlib.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -172,12 +174,11 @@ std::string texts_of(const std::string& scan, const std::string& scanner) {
 }
 
 std::string scan_text(const RecordingHeader& header) {
-  if (!header.scan) return {};
-  ScanDescription scan = *header.scan;
-  scan.frames.clear();
-  scan.scanner.reset();
-  scan.second_camera.reset();
-  return scan_description_text(scan, {});
+  return header.sequence ? scan_yaml_of({.sequence = *header.sequence}, {}) : std::string();
+}
+
+std::string scanner_text(const RecordingHeader& header) {
+  return header.scanner ? text_of(*header.scanner) : std::string();
 }
 
 void require_valid(const RecordingHeader& header) {
@@ -185,10 +186,6 @@ void require_valid(const RecordingHeader& header) {
   if (!(header.frame_rate >= 0 && std::isfinite(header.frame_rate))) {
     throw Error(
         fmt::format("a frame rate of {} Hz cannot be recorded; 0 or more", header.frame_rate));
-  }
-  if (header.scanner.size() > longest_text) {
-    throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
-                            header.scanner.size(), longest_text));
   }
 }
 
@@ -202,7 +199,12 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
     : path_(path), format_(header.format) {
   require_valid(header);
   const std::string scan = scan_text(header);
-  const std::string texts = texts_of(scan, header.scanner);
+  const std::string scanner = scanner_text(header);
+  if (scanner.size() > longest_text) {
+    throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
+                            scanner.size(), longest_text));
+  }
+  const std::string texts = texts_of(scan, scanner);
   header_size_ = sizeof(FileHeader) + texts.size();
   FileHeader written{.magic = magic,
                      .version = version,
@@ -211,7 +213,7 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
                      .height = static_cast<std::uint32_t>(format_.size.height),
                      .bits = static_cast<std::uint32_t>(format_.bits),
                      .scan_length = static_cast<std::uint32_t>(scan.size()),
-                     .scanner_length = static_cast<std::uint32_t>(header.scanner.size()),
+                     .scanner_length = static_cast<std::uint32_t>(scanner.size()),
                      .frame_rate = header.frame_rate,
                      .record_size = record_size(format_)};
   const Bytes text_bytes(reinterpret_cast<const std::uint8_t*>(texts.data()), texts.size());
@@ -333,9 +335,13 @@ void RecordingReader::read_header() {
   }
   if (header.record_size != record_size(header_.format)) refuse("its header is damaged");
   if (header.scan_length > 0) {
-    header_.scan = scan_description_from(texts.substr(0, header.scan_length), path_.string(), {});
+    header_.sequence =
+        scan_files_from(texts.substr(0, header.scan_length), path_.string(), {}).sequence;
   }
-  header_.scanner = texts.substr(header.scan_length, header.scanner_length);
+  if (header.scanner_length > 0) {
+    header_.scanner =
+        scanner_from(texts.substr(header.scan_length, header.scanner_length), path_.string());
+  }
   header_size_ = header.header_size;
 }
 

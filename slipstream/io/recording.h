@@ -7,17 +7,17 @@
 #include <string>
 
 #include "slipstream/capture/frame.h"
-#include "slipstream/io/scan_folder.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 
 /// What a recording says of all its frames. The file's layout, byte by byte, is in docs/files.md.
 struct RecordingHeader {
   FrameFormat format;
-  double frame_rate = 0;  ///< frames per second asked of the camera; 0 where not known
-  /// The patterns that the frames show; nothing where not said. Its frames and files are left out.
-  std::optional<ScanDescription> scan;
-  std::string scanner;  ///< the text of a scanner file; empty where there is none
+  double frame_rate = 0;               ///< frames per second asked of the camera; 0 where not known
+  std::optional<Sequence> sequence{};  ///< that the frames show; nothing where not said
+  std::optional<Scanner> scanner{};    ///< of the camera that takes them; nothing where not known
 };
 
 /// Writes frames without loss, one behind another. What is on the disk can be read at any time up

@@ -12,6 +12,7 @@
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -47,11 +48,6 @@ std::vector<Frame> frames_of(const FrameSet& set, const fs::path& folder) {
   });
 }
 
-std::string text_in(const fs::path& file) {
-  const std::vector<std::uint8_t> bytes = read_file(file);
-  return {bytes.begin(), bytes.end()};
-}
-
 }  // namespace
 
 ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
@@ -83,18 +79,20 @@ void ReplaySource::open_recording(const fs::path& path) {
 }
 
 void ReplaySource::open_folder(const fs::path& folder) {
-  const ScanDescription scan = read_scan_description(folder / "scan.yaml");
+  const ScanFiles scan = read_scan_files(folder / "scan.yaml");
+  const Strategy& strategy = scan.sequence.strategy;
   const FrameSet set = read_frames(scan.frames, scan.bits).frames;
-  if (set.count() != frame_count(scan.strategy)) {
+  if (set.count() != frame_count(strategy)) {
     throw Error(fmt::format("{}: has {} frames; its strategy, {}, has {}", folder.string(),
-                            set.count(), name_of(scan.strategy), frame_count(scan.strategy)));
+                            set.count(), strategy.name(), frame_count(strategy)));
   }
   frames_ = frames_of(set, folder);
   count_ = frames_.size();
   paced_ = settings_.rate.value_or(0) > 0;
   header_.format = frames_.front().format();
-  header_.scan = scan;
-  if (scan.scanner) header_.scanner = text_in(*scan.scanner);
+  header_.sequence = scan.sequence;
+  header_.sequence->marker = false;  // the folder's frames are the patterns alone
+  if (scan.scanner) header_.scanner = read_scanner(*scan.scanner);
 }
 
 void ReplaySource::measure_round(const fs::path& path) {
@@ -107,7 +105,7 @@ void ReplaySource::measure_round(const fs::path& path) {
                             path.string()));
   }
   const std::uint64_t pattern_count =
-      header_.scan ? static_cast<std::uint64_t>(frame_count(header_.scan->strategy)) : 1;
+      header_.sequence ? static_cast<std::uint64_t>(cycle_length(*header_.sequence)) : 1;
   first_sequence_ = first.stamp.sequence / pattern_count * pattern_count;
   first_host_time_ = first.stamp.host_time;
   const std::uint64_t sequences = last.stamp.sequence - first.stamp.sequence + 1;

@@ -13,6 +13,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -117,7 +118,7 @@ YamlMap parse(const std::string& text, const std::string& name) {
 Strategy read_strategy(const YamlMap& map) {
   StrategySettings settings;
   for (const std::string& key : map.keys()) {
-    if (key != "name" && key != "axis" && key != "alpha_p" && key != "beta_p") {
+    if (key != "name" && key != "axis" && key != "alpha_p" && key != "beta_p" && key != "marker") {
       settings[key] = map.number(key);
     }
   }
@@ -132,22 +133,23 @@ PatternLight read_light(const YamlMap& map) {
   return light;
 }
 
-ScanDescription interpret(const YamlMap& map, const fs::path& folder) {
+ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   constexpr int largest_picture = 65536;
   map.require_known_keys(
       {"slipstream", "strategy", "projector", "bits", "frames", "scanner", "second_camera"});
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
 
-  ScanDescription scan;
+  ScanFiles scan;
   const YamlMap strategy = map.map("strategy");
-  scan.strategy = read_strategy(strategy);
-  scan.light = read_light(strategy);
-  scan.axis = axis_named(strategy.value_or<std::string>("axis", "x", "x or y"));
+  scan.sequence = {.strategy = read_strategy(strategy),
+                   .axis = axis_named(strategy.value_or<std::string>("axis", "x", "x or y")),
+                   .light = read_light(strategy),
+                   .marker = strategy.value_or("marker", false, "true or false")};
   if (map.has("projector")) {
     const YamlMap projector = map.map("projector");
     projector.require_known_keys({"width", "height"});
-    scan.projector = {projector.whole_number("width", 1, largest_picture),
-                      projector.whole_number("height", 1, largest_picture)};
+    scan.sequence.projector = {projector.whole_number("width", 1, largest_picture),
+                               projector.whole_number("height", 1, largest_picture)};
   }
   if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
   if (map.has("frames")) {
@@ -187,16 +189,15 @@ bool before_in_order(const std::string& a, const std::string& b) {
   return std::pair(a.size() - i, a) < std::pair(b.size() - j, b);
 }
 
-ScanDescription read_scan_description(const fs::path& file) {
+ScanFiles read_scan_files(const fs::path& file) {
   const std::vector<std::uint8_t> bytes = read_file(file);
-  ScanDescription scan =
-      scan_description_from({bytes.begin(), bytes.end()}, file.string(), file.parent_path());
+  ScanFiles scan = scan_files_from({bytes.begin(), bytes.end()}, file.string(), file.parent_path());
   if (scan.frames.empty()) throw Error(fmt::format("{}: key 'frames' is missing", file.string()));
   return scan;
 }
 
-ScanDescription scan_description_from(const std::string& text, const std::string& name,
-                                      const fs::path& folder) {
+ScanFiles scan_files_from(const std::string& text, const std::string& name,
+                          const fs::path& folder) {
   const YamlMap map = parse(text, name);
   try {
     return interpret(map, folder);
@@ -209,25 +210,28 @@ ScanDescription scan_description_from(const std::string& text, const std::string
   }
 }
 
-void write_scan_description(const fs::path& file, const ScanDescription& scan) {
-  write_file(file, scan_description_text(scan, file.parent_path()));
+void write_scan_files(const fs::path& file, const ScanFiles& scan) {
+  write_file(file, scan_yaml_of(scan, file.parent_path()));
 }
 
-std::string scan_description_text(const ScanDescription& scan, const fs::path& folder) {
+std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
-  yaml << YAML::Key << "name" << YAML::Value << std::string(name_of(scan.strategy));
-  for (const auto& [name, value] : settings_of(scan.strategy)) {
+  const auto& [strategy, axis, light, projector, marker] = scan.sequence;
+  yaml << YAML::Key << "name" << YAML::Value << strategy.name();
+  for (const auto& [name, value] : strategy.settings()) {
     yaml << YAML::Key << name << YAML::Value << value;
   }
-  yaml << YAML::Key << "axis" << YAML::Value << std::string(name_of(scan.axis));
-  yaml << YAML::Key << "alpha_p" << YAML::Value << scan.light.alpha_p;
-  yaml << YAML::Key << "beta_p" << YAML::Value << scan.light.beta_p << YAML::EndMap;
-  if (scan.projector != Size{}) {
+  yaml << YAML::Key << "axis" << YAML::Value << std::string(name_of(axis));
+  yaml << YAML::Key << "alpha_p" << YAML::Value << light.alpha_p;
+  yaml << YAML::Key << "beta_p" << YAML::Value << light.beta_p;
+  if (marker) yaml << YAML::Key << "marker" << YAML::Value << true;
+  yaml << YAML::EndMap;
+  if (projector != Size{}) {
     yaml << YAML::Key << "projector" << YAML::Value << YAML::Flow << YAML::BeginMap;
-    yaml << YAML::Key << "width" << YAML::Value << scan.projector.width;
-    yaml << YAML::Key << "height" << YAML::Value << scan.projector.height << YAML::EndMap;
+    yaml << YAML::Key << "width" << YAML::Value << projector.width;
+    yaml << YAML::Key << "height" << YAML::Value << projector.height << YAML::EndMap;
   }
   if (scan.bits != 0) yaml << YAML::Key << "bits" << YAML::Value << scan.bits;
   if (!scan.frames.empty()) {
@@ -245,6 +249,14 @@ std::string scan_description_text(const ScanDescription& scan, const fs::path& f
   }
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
+}
+
+ScanFiles scan_files_in(const fs::path& folder) {
+  if (!fs::is_directory(folder)) {
+    throw Error(fmt::format("{}: no such folder; a folder of frames is wanted", folder.string()));
+  }
+  if (fs::exists(folder / "scan.yaml")) return read_scan_files(folder / "scan.yaml");
+  return {.frames = images_in_folder(folder)};
 }
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {

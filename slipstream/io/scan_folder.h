@@ -5,40 +5,38 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/image/size.h"
-#include "slipstream/pattern/axis.h"
-#include "slipstream/pattern/pattern_set.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 
-/// What scan.yaml says of the pictures in its folder.
-struct ScanDescription {
-  Strategy strategy;
-  Axis axis = Axis::x;
-  PatternLight light;                            ///< of the patterns
-  Size projector;                                ///< pixels; empty where not said
-  int bits = 0;                                  ///< of the camera; 0 where not said
-  std::vector<std::filesystem::path> frames;     ///< in pattern order
-  std::optional<std::filesystem::path> scanner;  ///< the scanner file
+/// What scan.yaml says of a scan, and the files that it is in.
+struct ScanFiles {
+  Sequence sequence{};
+  int bits = 0;                                    ///< of the camera; 0 where not said
+  std::vector<std::filesystem::path> frames{};     ///< in pattern order
+  std::optional<std::filesystem::path> scanner{};  ///< the scanner file
   /// The scan folder of a second camera that saw the same projector at the same time.
-  std::optional<std::filesystem::path> second_camera;
+  std::optional<std::filesystem::path> second_camera{};
 };
 
 /// Reads scan.yaml; relative paths are resolved against its folder. Throws Error, naming file and
 /// key, for an unknown key, a missing one or a value out of range.
-ScanDescription read_scan_description(const std::filesystem::path& file);
+ScanFiles read_scan_files(const std::filesystem::path& file);
 
-/// What the text of a scan.yaml says, as read_scan_description; `name` is what messages call it.
-/// `frames` may be missing in it.
-ScanDescription scan_description_from(const std::string& text, const std::string& name,
-                                      const std::filesystem::path& folder);
+/// What the text of a scan.yaml says, as read_scan_files; `name` is what messages call it. `frames`
+/// may be missing in it.
+ScanFiles scan_files_from(const std::string& text, const std::string& name,
+                          const std::filesystem::path& folder);
 
 /// The text of the scan.yaml in that folder. `frames` is missing where there are none.
-std::string scan_description_text(const ScanDescription& scan, const std::filesystem::path& folder);
+std::string scan_yaml_of(const ScanFiles& scan, const std::filesystem::path& folder);
 
 /// Writes scan.yaml; frames and scanner are named relative to its folder.
-void write_scan_description(const std::filesystem::path& file, const ScanDescription& scan);
+void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
+
+/// What scan.yaml in the folder says; where there is none, the folder's pictures and nothing of
+/// what they are. Throws Error where there is no such folder.
+ScanFiles scan_files_in(const std::filesystem::path& folder);
 
 /// Whether name `a` comes before `b` as a person sorts them, numbers counted: board2 before
 /// board10.

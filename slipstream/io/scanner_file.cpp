@@ -14,6 +14,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
+#include "slipstream/io/photometric_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -33,11 +34,16 @@ constexpr std::array<Layout, 3> layouts{{
     {"cam_K", "cam_kc", "", "", "proj_K", "proj_kc", "", "", "R", "T"},
 }};
 
+constexpr const char* measured_entry = "measured";
+
 /// The named entries of one scanner file, with errors that name file and entry.
 class ScannerFile {
  public:
   ScannerFile(std::string name, std::map<std::string, StoredMatrix> entries)
       : name_(std::move(name)), entries_(std::move(entries)) {}
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::map<std::string, StoredMatrix>& entries() const { return entries_; }
 
   [[nodiscard]] const Layout& layout() const {
     for (const Layout& layout : layouts) {
@@ -71,7 +77,7 @@ class ScannerFile {
   }
 
   /// A whole number of pixels; 0 where the file does not say.
-  [[nodiscard]] int length(std::string_view name) const {
+  [[nodiscard]] int pixel_count(std::string_view name) const {
     if (name.empty() || !has(name)) return 0;
     const std::vector<double> value = numbers(name);
     if (value.size() != 1 ||
@@ -140,7 +146,10 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
   storage.write(std::string(names.translation),
                 cv::Mat((cv::Mat_<double>(3, 1) << scanner.translation.x(), scanner.translation.y(),
                          scanner.translation.z())));
-  return storage.releaseAndGetString();
+  std::map<std::string, StoredMatrix> more = entries_of(scanner.photometry);
+  if (!scanner.measured.empty()) more[measured_entry] = {.text = scanner.measured};
+  std::erase_if(more, [](const auto& entry) { return entry.second.empty(); });
+  return with_entries(storage.releaseAndGetString(), more, path.string());
 }
 
 bool names_geometry(std::string_view entry) {
@@ -164,7 +173,7 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
     return {};  // something else, which is written over as by write_scanner
   }
   std::erase_if(entries, [](const auto& entry) {
-    return names_geometry(entry.first) || entry.second.rows == 0;
+    return names_geometry(entry.first) || entry.first == measured_entry || entry.second.empty();
   });
   return entries;
 }
@@ -172,15 +181,19 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
 Scanner scanner_of(const ScannerFile& file) {
   const Layout& names = file.layout();
   Scanner scanner;
-  scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
-                    .distortion = file.distortion(names.camera_distortion),
-                    .size = {file.length(names.camera_width), file.length(names.camera_height)}};
+  scanner.camera = {
+      .intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
+      .distortion = file.distortion(names.camera_distortion),
+      .size = {file.pixel_count(names.camera_width), file.pixel_count(names.camera_height)}};
   scanner.projector = {
       .intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
       .distortion = file.distortion(names.projector_distortion),
-      .size = {file.length(names.projector_width), file.length(names.projector_height)}};
+      .size = {file.pixel_count(names.projector_width), file.pixel_count(names.projector_height)}};
   scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
   scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
+  scanner.photometry = photometric_calibration_of(file.entries(), file.name());
+  const auto measured = file.entries().find(measured_entry);
+  if (measured != file.entries().end()) scanner.measured = measured->second.text;
   return scanner;
 }
 

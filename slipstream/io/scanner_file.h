@@ -15,8 +15,9 @@ namespace slipstream {
 ///   Kc kc Kp kp Rp Tp frameWidth frameHeight screenResX screenResY;
 ///   cam_K cam_kc proj_K proj_kc R T, which says no sizes: they come out empty.
 /// Distortion may be missing (none) and sizes too. Rotation and translation take the camera's frame
-/// to the projector's, mm. Throws Error, naming the file and the entry, for anything missing, of
-/// another shape, or not a number.
+/// to the projector's, mm. What is known of light and sensor, see photometric_file.h, and the line
+/// of text `measured` are read too. Throws Error, naming the file and the entry, for anything
+/// missing, of another shape, or not a number.
 Scanner read_scanner(const std::filesystem::path& path);
 
 /// The same of such a file's text; `name` is what a message calls it.
@@ -25,11 +26,11 @@ Scanner scanner_from(const std::string& text, const std::string& name);
 /// The text of a YAML file of slipstream's layout.
 std::string text_of(const Scanner& scanner);
 
-/// Writes slipstream's layout, YAML or (ending .xml) XML.
+/// Writes slipstream's layout, YAML or (ending .xml) XML, with all that the scanner holds.
 void write_scanner(const std::filesystem::path& path, const Scanner& scanner);
 
-/// The same over what may be a scanner file already: its matrices and numbers that say nothing of
-/// the geometry, such as gamma, stay. Returns their names.
+/// The same, but where `path` is a scanner file already, its entries that say nothing of the
+/// geometry, such as gamma, are kept; `measured` is not. Returns the names of those kept.
 std::vector<std::string> replace_geometry(const std::filesystem::path& path,
                                           const Scanner& scanner);
 

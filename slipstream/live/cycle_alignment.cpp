@@ -4,25 +4,12 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 namespace slipstream {
 namespace {
-
-/// A sinusoid through N frames, Liu 2010, Eqs. (1.3)-(1.6).
-struct Fit {
-  double mean = 0, cosine = 0, sine = 0;  ///< A, B cos(phi), B sin(phi)
-  double residual = 0;                    ///< sum of squares
-
-  [[nodiscard]] double modulation() const { return std::hypot(cosine, sine); }
-};
-
-/// B_1 B_2 (1 - cos(phi_1 - phi_2)).
-double turn_between(const Fit& a, const Fit& b) {
-  return a.modulation() * b.modulation() - a.cosine * b.cosine - a.sine * b.sine;
-}
 
 /// Sum of squares about each sample's mean over the cycle.
 double variation(const CycleSamples& cycle) {
@@ -39,68 +26,94 @@ double variation(const CycleSamples& cycle) {
   return sum;
 }
 
+/// Sum of squares about what all runs have in common, each frame counted.
+template <class Fits, class Value>
+double spread_over_runs(const Fits& fits, std::size_t sample, const Value& value) {
+  double frames = 0, sum = 0, squares = 0;
+  for (const auto& fit : fits) {
+    const double N = fit[sample].frames, v = value(fit[sample]);
+    frames += N;
+    sum += N * v;
+    squares += N * v * v;
+  }
+  return squares - sum * sum / frames;
+}
+
+/// B_1 B_2 (1 - cos(phi_1 - phi_2)).
+template <class Fit>
+double turn_between(const Fit& a, const Fit& b) {
+  return a.modulation() * b.modulation() - a.cosine * b.cosine - a.sine * b.sine;
+}
+
+}  // namespace
+
+double CycleAlignment::Fit::modulation() const {
+  return std::hypot(cosine, sine);
+}
+
+struct CycleAlignment::Explanation {
+  double residual = 0;      ///< sum of squares
+  bool is_ordered = false;  ///< the phases of more periods vary more
+};
+
+CycleAlignment::CycleAlignment(const Layout& layout) {
+  int covered = 0;
+  for (const std::size_t i : coarse_to_fine(layout)) {
+    const auto run = step_run(layout.bands[i]);
+    if (!run) break;
+    covered += run->steps;
+    runs_.push_back({run->first, channel_cosines(run->steps, 1), channel_sines(run->steps, 1)});
+  }
+  if (runs_.size() < 2 || covered != layout.frames) runs_.clear();
+  fits_.resize(runs_.size());
+  turns_.resize(runs_.size());
+}
+
 /// Of the frames from `first` on, all around.
-Fit fit_sinusoid(const CycleSamples& cycle, std::size_t sample, int first,
-                 const std::vector<double>& cosines, const std::vector<double>& sines) {
+CycleAlignment::Fit CycleAlignment::fit(const CycleSamples& cycle, std::size_t sample, int first,
+                                        const Run& run) {
   Fit fit;
   double squares = 0;
-  for (std::size_t n = 0; n < cosines.size(); ++n) {
-    const double I = cycle[(static_cast<std::size_t>(first) + n) % cycle.size()][sample];
+  for (std::size_t n = 0; n < run.cosines.size(); ++n) {
+    const double I =
+        cycle[(static_cast<std::size_t>(first + run.first) + n) % cycle.size()][sample];
     fit.mean += I;
-    fit.cosine += cosines[n] * I;
-    fit.sine += sines[n] * I;
+    fit.cosine += run.cosines[n] * I;
+    fit.sine += run.sines[n] * I;
     squares += I * I;
   }
-  const auto N = static_cast<double>(cosines.size());
+  const auto N = static_cast<double>(run.cosines.size());
+  fit.frames = N;
   fit.mean /= N;
   fit.residual =
       squares - N * fit.mean * fit.mean - N / 2 * (fit.cosine * fit.cosine + fit.sine * fit.sine);
   return fit;
 }
 
-}  // namespace
-
-struct CycleAlignment::Explanation {
-  double residual = 0;             ///< sum of squares
-  double high_turn = 0, turn = 0;  ///< how the first's and the second's phase varies
-
-  [[nodiscard]] bool is_ordered() const { return high_turn > turn; }
-};
-
-CycleAlignment::CycleAlignment(const Strategy& strategy) : steps_(step_counts(strategy)) {
-  for (const int N : steps_) {
-    auto& cosines = cosines_.emplace_back();
-    auto& sines = sines_.emplace_back();
-    for (int n = 0; n < N; ++n) {
-      cosines.push_back(2.0 / N * std::cos(2 * std::numbers::pi * n / N));
-      sines.push_back(2.0 / N * std::sin(2 * std::numbers::pi * n / N));
-    }
-  }
-}
-
-CycleAlignment::Explanation CycleAlignment::explain(const CycleSamples& cycle, int first) const {
-  const double N_h = steps_[0], N_l = steps_[1];
-  const double weight = N_h * N_l / (N_h + N_l);
+CycleAlignment::Explanation CycleAlignment::explain(const CycleSamples& cycle, int first) {
   Explanation explanation;
-  std::array<Fit, 2> high, low;
+  std::fill(turns_.begin(), turns_.end(), 0.0);
   for (std::size_t sample = 0; sample + 1 < cycle.front().size(); sample += 2) {
     for (const std::size_t i : {0U, 1U}) {
-      high[i] = fit_sinusoid(cycle, sample + i, first, cosines_[0], sines_[0]);
-      low[i] = fit_sinusoid(cycle, sample + i, first + steps_[0], cosines_[1], sines_[1]);
-      const double A = high[i].mean - low[i].mean;
-      const double B = high[i].modulation() - low[i].modulation();
+      for (std::size_t r = 0; r < runs_.size(); ++r) {
+        fits_[r][i] = fit(cycle, sample + i, first, runs_[r]);
+        explanation.residual += fits_[r][i].residual;
+      }
       // Noise of the frames makes the mean of N uncertain by 1 / N, the modulation by 2 / N.
       explanation.residual +=
-          high[i].residual + low[i].residual + weight * A * A + weight / 2 * B * B;
+          spread_over_runs(fits_, i, [](const Fit& of) { return of.mean; }) +
+          spread_over_runs(fits_, i, [](const Fit& of) { return of.modulation(); }) / 2;
     }
-    explanation.high_turn += turn_between(high[0], high[1]);
-    explanation.turn += turn_between(low[0], low[1]);
+    for (std::size_t r = 0; r < runs_.size(); ++r) {
+      turns_[r] += turn_between(fits_[r][0], fits_[r][1]);
+    }
   }
+  explanation.is_ordered = std::is_sorted(turns_.begin(), turns_.end(), std::less_equal<>());
   return explanation;
 }
 
-int CycleAlignment::misalignment(const CycleSamples& cycle) const {
-  if (steps_.size() != 2) return 0;
+int CycleAlignment::misalignment(const CycleSamples& cycle) {
+  if (runs_.empty()) return 0;
   /// Shares of the cycle's variation: frames of one scan leave less than the first even where
   /// things move; wrongly grouped ones leave more.
   constexpr double little = 0.1;
@@ -110,17 +123,17 @@ int CycleAlignment::misalignment(const CycleSamples& cycle) const {
   const auto values = static_cast<double>(cycle.size() * cycle.front().size());
   if (all < least_variance * values) return 0;
   const Explanation now = explain(cycle, 0);
-  if (now.is_ordered() && now.residual < little * all) return 0;
+  if (now.is_ordered && now.residual < little * all) return 0;
 
   int best = 0;
   double least = std::numeric_limits<double>::infinity();
   for (int first = 1; first < static_cast<int>(cycle.size()); ++first) {
     const Explanation explanation = explain(cycle, first);
-    if (!explanation.is_ordered() || explanation.residual >= least) continue;
+    if (!explanation.is_ordered || explanation.residual >= least) continue;
     least = explanation.residual;
     best = first;
   }
-  const bool sure = least < little * all && (!now.is_ordered() || 4 * least < now.residual);
+  const bool sure = least < little * all && (!now.is_ordered || 4 * least < now.residual);
   return best != 0 && sure ? static_cast<int>(cycle.size()) - best : 0;
 }
 

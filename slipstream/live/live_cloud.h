@@ -5,13 +5,13 @@
 
 #include "slipstream/capture/frame.h"
 #include "slipstream/capture/pool.h"
-#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/cloud/cloud.h"
 
 namespace slipstream {
 
 /// The cloud of one window of frames, with what it was made from.
 struct LiveCloud {
-  FusedCloud cloud;
+  Cloud cloud;
   /// The window, in pattern order, each frame still as the camera gave it.
   std::vector<Pooled<Frame>> frames;
   FrameStamp newest;                               ///< of the frame that completed the window

@@ -2,6 +2,9 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
 #include "slipstream/live/live_run.h"
 
 namespace slipstream {
@@ -21,17 +24,17 @@ std::size_t frames_needed(const LiveSettings& settings, const Strategy& strategy
 
 }  // namespace
 
-LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const LiveScan& scan,
+LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetup& setup,
                            const LiveSettings& settings)
     : source_(std::move(source)), format_(source_->format()), settings_(settings) {
   require_valid(format_);
-  plan_ = plan_for(scan);
-  const auto count = static_cast<std::size_t>(frame_count(scan.strategy));
+  plan_ = plan_for(setup);
+  const auto count = static_cast<std::size_t>(frame_count(setup.sequence.strategy));
   const std::vector<Pooled<Frame>> black(count, frames_->take());
   clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
     LiveCloud cloud;
     cloud.frames.reserve(count);
-    (*plan_->reconstruct)(black, cloud.cloud);
+    plan_->reconstruct->cloud(black, cloud.cloud);
     return cloud;
   });
 }
@@ -40,9 +43,14 @@ LivePipeline::~LivePipeline() {
   stop();
 }
 
-std::shared_ptr<const LivePlan> LivePipeline::plan_for(const LiveScan& scan) {
-  auto reconstruct = std::make_shared<WindowReconstructor>(scan, format_);
-  const std::size_t needed = frames_needed(settings_, scan.strategy);
+std::shared_ptr<const LivePlan> LivePipeline::plan_for(const EngineSetup& setup) {
+  const Size camera = setup.scanner.camera.size;
+  if (camera != format_.size) {
+    throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
+                            format_.size.width, format_.size.height, camera.width, camera.height));
+  }
+  auto reconstruct = std::make_shared<WindowEngine>(Engine(setup));
+  const std::size_t needed = frames_needed(settings_, setup.sequence.strategy);
   if (needed > frame_count_) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
     frame_count_ = needed;
@@ -80,8 +88,8 @@ std::exception_ptr LivePipeline::failure() const {
   return current ? current->failure() : nullptr;
 }
 
-void LivePipeline::change(const LiveScan& scan) {
-  plan_ = plan_for(scan);
+void LivePipeline::change(const EngineSetup& setup) {
+  plan_ = plan_for(setup);
   if (const auto current = run()) current->change(plan_);
 }
 
@@ -90,8 +98,8 @@ Pooled<LiveCloud> LivePipeline::newest() const {
   return current ? current->newest() : Pooled<LiveCloud>();
 }
 
-void LivePipeline::shown(const LiveCloud& cloud) {
-  if (const auto current = run()) current->shown(cloud);
+void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
+  if (const auto current = run()) current->shown(captured);
 }
 
 LiveStatistics LivePipeline::statistics() const {

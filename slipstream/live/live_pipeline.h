@@ -1,30 +1,20 @@
 #pragma once
 
+#include <chrono>
 #include <exception>
 #include <memory>
 #include <mutex>
 
 #include "slipstream/capture/frame_source.h"
-#include "slipstream/geometry/scanner.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/live/live_settings.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/strategy/strategy.h"
 
 namespace slipstream {
 
 class LiveRun;
 struct LivePlan;
-
-/// What is looked for in the frames.
-struct LiveScan {
-  Scanner scanner;
-  Strategy strategy;
-  Axis axis = Axis::x;
-  /// Whichever the backend, the fused pass is taken where there is one.
-  ReconstructSettings settings = {};
-};
 
 /// Source to moving cloud: capture, window, reconstruct and show, each on a thread of its own with
 /// a bounded queue before it. Each new frame gives a cloud of the N newest. Capture waits for
@@ -36,7 +26,7 @@ class LivePipeline {
  public:
   /// Nothing runs yet. Throws Error where scanner, strategy or settings are not valid or do not fit
   /// the source's frames.
-  LivePipeline(std::unique_ptr<FrameSource> source, const LiveScan& scan,
+  LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetup& setup,
                const LiveSettings& settings = {});
   ~LivePipeline();  ///< stops
   LivePipeline(const LivePipeline&) = delete;
@@ -54,18 +44,19 @@ class LivePipeline {
   [[nodiscard]] std::exception_ptr failure() const;
 
   /// Other settings, strategy or scanner from the next window on. Throws as the constructor.
-  void change(const LiveScan& scan);
+  void change(const EngineSetup& setup);
 
   /// The newest cloud, for display; empty before the first. The share may be kept for as long as it
   /// is shown; capture does not wait for it.
   [[nodiscard]] Pooled<LiveCloud> newest() const;
-  /// Tells that a cloud of that capture is on the screen now. One thread tells.
-  void shown(const LiveCloud& cloud);
+  /// Tells that a cloud is on the screen now; `captured`: host_time of its newest frame. One thread
+  /// tells.
+  void shown(std::chrono::steady_clock::time_point captured);
 
   [[nodiscard]] LiveStatistics statistics() const;
 
  private:
-  [[nodiscard]] std::shared_ptr<const LivePlan> plan_for(const LiveScan& scan);
+  [[nodiscard]] std::shared_ptr<const LivePlan> plan_for(const EngineSetup& setup);
   [[nodiscard]] std::shared_ptr<LiveRun> run() const;
 
   std::unique_ptr<FrameSource> source_;

@@ -14,9 +14,12 @@ constexpr auto look_again = 200us;
 /// How long clouds are waited for at the stop.
 constexpr auto patience = 200ms;
 
-bool same_patterns(const LiveScan& a, const LiveScan& b) {
-  return name_of(a.strategy) == name_of(b.strategy) &&
-         settings_of(a.strategy) == settings_of(b.strategy) && a.axis == b.axis;
+bool same_patterns(const Sequence& a, const Sequence& b) {
+  return a.strategy == b.strategy && a.axis == b.axis;
+}
+
+const Sequence& sequence_of(const LivePlan& plan) {
+  return plan.reconstruct->engine.setup().sequence;
 }
 
 }  // namespace
@@ -88,8 +91,8 @@ Pooled<LiveCloud> LiveRun::newest() const {
   return newest_;
 }
 
-void LiveRun::shown(const LiveCloud& cloud) {
-  screen_latency_.add(Clock::now() - cloud.newest.host_time);
+void LiveRun::shown(Clock::time_point captured) {
+  screen_latency_.add(Clock::now() - captured);
 }
 
 Pooled<Frame> LiveRun::free_frame() {
@@ -182,11 +185,11 @@ void LiveRun::make_windows() {
   std::vector<Pooled<Frame>> window;
   while (auto captured = captured_.pop()) {
     if (auto wanted = plan(); wanted != current) {
-      const LiveScan& scan = wanted->reconstruct->scan();
-      if (!windows || !same_patterns(scan, current->reconstruct->scan())) {
+      const Sequence& sequence = sequence_of(*wanted);
+      if (!windows || !same_patterns(sequence, sequence_of(*current))) {
         lost_before = windows_lost_;
         resynchronised_before = resynchronisations_;
-        windows.emplace(scan.strategy, settings_.indexing, format_.size);
+        windows.emplace(sequence.strategy, settings_.indexing, format_.size);
       }
       current = std::move(wanted);
     }
@@ -221,7 +224,7 @@ void LiveRun::make_windows() {
 void LiveRun::reconstruct() {
   while (auto window = windows_.pop()) {
     LiveCloud& cloud = window->cloud.fill();
-    (*window->reconstruct)(cloud.frames, cloud.cloud);
+    window->reconstruct->cloud(cloud.frames, cloud.cloud);
     cloud.finished = Clock::now();
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);

@@ -7,19 +7,35 @@
 #include <memory>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "slipstream/live/bounded_queue.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/live/pattern_windows.h"
 #include "slipstream/live/sequence_watch.h"
 #include "slipstream/live/stage_meter.h"
-#include "slipstream/live/window_reconstructor.h"
+#include "slipstream/live/window_frames.h"
+#include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {
 
+/// An engine and the views of a window's frames, in memory that is kept from one to the next.
+struct WindowEngine {
+  explicit WindowEngine(Engine of) : engine(std::move(of)) {}
+
+  void cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
+    view_window(window, views);
+    engine.cloud(views, cloud);
+  }
+
+  Engine engine;
+  FrameViews views;
+};
+
 /// By what windows are made and reconstructed from now on, and the memory that takes.
 struct LivePlan {
-  std::shared_ptr<WindowReconstructor> reconstruct;
+  std::shared_ptr<WindowEngine> reconstruct;
   std::shared_ptr<Pool<Frame>> frames;
 };
 
@@ -42,7 +58,7 @@ class LiveRun {
   [[nodiscard]] std::exception_ptr failure() const;
   void change(std::shared_ptr<const LivePlan> plan);
   [[nodiscard]] Pooled<LiveCloud> newest() const;
-  void shown(const LiveCloud& cloud);
+  void shown(std::chrono::steady_clock::time_point captured);
   [[nodiscard]] LiveStatistics statistics() const;
 
  private:
@@ -54,7 +70,7 @@ class LiveRun {
   };
   struct Window {
     Pooled<LiveCloud> cloud;  ///< but for its points
-    std::shared_ptr<WindowReconstructor> reconstruct;
+    std::shared_ptr<WindowEngine> reconstruct;
   };
 
   void capture();

@@ -43,4 +43,7 @@ struct LiveStatistics {
   std::string source_state;  ///< FrameSource::state
 };
 
+/// Three lines for people: frames, clouds, latency.
+std::string text_of(const LiveStatistics& statistics);
+
 }  // namespace slipstream

@@ -10,7 +10,7 @@ PatternWindows::PatternWindows(const Strategy& strategy, PatternIndexing indexin
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
       indexing_(indexing),
       grid_(size),
-      alignment_(strategy),
+      alignment_(strategy.layout()),
       watch_(cycle_, grid_.count()),
       window_(patterns_),
       aligned_(indexing != PatternIndexing::marker) {
@@ -55,7 +55,7 @@ void PatternWindows::move_on(int places) {
   for (const Pooled<Frame>& frame : recent_) place(frame);
 }
 
-std::optional<int> PatternWindows::realignment() const {
+std::optional<int> PatternWindows::realignment() {
   if (!watch_.has_cycle()) return std::nullopt;
   if (indexing_ == PatternIndexing::marker) {
     const std::optional<int> places = marker_misalignment(watch_.cycle());

@@ -17,7 +17,7 @@ namespace slipstream {
 
 /// Frames in, windows of the N newest out, each in pattern order. The index of a frame is known as
 /// `indexing` says and checked in its picture: against the frames of the cycle before (SlipWatch)
-/// and, of two sinusoids, against the others of its own (CycleAlignment). A frame that shows
+/// and, of several sinusoids, against the others of its own (CycleAlignment). A frame that shows
 /// another pattern than its index says is in no window; once a cycle of them agrees on how far they
 /// have slipped, or the cycle shows it at once, indices are set right and windows made of what is
 /// there. One thread uses it.
@@ -53,7 +53,7 @@ class PatternWindows {
   /// Indices are that many places on, from the oldest of the recent frames.
   void move_on(int places);
   /// By how many places the last cycle shows its indices to be wrong; none where it shows nothing.
-  [[nodiscard]] std::optional<int> realignment() const;
+  [[nodiscard]] std::optional<int> realignment();
 
   int patterns_;  ///< N
   int cycle_;     ///< and a marker where there is one

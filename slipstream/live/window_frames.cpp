@@ -1,29 +1,27 @@
 #include "slipstream/live/window_frames.h"
 
-#include <cstdint>
 #include <variant>
 
 namespace slipstream {
-namespace {
 
-template <class Pixel>
-std::vector<Image<Pixel>> copies(const std::vector<Pooled<Frame>>& window) {
-  std::vector<Image<Pixel>> images;
-  for (const Pooled<Frame>& frame : window) {
-    images.push_back(std::get<Image<Pixel>>(frame->pixels));
+void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views) {
+  if (window.empty()) {
+    views = {};
+    return;
   }
-  return images;
+  std::visit(
+      [&]<class Pixel>(const Image<Pixel>&) {
+        views.assign<Pixel>(window, window.front()->bits, [](const Pooled<Frame>& frame) {
+          return ImageView<const Pixel>(std::get<Image<Pixel>>(frame->pixels));
+        });
+      },
+      window.front()->pixels);
 }
 
-}  // namespace
-
-FrameSet frame_set_of(const std::vector<Pooled<Frame>>& window) {
-  if (window.empty()) return {};
-  const Frame& first = *window.front();
-  if (std::holds_alternative<Image<std::uint8_t>>(first.pixels)) {
-    return FrameSet(copies<std::uint8_t>(window));
-  }
-  return {copies<std::uint16_t>(window), first.bits};
+FrameViews views_of(const std::vector<Pooled<Frame>>& window) {
+  FrameViews views;
+  view_window(window, views);
+  return views;
 }
 
 }  // namespace slipstream

@@ -8,7 +8,11 @@
 
 namespace slipstream {
 
-/// The frames of a window, which are of one format, as a set, copied; empty where there are none.
-FrameSet frame_set_of(const std::vector<Pooled<Frame>>& window);
+/// The frames of a window, which are of one format, as they stand, into `views`, whose memory is
+/// used.
+void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views);
+
+/// The same; valid as long as the window's shares are.
+FrameViews views_of(const std::vector<Pooled<Frame>>& window);
 
 }  // namespace slipstream

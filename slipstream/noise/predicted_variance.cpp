@@ -1,5 +1,8 @@
 #include "slipstream/noise/predicted_variance.h"
 
+#include <numeric>
+#include <vector>
+
 #include "slipstream/noise/phase_noise.h"
 
 namespace slipstream {
@@ -9,7 +12,28 @@ constexpr double square(double x) {
   return x * x;
 }
 
+double sum_of_squares(const std::vector<double>& weights) {
+  return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
+}
+
 }  // namespace
+
+double component_variance(const Band& band, double noise_variance) {
+  return (sum_of_squares(band.cosine) + sum_of_squares(band.sine)) / 2 * noise_variance;
+}
+
+double cue_variance(const Cue& cue, double noise_variance) {
+  return sum_of_squares(cue.weights) * noise_variance;
+}
+
+double phase_variance(const Band& band, double modulation, double noise_variance) {
+  return component_variance(band, noise_variance) / square(modulation);
+}
+
+double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {
+  const Band& band = measuring_band(layout);
+  return coordinate_variance(phase_variance(band, modulation, noise_variance), band.periods);
+}
 
 double mean_variance(int steps, double noise_variance) {
   return noise_variance / steps;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "slipstream/pattern/layout.h"
 #include "slipstream/pattern/pattern_set.h"
 
 namespace slipstream {
@@ -7,6 +8,22 @@ namespace slipstream {
 // Predicted variances of what is computed from frames with additive noise of variance sigma_w^2
 // (grey levels^2): Liu 2010, Chapter 3. Those of the wrapped phase (3.38) and of the coordinate
 // (3.40) stand in phase_noise.h. All hold for small noise; alpha, alpha_p, c_1, c_2 > 0.
+
+/// Of C and of S of a band, on average: their weights' squares add up. For N steps it is 2 / N
+/// sigma_w^2, as in Eqs. (3.36), (3.95).
+double component_variance(const Band& band, double noise_variance);
+
+/// Of a cue's number likewise: sigma_w^2 / N in the channels of Eqs. (3.65), (3.75).
+double cue_variance(const Cue& cue, double noise_variance);
+
+/// Of the phase of a band, rad^2, at a modulation of B grey levels: the variance of its components
+/// over B^2, which for N steps is Eq. (3.38) and with a share of the modulation that of (3.63),
+/// (3.101).
+double phase_variance(const Band& band, double modulation, double noise_variance);
+
+/// Of y, fields^2, at a modulation of B grey levels of the measuring band, where the fringe order
+/// is right: Eqs. (3.40), (3.63).
+double coordinate_variance(const Layout& layout, double modulation, double noise_variance);
 
 /// Of the mean A^c over N frames: Eq. (3.14).
 double mean_variance(int steps, double noise_variance);

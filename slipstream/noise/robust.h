@@ -1,17 +1,14 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <vector>
+
+#include "slipstream/image/quantile.h"
 
 namespace slipstream {
 
 /// The middle value of a list that is not empty.
 inline double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return quantile(values, 0.5);
 }
 
 /// Tukey's weight of a residual in units of the standard deviation: 1 at 0, 0 from 4.685 on, where

@@ -20,8 +20,8 @@ Axis axis_named(std::string_view name) {
   throw Error("axis '" + std::string(name) + "' is not known; it is x or y");
 }
 
-double coordinate_of_pixel(int index, int length) {
-  return static_cast<double>(index) / length;
+double coordinate_of_pixel(int index, int projector_length) {
+  return static_cast<double>(index) / projector_length;
 }
 
 }  // namespace slipstream

@@ -19,7 +19,8 @@ std::string_view name_of(Axis axis);
 /// The axis of that name. Throws Error for any name but "x" and "y".
 Axis axis_named(std::string_view name);
 
-/// Projector coordinate, in [0, 1) across the field, of the centre of a pixel: index / length.
-double coordinate_of_pixel(int index, int length);
+/// Projector coordinate, in [0, 1) across the field, of the centre of a pixel: index /
+/// projector_length.
+double coordinate_of_pixel(int index, int projector_length);
 
 }  // namespace slipstream

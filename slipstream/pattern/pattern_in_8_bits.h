@@ -1,12 +1,17 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "slipstream/image/image.h"
+#include "slipstream/pattern/pattern_set.h"
 
 namespace slipstream {
 
 /// A pattern rendered for a projector of 8 bits, in pixels of 8 bits.
 Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern);
+
+/// All patterns of a set, so rendered.
+std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size projector);
 
 }  // namespace slipstream

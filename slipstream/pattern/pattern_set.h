@@ -13,6 +13,8 @@ namespace slipstream {
 struct PatternLight {
   double alpha_p = 255;  ///< amplitude constant, > 0
   double beta_p = 0;     ///< balance constant against underflow, >= 0; alpha_p + beta_p <= 255
+
+  friend bool operator==(const PatternLight&, const PatternLight&) = default;
 };
 
 /// Throws Error when alpha_p, beta_p are not in the ranges above.

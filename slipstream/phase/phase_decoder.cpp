@@ -1,6 +1,7 @@
 #include "slipstream/phase/phase_decoder.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -14,11 +15,10 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<Backend, std::string_view>, 4> backend_names{{
-    {Backend::equation, "equation"},
-    {Backend::closed_form, "closed-form"},
-    {Backend::lut, "lut"},
-    {Backend::fused, "fused"},
+constexpr std::array<std::pair<PhaseMethod, std::string_view>, 3> method_names{{
+    {PhaseMethod::equation, "equation"},
+    {PhaseMethod::closed_form, "closed-form"},
+    {PhaseMethod::tables, "lut"},
 }};
 
 /// Walks the pixels; `sample` turns the N intensities of one into a PhaseSample.
@@ -83,27 +83,26 @@ PhaseMaps decode_by_tables(const Frames<std::uint8_t>& frames, const PhaseTables
 
 }  // namespace
 
-std::string_view name_of(Backend backend) {
-  for (const auto& [value, name] : backend_names) {
-    if (value == backend) return name;
+std::string_view name_of(PhaseMethod method) {
+  for (const auto& [value, name] : method_names) {
+    if (value == method) return name;
   }
   return "";
 }
 
-Backend backend_named(std::string_view name) {
-  for (const auto& [backend, known] : backend_names) {
-    if (known == name) return backend;
+PhaseMethod phase_method_named(std::string_view name) {
+  for (const auto& [method, known] : method_names) {
+    if (known == name) return method;
   }
   throw Error(
-      fmt::format("backend '{}' is not known; it is equation, closed-form, lut or fused", name));
+      fmt::format("phase method '{}' is not known; it is equation, closed-form or lut", name));
 }
 
-PhaseDecoder::PhaseDecoder(Backend backend, const std::vector<int>& steps,
+PhaseDecoder::PhaseDecoder(PhaseMethod method, const std::vector<int>& steps,
                            PhaseCorrections corrections)
-    : backend_(backend == Backend::fused ? Backend::lut : backend),
-      corrections_(std::move(corrections)) {
+    : method_(method), corrections_(std::move(corrections)) {
   for (const auto& [N, correction] : corrections_) require_valid(correction, N);
-  if (backend_ != Backend::lut) return;
+  if (method_ != PhaseMethod::tables) return;
   for (const int N : steps) {
     if (closed_form(N) != nullptr) tables_.try_emplace(N, N, correction_for(N));
   }
@@ -114,28 +113,47 @@ const PhaseCorrection* PhaseDecoder::correction_for(int steps) const {
   return found == corrections_.end() ? nullptr : &found->second;
 }
 
-Backend PhaseDecoder::backend_for(int steps, const FrameSet& frames) const {
+PhaseMethod PhaseDecoder::method_for(int steps, const FrameViews& frames) const {
   const bool has_closed_form = closed_form(steps) != nullptr;
   const bool is_of_bytes = frames.visit(
       []<class Pixel>(const Frames<Pixel>&) { return std::is_same_v<Pixel, std::uint8_t>; });
   const bool has_table = tables_.contains(steps) && is_of_bytes;
-  if (backend_ == Backend::closed_form && has_closed_form) return Backend::closed_form;
-  if (backend_ == Backend::lut && has_table) return Backend::lut;
-  return Backend::equation;
+  if (method_ == PhaseMethod::closed_form && has_closed_form) return PhaseMethod::closed_form;
+  if (method_ == PhaseMethod::tables && has_table) return PhaseMethod::tables;
+  return PhaseMethod::equation;
 }
 
-PhaseMaps PhaseDecoder::operator()(const FrameSet& frames, int first, int steps) const {
-  const Backend backend = backend_for(steps, frames);
-  return frames.visit(first, steps, [&]<class Pixel>(const Frames<Pixel>& views) {
+PhaseMethod PhaseDecoder::method_for(const Band& band, const FrameViews& frames) const {
+  const auto run = step_run(band);
+  return run ? method_for(run->steps, frames) : PhaseMethod::equation;
+}
+
+PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, int first, int steps) const {
+  const PhaseMethod method = method_for(steps, frames);
+  return frames.part(first, steps).visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
-      if (backend == Backend::lut) return decode_by_tables(views, tables_.at(steps));
+      if (method == PhaseMethod::tables) return decode_by_tables(views, tables_.at(steps));
     }
     const PhaseCorrection* correction = correction_for(steps);
-    if (backend == Backend::closed_form) {
+    if (method == PhaseMethod::closed_form) {
       return decode_by_closed_form(views, *closed_form(steps), correction);
     }
     return decode_by_equations(views, correction);
   });
+}
+
+PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, const Band& band) const {
+  if (const auto run = step_run(band)) return (*this)(frames, run->first, run->steps);
+  PhaseMaps maps{weighted_sum(frames, band.mean), weighted_sum(frames, band.cosine),
+                 weighted_sum(frames, band.sine)};
+  for_each_row(frames.size().height, [&](int row) {
+    for (int column = 0; column < frames.size().width; ++column) {
+      const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);
+      maps.modulation(column, row) = std::sqrt(S * S + C * C);  // (1.4)
+      maps.wrapped_phase(column, row) = wrapped_angle(S, C);    // (1.7)
+    }
+  });
+  return maps;
 }
 
 }  // namespace slipstream

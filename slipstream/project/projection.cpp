@@ -111,4 +111,17 @@ int refreshes_for_rate(double rate, double refresh_hz) {
   return static_cast<int>(whole);
 }
 
+int refreshes_for(std::optional<double> rate, std::optional<int> hold, double refresh_hz) {
+  if (rate && hold) throw Error("--rate and --hold exclude each other");
+  if (hold && *hold < 1) {
+    throw Error(fmt::format("--hold {} is out of range; 1 or more refreshes", *hold));
+  }
+  if (!rate) return hold.value_or(1);
+  if (refresh_hz <= 0) {
+    throw Error(fmt::format(
+        "--rate {}: the monitor does not say how often it refreshes; use --hold", *rate));
+  }
+  return refreshes_for_rate(*rate, refresh_hz);
+}
+
 }  // namespace slipstream::project

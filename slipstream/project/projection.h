@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "slipstream/capture/pattern_sink.h"
 
@@ -44,5 +45,10 @@ ProjectionReport project_patterns(PatternSink& sink, std::size_t count,
 /// How many refreshes a pattern has to stay for so many patterns per second. Throws Error where
 /// that is no whole number, to 2 %.
 int refreshes_for_rate(double rate, double refresh_hz);
+
+/// The same where the rate or the refreshes may be given: 1 where neither is. Throws Error as well
+/// where both are, the refreshes are below 1, or the rate is given and it is not known how often
+/// the projector refreshes (0).
+int refreshes_for(std::optional<double> rate, std::optional<int> hold, double refresh_hz);
 
 }  // namespace slipstream::project

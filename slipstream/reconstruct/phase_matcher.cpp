@@ -8,6 +8,7 @@
 #include <numbers>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -35,29 +36,23 @@ Image<Phasor> phasors(const Image<double>& modulation, const Image<double>& phas
 
 /// What one camera knows of every pixel.
 struct CameraPhases {
-  DecodedScan decoded;
-  Image<Phasor> coarse;      ///< of one period or less
-  Image<Phasor> fine;        ///< of the highest frequency
+  BasicMaps<double> maps;
+  /// Of each band, from few periods to many; of a single one twice, for it is looked for twice.
+  std::vector<Image<Phasor>> bands;
   Image<Validity> validity;  ///< too dark, saturated, or valid
 };
 
-CameraPhases phases_of(const FrameSet& frames, const Decoder& decode, const PhaseDecoder& phase,
-                       const Strategy& strategy, const ReconstructSettings& settings) {
-  CameraPhases phases{decode(frames), {}, {}, Image<Validity>(frames.size())};
-  const auto sinusoid = [&](int first, int steps) {
-    const PhaseMaps maps = phase(frames, first, steps);
-    return phasors(maps.modulation, maps.wrapped_phase);
-  };
-  if (const auto* dual = std::get_if<DualFrequency>(&strategy)) {
-    // Each by itself: under gamma the coordinate may be of another fringe in both cameras.
-    phases.fine = sinusoid(0, dual->steps);
-    phases.coarse = sinusoid(dual->steps, dual->low_step_count());
-  } else {
-    phases.fine = sinusoid(0, step_counts(strategy).front());
-    phases.coarse = phases.fine;
+CameraPhases phases_of(const FrameViews& frames, const Decoder& decode, const PhaseDecoder& phase,
+                       const ReconstructSettings& settings) {
+  CameraPhases phases{decode(frames), {}, Image<Validity>(frames.size())};
+  // Each by itself: under gamma the coordinate may be of another fringe in both cameras.
+  for (const std::size_t i : coarse_to_fine(decode.layout())) {
+    const PhaseMaps band = phase(frames, decode.layout().bands[i]);
+    phases.bands.push_back(phasors(band.modulation, band.wrapped_phase));
   }
+  if (phases.bands.size() == 1) phases.bands.push_back(phases.bands.front());
   const double least = least_modulation(settings, frames.full_scale());
-  const Image<std::uint8_t> lit = modulation_mask(phases.decoded.modulation, least);
+  const Image<std::uint8_t> lit = modulation_mask(phases.maps.modulation, least);
   const Image<std::uint8_t> saturated = saturation_mask(frames);
   for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
     Validity& pixel = phases.validity.begin()[i];
@@ -191,18 +186,20 @@ constexpr double coarse_reach = 0.15;
 /// The coarse phase is good to a few pixels.
 constexpr int fine_reach = 12;
 
-/// `fringe`: one period of the fine phase in rad of the coarse.
+/// Band by band, from few periods to many; `fringes`: one period of each in rad of the one before.
 Match match_pixel(const EpipolarLine& line, const CameraPhases& first, const CameraPhases& second,
-                  int column, int row, double guess, double fringe) {
-  const int reach = static_cast<int>(coarse_reach * second.coarse.width());
-  const Phasor coarse_phase = first.coarse(column, row);
-  const Match coarse = nearest_match(line, second.coarse, coarse_phase, guess, reach);
-  if (!std::isfinite(coarse.depth)) return {};
-  const Match fine =
-      nearest_match(line, second.fine, first.fine(column, row), coarse.depth, fine_reach);
-  // A fringe further the fine phase agrees again, but the coarse one does not.
-  const double apart = line.difference(second.coarse, coarse_phase, fine.depth);
-  return std::abs(apart) < fringe / 3 ? fine : Match{};
+                  int column, int row, double guess, const std::vector<double>& fringes) {
+  const int reach = static_cast<int>(coarse_reach * second.bands[0].width());
+  Match match = nearest_match(line, second.bands[0], first.bands[0](column, row), guess, reach);
+  for (std::size_t i = 1; i < first.bands.size() && std::isfinite(match.depth); ++i) {
+    match =
+        nearest_match(line, second.bands[i], first.bands[i](column, row), match.depth, fine_reach);
+    // A fringe further the fine phase agrees again, but the coarse one does not.
+    const double apart =
+        line.difference(second.bands[i - 1], first.bands[i - 1](column, row), match.depth);
+    if (!(std::abs(apart) < fringes[i] / 3)) return {};
+  }
+  return match;
 }
 
 /// Depth and weight of every pixel's match.
@@ -260,13 +257,20 @@ void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchS
   }
 }
 
-/// One period of the highest frequency, in rad of the coarse phase.
-double fringe_in_coarse_phase(const Strategy& strategy) {
-  const auto* dual = std::get_if<DualFrequency>(&strategy);
-  return dual != nullptr ? two_pi * dual->low / dual->high : two_pi;
+/// One period of each band, from few periods to many, in rad of the band before.
+std::vector<double> fringes_of(const Layout& layout) {
+  std::vector<double> fringes;
+  double before = 0;
+  for (const std::size_t i : coarse_to_fine(layout)) {
+    const double periods = layout.bands[i].periods;
+    fringes.push_back(fringes.empty() ? two_pi : two_pi * before / periods);
+    before = periods;
+  }
+  if (fringes.size() == 1) fringes.push_back(two_pi);
+  return fringes;
 }
 
-void require_size(const FrameSet& frames, const Scanner& scanner, std::string_view which) {
+void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
   if (frames.size() != scanner.camera.size) {
     throw Error(
         fmt::format("frames of the {} camera are {}x{}, its scanner says {}x{}; both must "
@@ -278,36 +282,33 @@ void require_size(const FrameSet& frames, const Scanner& scanner, std::string_vi
 
 }  // namespace
 
-PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Strategy& strategy,
-                           Axis axis, const ReconstructSettings& settings,
-                           const PhaseMatchSettings& match)
-    : first_(first),
+PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Sequence& sequence,
+                           const ReconstructSettings& settings, const PhaseMatchSettings& match)
+    : first_{first, sequence, settings},
       second_(second),
-      strategy_(strategy),
-      settings_(settings),
       match_(match),
-      triangulate_(first, axis, PointMethod::form3),
-      decode_(strategy, length_along(axis, first.projector.size), settings.backend,
-              settings.phase_corrections),
-      phase_(settings.backend, step_counts(strategy)) {
-  require_reconstructible(first, strategy, axis, settings);
+      triangulate_(first, sequence.axis, PointMethod::form3),
+      decode_(sequence.strategy.layout(), projector_length(first_), settings.phase_method),
+      phase_(settings.phase_method, step_counts(sequence.strategy)) {
+  require_reconstructible(first_);
   require_pair(first, second, match);
-  if (std::holds_alternative<PhaseChannelMultiplexing>(strategy)) {
+  if (decode_.layout().unwrapping == Unwrapping::vote) {
     throw Error(
         fmt::format("{}: many periods cover the field, and its cue does not match between "
-                    "cameras; use frequency 1 or dual-frequency",
-                    name_of(strategy)));
+                    "cameras; use one period, or bands that unwrap each other",
+                    sequence.strategy.name()));
   }
 }
 
-Reconstruction PhaseMatcher::operator()(const FrameSet& first_frames,
-                                        const FrameSet& second_frames) const {
-  require_size(first_frames, first_, "first");
+PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
+                                              const FrameViews& second_frames) const {
+  const ReconstructSettings& settings = first_.settings;
+  require_size(first_frames, first_.scanner, "first");
   require_size(second_frames, second_, "second");
-  CameraPhases first = phases_of(first_frames, decode_, phase_, strategy_, settings_);
-  const CameraPhases second = phases_of(second_frames, decode_, phase_, strategy_, settings_);
-  const Stereo stereo(first_, second_);
-  const double fringe = fringe_in_coarse_phase(strategy_);
+  CameraPhases first = phases_of(first_frames, decode_, phase_, settings);
+  const CameraPhases second = phases_of(second_frames, decode_, phase_, settings);
+  const Stereo stereo(first_.scanner, second_);
+  const std::vector<double> fringes = fringes_of(decode_.layout());
   const Size size = first_frames.size();
 
   Matches matches(size);
@@ -315,15 +316,15 @@ Reconstruction PhaseMatcher::operator()(const FrameSet& first_frames,
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
       if (first.validity(column, row) != Validity::valid) continue;
-      const Eigen::Vector3d ray = ray_through(first_.camera, {column, row});
+      const Eigen::Vector3d ray = ray_through(first_.scanner.camera, {column, row});
       directions(column, row) = {ray.x(), ray.y()};
-      const double guess = triangulate_(column, row, first.decoded.coordinate(column, row)).z();
+      const double guess = triangulate_(column, row, first.maps.coordinate(column, row)).z();
       if (!ray.allFinite() || !(guess > 0)) continue;
       const EpipolarLine line(stereo, second_.camera, ray, second);
-      const Match match = match_pixel(line, first, second, column, row, guess, fringe);
+      const Match match = match_pixel(line, first, second, column, row, guess, fringes);
       if (!std::isfinite(match.depth) || !std::isfinite(match.slope) || match.slope == 0) continue;
       matches.depth(column, row) = match.depth;
-      matches.weight(column, row) = std::norm(match.slope * first.fine(column, row));
+      matches.weight(column, row) = std::norm(match.slope * first.bands.back()(column, row));
       matches.pixel_step(column, row) = line.depth_of_a_pixel(match.depth);
     }
   });
@@ -333,8 +334,7 @@ Reconstruction PhaseMatcher::operator()(const FrameSet& first_frames,
   const double grey_level = first_frames.full_scale() / 255;
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
-      cloud.intensity(column, row) =
-          static_cast<float>(first.decoded.mean(column, row) / grey_level);
+      cloud.intensity(column, row) = static_cast<float>(first.maps.mean(column, row) / grey_level);
       Validity& pixel = cloud.validity(column, row);
       if (pixel != Validity::valid) continue;
       if (!std::isfinite(matches.depth(column, row))) {
@@ -342,16 +342,18 @@ Reconstruction PhaseMatcher::operator()(const FrameSet& first_frames,
         continue;
       }
       const double Z = plane_depth(matches, column, row, match_.window);
-      if (Z < settings_.nearest || Z > settings_.farthest) {
+      if (Z < settings.nearest || Z > settings.farthest) {
         pixel = Validity::out_of_range;
         continue;
       }
-      cloud.x(column, row) = Z * directions(column, row).x;
-      cloud.y(column, row) = Z * directions(column, row).y;
-      cloud.z(column, row) = Z;
+      cloud.x(column, row) = static_cast<float>(Z * directions(column, row).x);
+      cloud.y(column, row) = static_cast<float>(Z * directions(column, row).y);
+      cloud.z(column, row) = static_cast<float>(Z);
     }
   });
-  return {std::move(cloud), std::move(first.decoded)};
+  Result result{.cloud = std::move(cloud)};
+  convert(first.maps, result.maps);
+  return result;
 }
 
 }  // namespace slipstream

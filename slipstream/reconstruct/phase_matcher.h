@@ -2,10 +2,12 @@
 
 #include <string>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/capture/frame_views.h"
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/maps.h"
 #include "slipstream/geometry/triangulator.h"
-#include "slipstream/reconstruct/reconstructor.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 
@@ -23,28 +25,31 @@ struct PhaseMatchSettings {
 class PhaseMatcher {
  public:
   /// `first`, `second`: each camera with the one projector. Phases are matched as they are
-  /// measured, without the settings' corrections. Throws Error where a scanner or the settings are
-  /// not valid, the projectors differ, the cameras stand in one place, or the strategy's frames do
-  /// not give a projector coordinate by sinusoids alone, as those of PCMP.
-  PhaseMatcher(const Scanner& first, const Scanner& second, const Strategy& strategy, Axis axis,
+  /// measured, without a correction. Throws Error where a scanner or the settings are not valid,
+  /// the projectors differ, the cameras stand in one place, or the strategy's frames do not give a
+  /// projector coordinate by bands alone.
+  PhaseMatcher(const Scanner& first, const Scanner& second, const Sequence& sequence,
                const ReconstructSettings& settings = {}, const PhaseMatchSettings& match = {});
 
-  /// The cloud in the first camera's frame, a point for each of its pixels that finds its match;
-  /// `no_point` where none is found: hidden from the second camera, unlit there, or outside its
-  /// picture. Throws Error when frames are not of their camera's size or not as many as the
-  /// strategy's.
-  [[nodiscard]] Reconstruction operator()(const FrameSet& first, const FrameSet& second) const;
+  /// What the two cameras give together, in the first one's picture and frame.
+  struct Result {
+    Cloud cloud{};
+    Maps maps{};  ///< of the first camera
+  };
 
-  /// See Reconstructor::backend_for; of the frames of either camera.
-  [[nodiscard]] std::string backend_for(const FrameSet& frames) const {
-    return decode_.backend_for(frames);
+  /// A point for each pixel of the first camera that finds its match; `no_point` where none is
+  /// found: hidden from the second camera, unlit there, or outside its picture. Throws Error when
+  /// frames are not of their camera's size or not as many as the strategy's.
+  [[nodiscard]] Result operator()(const FrameViews& first, const FrameViews& second) const;
+
+  /// How the phases of either camera's frames are computed.
+  [[nodiscard]] std::string method_for(const FrameViews& frames) const {
+    return decode_.method_for(frames);
   }
 
  private:
-  Scanner first_;
+  EngineSetup first_;
   Scanner second_;
-  Strategy strategy_;
-  ReconstructSettings settings_;
   PhaseMatchSettings match_;
   Triangulator triangulate_;
   Decoder decode_;

@@ -2,11 +2,13 @@
 
 #include <cmath>
 #include <string_view>
-#include <variant>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/gamma/correction.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -21,25 +23,67 @@ void require_valid(const ReconstructSettings& settings) {
   require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
   require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
           "more than the nearest");
-  require_valid(settings.cue);
-  for (const auto& [N, correction] : settings.phase_corrections) require_valid(correction, N);
 }
 
 }  // namespace
 
-void require_reconstructible(const Scanner& scanner, const Strategy& strategy, Axis axis,
-                             const ReconstructSettings& settings) {
+void set_backend(ReconstructSettings& settings, std::string_view name) {
+  if (name == "fused") {
+    settings.engine = EngineKind::automatic;
+    return;
+  }
+  settings.engine = EngineKind::reference;
+  for (const PhaseMethod method :
+       {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+    if (name != name_of(method)) continue;
+    settings.phase_method = method;
+    return;
+  }
+  throw Error(
+      fmt::format("backend '{}' is not known; it is equation, closed-form, lut or fused", name));
+}
+
+void require_reconstructible(const EngineSetup& setup) {
+  const auto& [scanner, sequence, settings] = setup;
+  const Strategy& strategy = sequence.strategy;
   require_valid(scanner);
-  require_depth_visible(scanner, axis);
-  std::visit([](const auto& chosen) { chosen.require_valid(); }, strategy);
-  require_resolved(strategy, length_along(axis, scanner.projector.size));
+  require_depth_visible(scanner, sequence.axis);
+  require_valid(sequence.light);
+  require_resolved(strategy, projector_length(setup));
   if (!has_coordinate(strategy)) {
     throw Error(fmt::format(
-        "{}: more than one period covers the field, so these frames alone give no depth; use "
-        "frequency 1 or dual-frequency",
-        name_of(strategy)));
+        "{}: more than one period covers the field, so these frames alone give no depth; use one "
+        "period, or a strategy that unwraps: {}",
+        strategy.name(), fmt::join(names_with_coordinate(), ", ")));
   }
   require_valid(settings);
+}
+
+void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {
+  const Strategy& strategy = setup.sequence.strategy;
+  if (!needs_ambient_light(strategy.layout()) || setup.scanner.photometry.ambient) return;
+  throw Error(
+      fmt::format("{}: no ambient light in it, which {} of {} frames needs; measure it "
+                  "with slipstream calibrate ambient, or give --ambient",
+                  scanner, strategy.name(), frame_count(strategy)));
+}
+
+CueSettings cue_settings(const EngineSetup& setup) {
+  const auto& [ambient, noise_variance, response] = setup.scanner.photometry;
+  CueSettings cue{.light = setup.sequence.light, .rule = setup.settings.cue_rule};
+  cue.ambient = ambient.value_or(cue.ambient);
+  cue.noise_variance = noise_variance.value_or(cue.noise_variance);
+  return cue;
+}
+
+PhaseCorrections phase_corrections(const EngineSetup& setup) {
+  const auto& measured = setup.scanner.photometry.response;
+  if (!measured) return {};
+  return phase_corrections(measured->response, step_counts(setup.sequence.strategy));
+}
+
+int projector_length(const EngineSetup& setup) {
+  return length_along(setup.sequence.axis, setup.scanner.projector.size);
 }
 
 double least_modulation(const ReconstructSettings& settings, double full_scale) {

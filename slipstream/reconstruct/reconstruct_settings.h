@@ -2,43 +2,77 @@
 
 #include <limits>
 #include <optional>
+#include <string_view>
 
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/phase/fringe_order_consensus.h"
 #include "slipstream/phase/phase_correction.h"
 #include "slipstream/phase/phase_decoder.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/sequence.h"
+#include "slipstream/unwrap/cue_settings.h"
+#include "slipstream/unwrap/fringe_order_consensus.h"
 
 namespace slipstream {
 
+/// What turns frames into a cloud.
+enum class EngineKind {
+  automatic,  ///< `fused` where it can, else `reference`
+  reference,  ///< in double, stage by stage over the whole picture: any layout, frames and lens
+  fused,      ///< in float, one pass over the pixels; `reference` stands in where it cannot
+};
+
 /// What decides whether a pixel becomes a point, and how it is computed.
 struct ReconstructSettings {
-  Backend backend = Backend::lut;
+  EngineKind engine = EngineKind::automatic;
+  PhaseMethod phase_method = PhaseMethod::tables;  ///< of the reference engine
   /// Least modulation B^c, grey levels of the frames; by default 15 of an 8-bit camera's 255 and as
   /// much of another's full scale.
-  std::optional<double> minimum_modulation;
+  std::optional<double> minimum_modulation{};
   /// A pixel with a saturated frame is dropped (`false` keeps it, biased).
   bool drop_saturated = true;
-  /// When the fringe order of a strategy with several frequencies is believed.
-  FringeOrderConsensus fringe_order;
-  /// Of a strategy whose fringe order comes from a cue in the same frames: the light of its
-  /// patterns and of the room, and the rule by which it is unwrapped.
-  CueSettings cue;
+  /// When the fringe order of several bands, or of a cue, is believed.
+  FringeOrderConsensus fringe_order{};
+  /// Of a strategy whose fringe order comes from a cue in the same frames.
+  CueRule cue_rule = CueRule::consensus;
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;
-  /// What is added to each sinusoid's phase, by its N, so that the projector's response does not
-  /// show; none where empty. Costs no time where phase is looked up, and little in the fused pass.
-  PhaseCorrections phase_corrections;
   double nearest = 0;                                         ///< mm, least depth
   double farthest = std::numeric_limits<double>::infinity();  ///< mm, largest depth
+
+  friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;
+};
+
+/// Sets engine and method by one name: "fused", or of the reference engine "lut", "closed-form",
+/// "equation". Throws Error for another.
+void set_backend(ReconstructSettings& settings, std::string_view name);
+
+/// All that an engine is made of.
+struct EngineSetup {
+  Scanner scanner{};
+  Sequence sequence{};
+  ReconstructSettings settings{};
+
+  friend bool operator==(const EngineSetup&, const EngineSetup&) = default;
 };
 
 /// Throws Error where the scanner or the settings are not valid or see no depth along that axis, or
-/// where the strategy's settings are out of range, too fine for the projector, or its frames give
-/// no projector coordinate.
-void require_reconstructible(const Scanner& scanner, const Strategy& strategy, Axis axis,
-                             const ReconstructSettings& settings);
+/// where the strategy is too fine for the projector or its frames give no projector coordinate. An
+/// ambient light that is not known is taken for none: see needs_ambient_light.
+void require_reconstructible(const EngineSetup& setup);
+
+/// Throws Error, naming `scanner`, where the layout has a cue that cannot be read without an
+/// ambient light that the scanner does not know.
+void require_ambient_known(const EngineSetup& setup, std::string_view scanner);
+
+/// What a cue needs beside the frames: light of patterns and room, noise, the rule.
+CueSettings cue_settings(const EngineSetup& setup);
+
+/// What is added to each band's phase so that the scanner's response does not show; none where it
+/// is not known.
+PhaseCorrections phase_corrections(const EngineSetup& setup);
+
+/// Projector pixels along the axis of the patterns.
+int projector_length(const EngineSetup& setup);
 
 /// The modulation threshold, grey levels of frames whose largest is `full_scale`.
 double least_modulation(const ReconstructSettings& settings, double full_scale);

@@ -33,4 +33,11 @@ Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& 
   return seen;
 }
 
+VirtualWorld seen_from_second(const VirtualWorld& first) {
+  VirtualWorld second{.scanner = second_scanner(first.scanner), .photometry = first.photometry};
+  second.scene = seen_from_second(first.scene, first.scanner, second.scanner);
+  second.photometry.seed = ~first.photometry.seed;
+  return second;
+}
+
 }  // namespace slipstream

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/scene.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {
 
@@ -12,5 +12,8 @@ Scanner second_scanner(const Scanner& first);
 /// A scene in the first camera's frame as it stands in the second's. Both scanners have one
 /// projector.
 Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& second);
+
+/// The world as a second camera of the same light sees it, with noise of its own.
+VirtualWorld seen_from_second(const VirtualWorld& first);
 
 }  // namespace slipstream

@@ -1,16 +1,11 @@
 #include "slipstream/strategy/dual_frequency.h"
 
-#include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/pattern/sinusoid.h"
-#include "slipstream/phase/temporal_unwrapping.h"
 
 namespace slipstream {
 
@@ -35,35 +30,12 @@ double DualFrequency::shape(int n, double y) const {
                    : sinusoid_intensity({low_step_count(), low}, n - steps, y);
 }
 
-DecodedScan DualFrequency::decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
-                                  const CueSettings&) const {
-  PhaseMaps fine = phase(frames, 0, steps);
-  const PhaseMaps coarse = phase(frames, steps, low_step_count());
-  Image<double> coordinate(frames.size());
-  Image<double> doubt(frames.size());
-  for_each_row(frames.size().height, [&](int row) {
-    for (int column = 0; column < frames.size().width; ++column) {
-      const double phi_h = fine.wrapped_phase(column, row);
-      const double y_l = unwrapped_coordinate(coarse.wrapped_phase(column, row), 0, low);
-      const int k = fringe_order(phi_h, high, y_l);
-      doubt(column, row) = std::abs(fringe_order_residual(phi_h, high, y_l, k));
-      coordinate(column, row) =
-          coordinate_in_field(unwrapped_coordinate(phi_h, k, high), 1 / low, length);
-    }
-  });
-  std::transform(fine.modulation.begin(), fine.modulation.end(), coarse.modulation.begin(),
-                 fine.modulation.begin(), [](double a, double b) { return std::min(a, b); });
-  return {.mean = std::move(fine.mean),
-          .modulation = std::move(fine.modulation),
-          .wrapped_phase = std::move(fine.wrapped_phase),
-          .fringe_order_doubt = std::move(doubt),
-          .coordinate = std::move(coordinate)};
-}
-
-double DualFrequency::coordinate_variance(double alpha, double alpha_p,
-                                          double noise_variance) const {
-  return slipstream::coordinate_variance(phase_variance(steps, alpha, alpha_p, noise_variance),
-                                         high);
+Layout DualFrequency::layout() const {
+  const int low_count = low_step_count(), frames = steps + low_count;
+  return {.frames = frames,
+          .bands = {phase_shifted_band(frames, 0, steps, high),
+                    phase_shifted_band(frames, steps, low_count, low)},
+          .unwrapping = Unwrapping::hierarchical};
 }
 
 }  // namespace slipstream

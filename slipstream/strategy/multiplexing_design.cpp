@@ -21,11 +21,12 @@ double upper_tail(double x) {
   return 0.5 * std::erfc(x / std::numbers::sqrt2);
 }
 
-double reference_sigma(const PhaseChannelMultiplexing& strategy, const PatternLight& light,
-                       double alpha, double ambient, double noise_variance, double R) {
-  const double variance =
-      strategy.steps == 3 ? dc_reference_variance(alpha, light, ambient, strategy.c1(), R)
-                          : half_phase_reference_variance(alpha, light.alpha_p, strategy.c1(), R);
+double reference_sigma(const Layout& layout, const PatternLight& light, double alpha,
+                       double ambient, double noise_variance, double R) {
+  const double c1 = layout.bands[0].share;
+  const double variance = needs_ambient_light(layout)
+                              ? dc_reference_variance(alpha, light, ambient, c1, R)
+                              : half_phase_reference_variance(alpha, light.alpha_p, c1, R);
   return std::sqrt(noise_variance * variance);
 }
 
@@ -36,11 +37,11 @@ std::optional<Design> design_at(const DesignGoal& goal, const PatternLight& ligh
     if (c1 * f_h <= 1) return std::nullopt;  // (3.64)
     const PhaseChannelMultiplexing strategy{
         .steps = goal.steps, .high = f_h, .share = c1, .reference = {}};
-    const double success =
-        predicted_unwrapping(strategy, light, goal.alpha, goal.ambient, goal.noise_variance);
+    const double success = predicted_unwrapping(strategy.layout(), light, goal.alpha, goal.ambient,
+                                                goal.noise_variance);
     if (success < goal.success) continue;
-    const double variance =
-        strategy.coordinate_variance(goal.alpha, light.alpha_p, goal.noise_variance);
+    const double modulation = goal.alpha * light.alpha_p / 2 * c1;  // (3.57)
+    const double variance = coordinate_variance(strategy.layout(), modulation, goal.noise_variance);
     return Design{.strategy = strategy,
                   .light = light,
                   .success = success,
@@ -66,26 +67,28 @@ void require_valid(const DesignGoal& goal) {
           "2 to 1000");
 }
 
-double predicted_unwrapping(const PhaseChannelMultiplexing& strategy, const PatternLight& light,
-                            double alpha, double ambient, double noise_variance) {
-  const double f_h = strategy.f_h();
-  if (strategy.steps >= 5) {
-    const double variance =
-        cue_phase_variance(strategy.steps, alpha, light.alpha_p, strategy.c2(), noise_variance);
+double predicted_unwrapping(const Layout& layout, const PatternLight& light, double alpha,
+                            double ambient, double noise_variance) {
+  const double f_h = layout.bands[0].periods;
+  if (!layout.cue) {
+    const Band& cue = layout.bands[1];
+    const double modulation = cue.share * alpha * light.alpha_p / 2;
+    const double variance = phase_variance(cue, modulation, noise_variance);
     return 1 - 2 * upper_tail(pi / f_h / std::sqrt(variance));
   }
   constexpr int places = 400;
+  const CueReference& reference = layout.cue->reference;
   double sum = 0;
   for (int place = 0; place < places; ++place) {
     const double y = (place + 0.5) / places;
-    const double R = strategy.R(y);
-    const double sigma = reference_sigma(strategy, light, alpha, ambient, noise_variance, R);
+    const double R = reference(y);
+    const double sigma = reference_sigma(layout, light, alpha, ambient, noise_variance, R);
     const auto missed = [&](double other) { return upper_tail(std::abs(other - R) / sigma); };
     // The first period has none before it, the last none after it.
     const int k = static_cast<int>(y * f_h);
     double wrong = 0;
-    if (k > 0) wrong += missed(strategy.R(y - 0.5 / f_h));
-    if (k < f_h - 1) wrong += missed(strategy.R(y + 0.5 / f_h));
+    if (k > 0) wrong += missed(reference(y - 0.5 / f_h));
+    if (k < f_h - 1) wrong += missed(reference(y + 0.5 / f_h));
     sum += 1 - wrong;
   }
   return sum / places;
@@ -128,6 +131,20 @@ Design best_design(const DesignGoal& goal) {
   return *std::min_element(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
     return a.coordinate_sigma < b.coordinate_sigma;
   });
+}
+
+std::string doubt_about(const Sequence& sequence) {
+  constexpr double least_success = 0.85;
+  const Layout& layout = sequence.strategy.layout();
+  if (layout.unwrapping != Unwrapping::vote) return {};
+  const DesignGoal usual{};
+  const double success = predicted_unwrapping(layout, sequence.light, usual.alpha, usual.ambient,
+                                              usual.noise_variance);
+  if (success >= least_success) return {};
+  return fmt::format(
+      "at a reflectivity of {} and sigma_w^2 of {} only {:.0f} % of the pixels would be unwrapped "
+      "rightly each by itself; fewer periods or a smaller --share are wiser, see slipstream design",
+      usual.alpha, usual.noise_variance, 100 * success);
 }
 
 }  // namespace slipstream

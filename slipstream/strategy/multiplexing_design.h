@@ -1,8 +1,11 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "slipstream/pattern/pattern_set.h"
 #include "slipstream/strategy/phase_channel_multiplexing.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 
@@ -30,9 +33,9 @@ struct Design {
 void require_valid(const DesignGoal& goal);
 
 /// Share of the pixels, evenly over the field, whose cue names the right period: from the noise of
-/// the cue, Eqs. (3.67), (3.76), (3.101), against half a period.
-double predicted_unwrapping(const PhaseChannelMultiplexing& strategy, const PatternLight& light,
-                            double alpha, double ambient, double noise_variance);
+/// the cue, Eqs. (3.67), (3.76), (3.101), against half a period. Of a layout that votes.
+double predicted_unwrapping(const Layout& layout, const PatternLight& light, double alpha,
+                            double ambient, double noise_variance);
 
 /// The brightest patterns whose frames stay three standard deviations of the noise off zero at the
 /// goal's alpha, Eq. (3.7), and off the largest grey level at alpha = 1. Throws Error where there
@@ -45,5 +48,9 @@ std::vector<Design> designs_by_frequency(const DesignGoal& goal);
 
 /// The one of least noise among them. Throws Error where none meets the goal.
 Design best_design(const DesignGoal& goal);
+
+/// Why it is unwise to show patterns that can be shown: their cue is too weak for their periods
+/// where surface, light and noise are as a DesignGoal has them at first. Empty where it is not.
+std::string doubt_about(const Sequence& sequence);
 
 }  // namespace slipstream

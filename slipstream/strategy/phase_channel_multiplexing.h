@@ -3,12 +3,8 @@
 #include <functional>
 #include <optional>
 #include <string_view>
-#include <vector>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/phase/phase_decoder.h"
-#include "slipstream/strategy/cue_settings.h"
-#include "slipstream/strategy/decoded_scan.h"
+#include "slipstream/pattern/layout.h"
 
 namespace slipstream {
 
@@ -20,12 +16,12 @@ namespace slipstream {
 struct PhaseChannelMultiplexing {
   static constexpr std::string_view name = "pcmp";
 
-  int steps = 5;                ///< N, >= 3
-  std::optional<double> high;   ///< f_h, whole, >= 2; by default 3, 6, 12 for N = 3, 4, 5 and more
-  std::optional<double> share;  ///< c_1, in (1 / f_h, 1); by default 0.5, 0.6, 0.6; c_2 = 1 - c_1
+  int steps = 5;                 ///< N, >= 3
+  std::optional<double> high{};  ///< f_h, whole, >= 2; by default 3, 6, 12 for N = 3, 4, 5 and more
+  std::optional<double> share{};  ///< c_1, in (1 / f_h, 1); by default 0.5, 0.6, 0.6; c_2 = 1 - c_1
   /// R for N = 3 and 4: monotonic, within [-1, 1], for y in [0, 1]. By default 2 y - 1 for N = 3
   /// and cos(pi y) for N = 4. A file or a command line cannot name another.
-  std::function<double(double y)> reference;
+  std::function<double(double y)> reference{};
 
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
@@ -40,26 +36,12 @@ struct PhaseChannelMultiplexing {
   [[nodiscard]] double f_h() const;
   [[nodiscard]] double c1() const;
   [[nodiscard]] double c2() const { return 1 - c1(); }
-  /// R(y), y held to [0, 1]; N = 3 and 4.
-  [[nodiscard]] double R(double y) const;
-  /// The y in [0, 1] at which the reference has that value, or the nearest it has.
-  [[nodiscard]] double inverse_R(double value) const;
+  /// What the cue of N = 3 and 4 follows.
+  [[nodiscard]] CueReference cue_reference() const;
 
-  [[nodiscard]] int frame_count() const { return steps; }
-  [[nodiscard]] std::vector<int> step_counts() const { return {steps}; }
-  [[nodiscard]] static bool has_coordinate() { return true; }
-  [[nodiscard]] double highest_frequency() const { return f_h(); }
   /// Pattern n at projector coordinate y, in [0, 1].
   [[nodiscard]] double shape(int n, double y) const;
-  /// `length`: projector pixels along the axis. By the published rule the coordinate of N >= 5 may
-  /// lie outside the field.
-  [[nodiscard]] DecodedScan decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
-                                   const CueSettings& cue) const;
-  /// B_1^c over alpha alpha_p / 2, (3.57): c_1.
-  [[nodiscard]] double modulation_share() const { return c1(); }
-  /// Predicted variance of y, Eq. (3.63) for any N, where the fringe order is right.
-  [[nodiscard]] double coordinate_variance(double alpha, double alpha_p,
-                                           double noise_variance) const;
+  [[nodiscard]] Layout layout() const;
 };
 
 }  // namespace slipstream

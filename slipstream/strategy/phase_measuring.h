@@ -2,10 +2,7 @@
 
 #include <string_view>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/phase/phase_decoder.h"
-#include "slipstream/strategy/cue_settings.h"
-#include "slipstream/strategy/decoded_scan.h"
+#include "slipstream/pattern/layout.h"
 
 namespace slipstream {
 
@@ -26,20 +23,9 @@ struct PhaseMeasuring {
 
   /// Throws Error for settings outside their ranges.
   void require_valid() const;
-  [[nodiscard]] int frame_count() const { return steps; }
-  [[nodiscard]] std::vector<int> step_counts() const { return {steps}; }
-  [[nodiscard]] bool has_coordinate() const { return frequency <= 1; }
-  [[nodiscard]] double highest_frequency() const { return frequency; }
   /// Pattern n at projector coordinate y, in [0, 1].
   [[nodiscard]] double shape(int n, double y) const;
-  /// `length`: projector pixels along the axis.
-  [[nodiscard]] DecodedScan decode(const FrameSet& frames, const PhaseDecoder& phase, int length,
-                                   const CueSettings& cue) const;
-  /// B^c over alpha alpha_p / 2, by which noise is judged from the modulation.
-  [[nodiscard]] static double modulation_share() { return 1; }
-  /// Predicted variance of y, Eq. (3.40): see phase_variance.
-  [[nodiscard]] double coordinate_variance(double alpha, double alpha_p,
-                                           double noise_variance) const;
+  [[nodiscard]] Layout layout() const;
 };
 
 }  // namespace slipstream

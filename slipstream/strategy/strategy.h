@@ -1,66 +1,80 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
-#include <variant>
+#include <utility>
 #include <vector>
 
+#include "slipstream/pattern/layout.h"
 #include "slipstream/pattern/pattern_set.h"
-#include "slipstream/strategy/dual_frequency.h"
-#include "slipstream/strategy/phase_channel_multiplexing.h"
-#include "slipstream/strategy/phase_measuring.h"
+#include "slipstream/strategy/settings.h"
 
 namespace slipstream {
 
-/// The registry: every pattern set that slipstream projects and decodes. A new one is added here.
-using Strategy = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing>;
+/// What is shown to measure, and what the frames then hold: a name, settings, a shape and a layout.
+/// All that decodes, predicts, calibrates or simulates reads these and asks for no name.
+///
+/// It is made of a struct that declares a coding: PhaseMeasuring and its neighbours in this folder,
+/// or one of your own. Such a struct has
+///   static constexpr std::string_view name
+///   template <class Self, class Visit> static void for_each_setting(Self& self, const Visit&
+///   visit)
+///     which calls visit(name, words of help, member) for each setting: an int, a double or a
+///     std::optional of either;
+///   void require_valid() const, which throws Error for settings outside their ranges;
+///   double shape(int n, double y) const, the intensity of pattern n, in [0, 1], at the projector
+///     coordinate y in [0, 1];
+///   Layout layout() const.
+/// A value; copies share nothing that changes.
+class Strategy {
+ public:
+  /// PMP of three steps and one period.
+  Strategy();
+  /// Throws Error where the struct's settings or its layout are not valid.
+  template <class Coding>
+  requires requires(const Coding& coding) { coding.layout(); }
+  Strategy(const Coding& coding)  // NOLINT(google-explicit-constructor)
+      : name_(Coding::name), settings_(settings_from(coding)) {
+    coding.require_valid();
+    layout_ = coding.layout();
+    shape_ = [coding](int n, double y) { return coding.shape(n, y); };
+    require_valid(layout_, name_);
+  }
 
-/// Settings by the names that struct, scan.yaml and command line share.
-using StrategySettings = std::map<std::string, double>;
+  [[nodiscard]] const std::string& name() const { return name_; }
+  /// Those that make_strategy needs to give the same strategy again.
+  [[nodiscard]] const StrategySettings& settings() const { return settings_; }
+  [[nodiscard]] const Layout& layout() const { return layout_; }
+  /// Intensity of pattern n, in [0, 1], at projector coordinate y in [0, 1].
+  [[nodiscard]] double shape(int n, double y) const { return shape_(n, y); }
 
-/// A setting as the command line offers it.
-struct SettingDescription {
-  std::string name;
-  std::string help;        ///< what it means, in a few words
-  std::string strategies;  ///< which strategies have it: "pmp, dual-frequency"
+  /// Of name, settings and layout.
+  friend bool operator==(const Strategy& a, const Strategy& b) {
+    return a.name_ == b.name_ && a.settings_ == b.settings_ && a.layout_ == b.layout_;
+  }
+
+ private:
+  std::string name_;
+  StrategySettings settings_;
+  Layout layout_;
+  std::function<double(int n, double y)> shape_;
 };
 
-/// Names of all strategies, in the order of the registry.
-std::vector<std::string_view> strategy_names();
-
-/// Every setting that some strategy has, once.
-std::vector<SettingDescription> strategy_settings();
-
-/// The strategy of that name with those settings, the others at their defaults. Throws Error for an
-/// unknown name, a setting that this strategy does not have, or a value out of range.
-Strategy make_strategy(std::string_view name, const StrategySettings& settings);
-
 std::string_view name_of(const Strategy& strategy);
-
-/// The settings that make_strategy needs to give the same strategy again.
-StrategySettings settings_of(const Strategy& strategy);
+const StrategySettings& settings_of(const Strategy& strategy);
 
 /// Frames of one scan.
 int frame_count(const Strategy& strategy);
-
-/// N of each of its sinusoids, in the order of their frames.
+/// See the functions of the same names of a Layout.
 std::vector<int> step_counts(const Strategy& strategy);
-
-/// Whether the frames alone give the projector coordinate, and so a depth.
 bool has_coordinate(const Strategy& strategy);
-
-/// Most periods across the field that its patterns have.
 double highest_frequency(const Strategy& strategy);
 
-/// Throws Error when the highest frequency has less than two of the `length` projector pixels along
+/// Throws Error when the highest frequency has less than two of the `projector_length` pixels along
 /// the axis for each period, so that no projector of that size can show it.
-void require_resolved(const Strategy& strategy, int length);
-
-/// Predicted variance of y (fields^2) at a pixel of that modulation (grey levels, as DecodedScan
-/// tells it) under noise of sigma_w^2 (grey levels^2): what coordinate_variance of the strategy
-/// says for the reflectivity that gives this modulation, Eqs. (3.6), (3.59).
-double coordinate_variance(const Strategy& strategy, double modulation, double noise_variance);
+void require_resolved(const Strategy& strategy, int projector_length);
 
 /// What the projector shows.
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light = {});

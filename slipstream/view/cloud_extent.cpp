@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "slipstream/image/quantile.h"
+
 namespace slipstream::view {
 namespace {
 
@@ -12,12 +14,6 @@ namespace {
 std::size_t stride_over(std::size_t count) {
   constexpr std::size_t enough = 8192;
   return (count / enough) | 1U;
-}
-
-float percentile(std::vector<float>& values, double share) {
-  const auto place = values.begin() + std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
 }
 
 /// Organised: the median distance of a pixel's point to its neighbour's. A list of points: as if
@@ -32,7 +28,7 @@ float spacing_of(const PointImages& cloud, const Box& box) {
     const float distance = std::hypot(step(cloud.x), step(cloud.y), step(cloud.z));
     if (std::isfinite(distance) && distance > 0) distances.push_back(distance);
   }
-  if (!distances.empty()) return percentile(distances, 0.5);
+  if (!distances.empty()) return quantile(distances, 0.5);
   const glm::vec3 sides = box.high - box.low;
   const float area = std::max({sides.x * sides.y, sides.y * sides.z, sides.x * sides.z});
   return std::sqrt(area / static_cast<float>(std::max<std::size_t>(count, 1)));
@@ -41,13 +37,9 @@ float spacing_of(const PointImages& cloud, const Box& box) {
 }  // namespace
 
 Range robust_range(const Image<float>& values) {
-  const std::size_t count = values.pixel_count(), stride = stride_over(count);
-  std::vector<float> finite;
-  for (std::size_t i = 0; i < count; i += stride) {
-    if (std::isfinite(values.begin()[i])) finite.push_back(values.begin()[i]);
-  }
+  std::vector<float> finite = finite_values(values, stride_over(values.pixel_count()));
   if (finite.empty()) return {};
-  return {percentile(finite, 0.01), percentile(finite, 0.99)};
+  return {quantile(finite, 0.01), quantile(finite, 0.99)};
 }
 
 CloudExtent extent_of(const PointImages& cloud) {

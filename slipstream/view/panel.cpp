@@ -152,15 +152,15 @@ bool draw_choice(const char* name, const Choices& choices, std::size_t& chosen) 
 }
 
 void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSource& source) {
-  if (!source.change || !section("Scan")) return;
-  ReconstructSettings& settings = state.scan.settings;
+  if (!source.setup || !source.change || !section("Scan")) return;
+  ReconstructSettings& settings = state.setup.settings;
   if (draw_choice("strategy", source.strategies, state.strategy)) {
-    state.scan.strategy = source.strategies[state.strategy].second;
-    requests.change_scan = true;
+    state.setup.sequence.strategy = source.strategies[state.strategy].second;
+    requests.change_setup = true;
   }
   if (draw_choice("gamma", source.gammas, state.gamma)) {
-    settings.phase_corrections = source.gammas[state.gamma].second;
-    requests.change_scan = true;
+    state.setup.scanner.photometry.response = source.gammas[state.gamma].second;
+    requests.change_setup = true;
   }
   const double grey_level = source.full_scale / 255;
   auto threshold = static_cast<float>(least_modulation(settings, source.full_scale) / grey_level);
@@ -168,11 +168,11 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
     settings.minimum_modulation = static_cast<double>(threshold) * grey_level;
   }
   // Tables are built for every change, so one that is dragged counts when it is let go.
-  requests.change_scan |= ImGui::IsItemDeactivatedAfterEdit();
+  requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();
   bool drop = settings.drop_saturated;
   if (ImGui::Checkbox("drop saturated pixels", &drop)) {
     settings.drop_saturated = drop;
-    requests.change_scan = true;
+    requests.change_setup = true;
   }
 }
 
@@ -199,7 +199,7 @@ void place_window(float left, float width, const Screen& screen) {
 }
 
 bool has_pictures(const ViewSource& source) {
-  return source.scan.scanner.camera.size != Size{};
+  return source.setup.has_value();
 }
 
 }  // namespace

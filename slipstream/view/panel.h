@@ -15,7 +15,7 @@ namespace slipstream::view {
 /// What can be chosen in the panel, and what it says.
 struct PanelState {
   ViewSettings view;
-  LiveScan scan;
+  EngineSetup setup;
   std::size_t strategy = 0;  ///< of the source's
   std::size_t gamma = 0;     ///< likewise
   bool paused = false;
@@ -32,7 +32,7 @@ struct PanelRequests {
   bool fit = false;
   bool save = false;
   bool toggle_recording = false;
-  bool change_scan = false;  ///< PanelState::scan is another
+  bool change_setup = false;  ///< PanelState::setup is another
 };
 
 /// Widths, in units of the window, that the panel takes at the left and the pictures at the right.

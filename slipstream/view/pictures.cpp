@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <variant>
+#include <type_traits>
 
 #include "slipstream/view/cloud_extent.h"
 #include "slipstream/view/colour_map.h"
@@ -44,8 +44,8 @@ Colour grey(double level) {
 }
 
 template <class Pixel>
-void mark_saturated(Image<Colour>& picture, const Image<Pixel>& frame, int bits, int step) {
-  const int full_scale = (1 << bits) - 1;
+void mark_saturated(Image<Colour>& picture, const ImageView<const Pixel>& frame, Pixel full_scale,
+                    int step) {
   const int rows = std::min(frame.height(), picture.height() * step);
   const int columns = std::min(frame.width(), picture.width() * step);
   for (int row = 0; row < rows; ++row) {
@@ -58,26 +58,22 @@ void mark_saturated(Image<Colour>& picture, const Image<Pixel>& frame, int bits,
 
 }  // namespace
 
-Image<Colour> camera_picture(const std::vector<Pooled<Frame>>& frames, int widest) {
-  if (frames.empty()) return {};
-  const Frame& first = *frames.front();
-  const Size size = first.format().size;
-  Image<Colour> picture = std::visit(
-      [&](const auto& image) {
-        const double scale = 255.0 / ((1 << first.bits) - 1);
-        return picture_of(size, widest,
-                          [&](int column, int row) { return grey(scale * image(column, row)); });
-      },
-      first.pixels);
-  for (const Pooled<Frame>& frame : frames) {
-    if (frame->format() != first.format()) continue;
-    std::visit(
-        [&](const auto& image) {
-          mark_saturated(picture, image, frame->bits, reduction(size, widest));
-        },
-        frame->pixels);
-  }
-  return picture;
+Image<Colour> camera_picture(const FrameViews& frames, int widest) {
+  if (frames.count() == 0) return {};
+  const double full_scale = frames.full_scale();
+  return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    Image<Colour> picture = picture_of(frames.size(), widest, [&](int column, int row) {
+      return grey(255 * views.front()(column, row) / full_scale);
+    });
+    // Unquantised frames are cut off nowhere.
+    if constexpr (std::is_integral_v<Pixel>) {
+      for (const auto& view : views) {
+        mark_saturated(picture, view, static_cast<Pixel>(full_scale),
+                       reduction(frames.size(), widest));
+      }
+    }
+    return picture;
+  });
 }
 
 Image<Colour> modulation_picture(const Image<float>& modulation, int widest) {

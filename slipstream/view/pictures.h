@@ -1,9 +1,6 @@
 #pragma once
 
-#include <vector>
-
-#include "slipstream/capture/frame.h"
-#include "slipstream/capture/pool.h"
+#include "slipstream/capture/frame_views.h"
 #include "slipstream/image/colour.h"
 #include "slipstream/image/image.h"
 
@@ -11,7 +8,7 @@ namespace slipstream::view {
 
 /// The first of the frames as a grey picture, red where any of them is saturated. Large pictures
 /// are reduced to about `widest` pixels; of the pixels put together one that is saturated shows.
-Image<Colour> camera_picture(const std::vector<Pooled<Frame>>& frames, int widest);
+Image<Colour> camera_picture(const FrameViews& frames, int widest);
 
 /// Modulation B^c, grey levels, black to white from 0 to its 99th percentile.
 Image<Colour> modulation_picture(const Image<float>& modulation, int widest);

@@ -19,10 +19,9 @@ Range widened(const Range& range) {
 
 }  // namespace
 
-Range grey_range(PointColour colour, const Range& range, const SceneLight& light,
-                 float brightness) {
+Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
   const bool of_mean = colour == PointColour::reflectivity;
-  const auto black = of_mean ? static_cast<float>(std::min(light.ambient, 0.9 * range.high)) : 0.0F;
+  const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
   return {black, black + std::max(range.high - black, 1e-3F) / std::max(brightness, 1e-3F)};
 }
 
@@ -35,7 +34,7 @@ void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modu
   values_ = robust_range(value);
 }
 
-void SceneRenderer::draw(const ViewSettings& settings, const SceneLight& light, const Pane& pane,
+void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pane& pane,
                          float pixel_ratio) const {
   const Size picture = pane.size;
   glViewport(pane.left, pane.bottom, picture.width, picture.height);
@@ -52,7 +51,7 @@ void SceneRenderer::draw(const ViewSettings& settings, const SceneLight& light, 
                  .coloured = coloured,
                  .range = coloured
                               ? widened({extent_.box.low.z, extent_.box.high.z})
-                              : grey_range(settings.colour, values_, light, settings.brightness),
+                              : grey_range(settings.colour, values_, ambient, settings.brightness),
                  .shaded = settings.shaded};
   points_.draw(pass);
   if (settings.reflection) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "slipstream/pattern/pattern_set.h"
 #include "slipstream/view/cloud_extent.h"
 #include "slipstream/view/line_renderer.h"
 #include "slipstream/view/point_renderer.h"
@@ -8,15 +7,10 @@
 
 namespace slipstream::view {
 
-/// The light under which a cloud's intensities were seen, for its reflectivity.
-struct SceneLight {
-  PatternLight light;
-  double ambient = 0;  ///< beta, grey levels of 255
-};
-
 /// The intensities that look black and white: reflectivity 0, and that of `range.high` over the
-/// brightness. Liu 2010, Eq. (3.3): reflectivity 0 has a mean of beta.
-Range grey_range(PointColour colour, const Range& range, const SceneLight& light, float brightness);
+/// brightness. Liu 2010, Eq. (3.3): reflectivity 0 has a mean of `ambient`, beta, grey levels of
+/// 255.
+Range grey_range(PointColour colour, const Range& range, double ambient, float brightness);
 
 /// A part of the framebuffer, in pixels from its lower left corner.
 struct Pane {
@@ -35,9 +29,10 @@ class SceneRenderer {
   void set_extent(const CloudExtent& extent) { extent_ = extent; }
   [[nodiscard]] const CloudExtent& extent() const { return extent_; }
 
-  /// Into a pane of the bound framebuffer, which is cleared. `pixel_ratio`: by how much lines are
+  /// Into a pane of the bound framebuffer, which is cleared. `ambient`: the light in the cloud's
+  /// intensities that is not the projector's, see grey_range. `pixel_ratio`: by how much lines are
   /// wider than a pixel, on a HiDPI screen.
-  void draw(const ViewSettings& settings, const SceneLight& light, const Pane& pane,
+  void draw(const ViewSettings& settings, double ambient, const Pane& pane,
             float pixel_ratio = 1) const;
 
  private:

@@ -1,39 +1,46 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "slipstream/capture/pool.h"
-#include "slipstream/live/live_cloud.h"
-#include "slipstream/live/live_pipeline.h"
+#include "slipstream/gamma/response.h"
 #include "slipstream/live/live_statistics.h"
-#include "slipstream/phase/phase_correction.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/strategy/strategy.h"
+#include "slipstream/view/shown_cloud.h"
 
 namespace slipstream::view {
 
-/// What the viewer shows and what it can ask for: a live pipeline, or a cloud that stands still.
-/// What is empty, and must not be, is said; where another function is empty, the viewer does not
-/// offer what it is for. All but `save` are called by the viewer's thread.
+/// What the viewer shows and what can be asked for in it. Only `newest` must be set. Each other
+/// function belongs to one part of the viewer (a button, a key, a section of the panel), which is
+/// left out where the function is empty. The viewer calls all of them from its own thread, but
+/// `save` from another.
 struct ViewSource {
-  std::string title;                          ///< of the window
-  std::function<Pooled<LiveCloud>()> newest;  ///< never empty; its share is, before the first cloud
-  std::function<void(const LiveCloud&)> shown;
-  std::function<LiveStatistics()> statistics;
+  std::string title{};                             ///< of the window
+  std::function<ShownCloud()> newest{};            ///< asked before each picture
+  std::function<void(const ShownCloud&)> shown{};  ///< told that the cloud is on the screen now
+  std::function<LiveStatistics()> statistics{};    ///< of the pipeline that makes the clouds
 
-  LiveScan scan;            ///< what is looked for in the frames at first
+  /// The setup that clouds are made with at first. None for clouds that come without frames: no
+  /// pictures stand beside them then, and nothing can be changed or saved.
+  std::optional<EngineSetup> setup{};
   double full_scale = 255;  ///< the largest grey level of the frames
-  /// Looks for something else from now on. May throw: the viewer shows why and keeps the old.
-  std::function<void(const LiveScan&)> change;
-  std::vector<std::pair<std::string, Strategy>> strategies;      ///< to choose from, by label
-  std::vector<std::pair<std::string, PhaseCorrections>> gammas;  ///< likewise
+  /// Makes clouds with another setup from now on. May throw: the viewer then shows the reason and
+  /// keeps the old setup.
+  std::function<void(const EngineSetup&)> change{};
+  std::vector<std::pair<std::string, Strategy>> strategies{};  ///< to choose from, by label
+  /// Responses to choose from, by label: phases are corrected for the one chosen, and are not
+  /// corrected where it is none.
+  std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas{};
 
-  /// Writes the cloud and all its maps; returns where. Called in a thread of its own.
-  std::function<std::string(const LiveCloud&, const LiveScan&)> save;
-  std::function<void(bool on)> record;     ///< begins or ends a recording
-  std::function<std::string()> recording;  ///< how it goes, in a few words; empty where it does not
+  /// Writes the cloud's frames and all that is made of them; returns the folder, for people.
+  std::function<std::string(const ShownCloud&, const EngineSetup&)> save{};
+  std::function<void(bool on)> record{};  ///< begins or ends a recording
+  /// How the recording goes, in a few words; empty where none is made.
+  std::function<std::string()> recording{};
 };
 
 }  // namespace slipstream::view

@@ -8,7 +8,7 @@
 
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/opengl/window.h"
-#include "slipstream/view/live_screen.h"
+#include "slipstream/view/cloud_screen.h"
 
 namespace slipstream::view {
 namespace {
@@ -82,7 +82,7 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   window.wait_for_refresh(true);
   WindowEvents events;
   listen(window.get(), events);
-  LiveScreen live(source, settings.view, &window);
+  CloudScreen clouds(source, settings.view, &window);
   Pace pace(settings.most_per_second);
   std::optional<Image<Colour>> last;
   bool open = true;
@@ -91,14 +91,14 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
     const Screen screen = screen_of(window);
     const bool visible = screen.framebuffer.width > 0 && screen.framebuffer.height > 0;
     if (visible && (!open || pace.rested())) {
-      const bool fresh = live.take_newest();
+      const bool fresh = clouds.take_newest();
       if (!open || fresh || pace.outdated(events.last)) {
         pace.draw([&] {
-          live.draw(screen);
+          clouds.draw(screen);
           if (!open && settings.keep_last) last = opengl::read_pixels(screen.framebuffer);
         });
         window.swap();
-        live.tell_shown();
+        clouds.tell_shown();
       }
     }
     if (open) glfwWaitEventsTimeout(std::max(pace.seconds_to_next(), 0.004));
@@ -111,11 +111,11 @@ Image<Colour> render_screen(const ViewSource& source, const ViewSettings& settin
   const opengl::OffScreenContext context;
   const opengl::RenderTarget target(size);
   target.bind();
-  LiveScreen live(source, settings, nullptr);
-  live.state().shown = surround == Surround::panel;
-  live.take_newest();
+  CloudScreen clouds(source, settings, nullptr);
+  clouds.state().shown = surround == Surround::panel;
+  clouds.take_newest();
   // Dear ImGui knows the heights of its own widgets only after it has drawn them.
-  for (int pass = 0; pass < 3; ++pass) live.draw({.window = size, .framebuffer = size});
+  for (int pass = 0; pass < 3; ++pass) clouds.draw({.window = size, .framebuffer = size});
   return opengl::read_pixels(size);
 }
 

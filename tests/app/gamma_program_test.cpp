@@ -9,7 +9,7 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/response_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
@@ -58,7 +58,8 @@ TEST_F(GammaProgram, CalibratesTheScannerFileThatReconstructUses) {
   simulate("6");
   (void)out_of({"calibrate", "gamma", path("scan"), "-o", path("scan/scanner.yaml"), "--map",
                 path("gamma.tiff"), "--histogram", path("gamma.png")});
-  const Response response = read_response(path("scan/scanner.yaml")).value();
+  const Response response =
+      read_photometric_calibration(path("scan/scanner.yaml")).response.value().response;
   EXPECT_NEAR(std::get<PowerLaw>(response).gamma, 2.4, 0.005);
   EXPECT_TRUE(std::filesystem::exists(path("gamma.png")));
   EXPECT_EQ(read_map(path("gamma.tiff")).size(), (Size{128, 96}));
@@ -104,7 +105,8 @@ TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
   const std::string said = out_of(
       {"calibrate", "gamma", "--uniform", path("levels"), "--response", "-o", path("curve.yaml")});
   EXPECT_TRUE(says(said, "gamma 1.8") || says(said, "gamma 1.79")) << said;
-  const Response response = read_response(path("curve.yaml")).value();
+  const Response response =
+      read_photometric_calibration(path("curve.yaml")).response.value().response;
   EXPECT_NEAR(light_at(response, 0.5), std::pow(0.5, 1.8), 0.003);
 
   // Half light takes a brighter picture.

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
 

@@ -11,6 +11,7 @@
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
 
@@ -29,11 +30,13 @@ double angle_between(const Scanner& a, const Scanner& b) {
 }
 
 /// The frames of a board under a strategy's patterns along one axis.
-AxisScan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy, Axis axis,
-                 std::uint64_t seed) {
-  return {strategy, take_scan(scanner, {sheet}, pattern_set(strategy, axis),
+Scan scan_of(const Scanner& scanner, const Body& sheet, const Strategy& strategy, Axis axis,
+             std::uint64_t seed) {
+  const Sequence sequence{.strategy = strategy, .axis = axis, .projector = scanner.projector.size};
+  return {.frames = take_scan(scanner, {sheet}, pattern_set(sequence),
                               {.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = seed})
-                        .frames};
+                        .frames,
+          .sequence = sequence};
 }
 
 /// From frames to the scanner by the program's defaults: `count` poses of the board before `truth`.
@@ -51,7 +54,7 @@ GeometryCalibration calibrated_from_frames(const CalibrationBoard& board, const 
     const std::uint64_t seed = 2 * views.size() + 1;
     const BoardCapture capture =
         board_capture(name, board, scan_of(truth, sheet, strategy, Axis::x, seed),
-                      scan_of(truth, sheet, strategy, Axis::y, seed + 1), truth.projector.size);
+                      scan_of(truth, sheet, strategy, Axis::y, seed + 1));
     EXPECT_TRUE(capture.view) << name << ": " << capture.told;
     if (capture.view) views.push_back(*capture.view);
   }
@@ -105,7 +108,10 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(BoardCapture, RefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
   const auto capture = [](const Strategy& strategy, const BoardCaptureSettings& settings = {}) {
-    (void)board_capture("pose", {}, {strategy, {}}, {strategy, {}}, {1280, 800}, settings);
+    const Size projector{1280, 800};
+    const Scan x{.sequence = {.strategy = strategy, .axis = Axis::x, .projector = projector}};
+    const Scan y{.sequence = {.strategy = strategy, .axis = Axis::y, .projector = projector}};
+    (void)board_capture("pose", {}, x, y, settings);
   };
   expect_error([&] { capture(PhaseMeasuring{.steps = 4, .frequency = 8}); },
                {"pmp", "no projector coordinate"});
@@ -120,6 +126,19 @@ TEST(BoardCapture, RefusesWhatGivesNoCoordinateAndSettingsOutOfRange) {
     expect_error([&] { capture(DualFrequency{}, {.neighbourhood = value}); },
                  {"neighbourhood", "at most 10"});
   }
+}
+
+TEST(BoardCapture, RefusesScansOfTwoProjectorsOrOfNoneThatIsKnown) {
+  const auto along = [](Axis axis, Size projector) {
+    return Scan{.sequence = {.strategy = DualFrequency{}, .axis = axis, .projector = projector}};
+  };
+  expect_error(
+      [&] {
+        (void)board_capture("pose", {}, along(Axis::x, {1280, 800}), along(Axis::y, {1024, 768}));
+      },
+      {"1280x800", "1024x768"});
+  expect_error([&] { (void)board_capture("pose", {}, along(Axis::x, {}), along(Axis::y, {})); },
+               {"projectors", "known"});
 }
 
 class CalibrationOfCorners : public testing::Test {

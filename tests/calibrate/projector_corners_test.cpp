@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/frame_set.h"
+
 namespace slipstream {
 namespace {
 
@@ -75,7 +77,7 @@ TEST(ProjectorCorners, ReliableIsWhatBothScansLightAndNeitherSaturates) {
   const FrameSet frames(FrameSet::Images8{Image<std::uint8_t>({3, 1}, 100)});
   FrameSet::Images8 bright{Image<std::uint8_t>({3, 1}, 100)};
   bright[0](2, 0) = 255;
-  DecodedScan along_x, along_y;
+  BasicMaps<double> along_x, along_y;
   along_x.coordinate = along_y.coordinate = Image<double>({3, 1}, 0.25);
   along_x.modulation = Image<double>({3, 1}, 40);
   along_y.modulation = Image<double>({3, 1}, 20);
@@ -92,7 +94,7 @@ TEST(ProjectorCorners, ReliableIsWhatBothScansLightAndNeitherSaturates) {
 TEST(ProjectorCorners, EachScanIsMeasuredByItsOwnFullScale) {
   const FrameSet of_8_bits(FrameSet::Images8{Image<std::uint8_t>({1, 1}, 100)});
   const FrameSet of_16_bits(FrameSet::Images16{Image<std::uint16_t>({1, 1}, 25700)}, 16);
-  DecodedScan along_x, along_y;
+  BasicMaps<double> along_x, along_y;
   along_x.coordinate = along_y.coordinate = Image<double>({1, 1}, 0.25);
   along_x.modulation = Image<double>({1, 1}, 40);
   along_y.modulation = Image<double>({1, 1}, 20 * 257);

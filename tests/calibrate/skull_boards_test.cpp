@@ -13,7 +13,8 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {
@@ -23,11 +24,12 @@ namespace fs = std::filesystem;
 BoardCapture capture(const fs::path& folder, const CalibrationBoard& board, Size projector) {
   const std::vector<fs::path> pictures = images_in_folder(folder);
   const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
-  const auto scan = [&](std::ptrdiff_t first) -> AxisScan {
+  const auto scan = [&](std::ptrdiff_t first, Axis axis) -> Scan {
     const auto begin = pictures.begin() + first;
-    return {strategy, read_frames({begin, begin + 6}).frames};
+    return {.frames = read_frames({begin, begin + 6}).frames,
+            .sequence = {.strategy = strategy, .axis = axis, .projector = projector}};
   };
-  return board_capture(folder.filename().string(), board, scan(0), scan(6), projector);
+  return board_capture(folder.filename().string(), board, scan(0, Axis::x), scan(6, Axis::y));
 }
 
 /// RMS distance of the points of the skull under two scanners, pixel by pixel, after the second is
@@ -35,8 +37,10 @@ BoardCapture capture(const fs::path& folder, const CalibrationBoard& board, Size
 double shape_difference(const fs::path& folder, const Scanner& a, const Scanner& b) {
   const FrameSet frames = read_frames(images_in_folder(folder)).frames;
   const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
-  const Cloud cloud_a = Reconstructor(a, strategy, Axis::x)(frames).cloud;
-  const Cloud cloud_b = Reconstructor(b, strategy, Axis::x)(frames).cloud;
+  const auto cloud_of = [&](const Scanner& scanner) {
+    return ReferenceEngine({scanner, {.strategy = strategy}, {}}, {})(frames).cloud;
+  };
+  const BasicCloud<double> cloud_a = cloud_of(a), cloud_b = cloud_of(b);
   std::vector<Eigen::Vector3d> points_a, points_b;
   for (std::size_t i = 0; i < cloud_a.z.pixel_count(); ++i) {
     const Eigen::Vector3d p(cloud_a.x.begin()[i], cloud_a.y.begin()[i], cloud_a.z.begin()[i]);

@@ -13,7 +13,9 @@
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/live/live_pipeline.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/phase_measuring.h"
 #include "tests/live/virtual_loop.h"
 
 namespace slipstream {
@@ -39,15 +41,15 @@ bool same_bits(const Image<float>& one, const Image<float>& other) {
 
 /// A moving scene's frames, and the cloud of each window of them, reconstructed beforehand.
 struct Offline {
-  LiveScan scan{.scanner = example_scanner(size),
-                .strategy = PhaseMeasuring{.steps = 4, .frequency = 1}};
-  std::vector<Frame> loop = frames_of(
-      scan.strategy, {.size = size, .motion = Eigen::Vector3d(1, 0, 0.5), .cycles = cycles});
-  std::vector<FusedCloud> clouds;  ///< of the window that ends with that frame of the loop
+  EngineSetup setup{.scanner = example_scanner(size),
+                    .sequence = {.strategy = PhaseMeasuring{.steps = 4, .frequency = 1}}};
+  std::vector<Frame> loop =
+      frames_of(setup.sequence.strategy,
+                {.size = size, .motion = Eigen::Vector3d(1, 0, 0.5), .cycles = cycles});
+  std::vector<Cloud> clouds;  ///< of the window that ends with that frame of the loop
 
   Offline() {
-    const auto reconstruct =
-        FusedReconstructor::make(scan.scanner, scan.strategy, scan.axis, scan.settings);
+    Engine engine(setup);
     const int count = static_cast<int>(loop.size());
     for (int newest = 0; newest < count; ++newest) {
       Frames<std::uint8_t> window(4);
@@ -57,12 +59,12 @@ struct Offline {
             std::get<0>(loop[static_cast<std::size_t>(at)].pixels);
       }
       clouds.emplace_back();
-      (*reconstruct)(window, clouds.back());
+      engine.cloud(window, clouds.back());
     }
   }
 
   [[nodiscard]] bool has(const LiveCloud& live) const {
-    const FusedCloud& cloud = clouds[live.newest.sequence % clouds.size()];
+    const Cloud& cloud = clouds[live.newest.sequence % clouds.size()];
     return same_bits(live.cloud.x, cloud.x) && same_bits(live.cloud.y, cloud.y) &&
            same_bits(live.cloud.z, cloud.z) && same_bits(live.cloud.intensity, cloud.intensity);
   }
@@ -78,7 +80,7 @@ TEST(LiveCamera, EachFrameGivesTheCloudOfTheOfflineScan) {
   if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
   std::uint64_t clouds = 0, wrong = 0;
   LivePipeline pipeline(std::make_unique<AravisSource>("127.0.0.1", settings_for(offline)),
-                        offline.scan,
+                        offline.setup,
                         {.indexing = PatternIndexing::counted,
                          .most_frames = 200,
                          .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
@@ -106,7 +108,7 @@ TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {
   if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
   std::atomic<std::uint64_t> clouds = 0, wrong = 0;
   LivePipeline pipeline(
-      std::make_unique<AravisSource>("127.0.0.1", settings_for(offline)), offline.scan,
+      std::make_unique<AravisSource>("127.0.0.1", settings_for(offline)), offline.setup,
       {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
          ++clouds;
          if (!offline.has(*cloud)) ++wrong;

@@ -14,10 +14,10 @@
 
 #include "slipstream/camera/aravis_source.h"
 #include "slipstream/camera/open_camera.h"
-#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 
@@ -44,7 +44,7 @@ std::vector<Frame> frames_of_scan(const Scanner& scanner, const Strategy& strate
                                  pattern_set(strategy, Axis::x), {.noise_variance = 1.55})
                            .frames;
   std::vector<Frame> frames;
-  set.visit(0, set.count(), [&](const auto& views) {
+  set.visit([&](const auto& views) {
     for (const auto& view : views) {
       Frame frame({set.size(), 8});
       auto& image = std::get<Image<std::uint8_t>>(frame.pixels);
@@ -78,7 +78,7 @@ bool wait_for_frame(FrameSource& source, Frame& frame, std::chrono::seconds long
   return false;
 }
 
-bool same_bits(const FusedCloud& a, const FusedCloud& b) {
+bool same_bits(const Cloud& a, const Cloud& b) {
   const auto same = [](const Image<float>& one, const Image<float>& other) {
     return one.size() == other.size() &&
            std::memcmp(one.begin(), other.begin(), one.pixel_count() * sizeof(float)) == 0;
@@ -102,16 +102,15 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
   const std::vector<Frame> rendered = frames_of_scan(scanner, strategy);
   const auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  const auto reconstruct = FusedReconstructor::make(scanner, strategy, Axis::x, {});
-  ASSERT_TRUE(reconstruct);
+  Engine engine(scanner, {.strategy = strategy});
   const auto cloud_of = [&](const std::vector<Frame>& frames) {
     Frames<std::uint8_t> views;
     for (const Frame& frame : frames) views.push_back(std::get<0>(frame.pixels));
-    FusedCloud cloud;
-    (*reconstruct)(views, cloud);
+    Cloud cloud;
+    engine.cloud(views, cloud);
     return cloud;
   };
-  const FusedCloud offline = cloud_of(rendered);
+  const Cloud offline = cloud_of(rendered);
 
   AravisSource source(address, settings_at(200, 4));
   EXPECT_EQ(source.format(), (FrameFormat{{640, 480}, 8}));

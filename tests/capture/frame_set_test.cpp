@@ -19,7 +19,7 @@ TEST(FrameSet, VisitsAPartInOrder) {
   FrameSet::Images8 images;
   for (std::uint8_t n = 0; n < 5; ++n) images.emplace_back(Size{2, 1}, n);
   const FrameSet frames(images);
-  frames.visit(1, 3, [](const auto& views) {
+  frames.views().part(1, 3).visit([](const auto& views) {
     ASSERT_EQ(views.size(), 3U);
     EXPECT_EQ(views[0](0, 0), 1);
     EXPECT_EQ(views[2](1, 0), 3);

@@ -14,11 +14,11 @@ Cloud plane(const Size size, double slope_x, double slope_y) {
   Cloud cloud(size);
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
-      const double u = (column - 20) / 400.0, v = (row - 15) / 400.0;
+      const double u = (column - 20) / 100.0, v = (row - 15) / 100.0;
       const double z = 500 / (1 - slope_x * u - slope_y * v);
-      cloud.x(column, row) = u * z;
-      cloud.y(column, row) = v * z;
-      cloud.z(column, row) = z;
+      cloud.x(column, row) = static_cast<float>(u * z);
+      cloud.y(column, row) = static_cast<float>(v * z);
+      cloud.z(column, row) = static_cast<float>(z);
       cloud.validity(column, row) = Validity::valid;
     }
   }
@@ -52,9 +52,9 @@ TEST(SurfaceNormals, DoNotReachAcrossADepthEdge) {
   Cloud cloud = plane({40, 30}, 0, 0);
   for (int row = 0; row < 30; ++row) {
     for (int column = 20; column < 40; ++column) {
-      cloud.x(column, row) *= 1.5;
-      cloud.y(column, row) *= 1.5;
-      cloud.z(column, row) *= 1.5;
+      cloud.x(column, row) *= 1.5F;
+      cloud.y(column, row) *= 1.5F;
+      cloud.z(column, row) *= 1.5F;
     }
   }
   const Normals normals = surface_normals(cloud);
@@ -66,9 +66,9 @@ TEST(SurfaceNormals, DoNotReachAcrossADepthEdgeOffTheAxis) {
   Cloud cloud({40, 30});
   for (int row = 0; row < 30; ++row) {
     for (int column = 0; column < 40; ++column) {
-      const double z = column < 20 ? 500 : 1000;
-      cloud.x(column, row) = (0.3 + column / 800.0) * z;
-      cloud.y(column, row) = row / 800.0 * z;
+      const float z = column < 20 ? 500 : 1000;
+      cloud.x(column, row) = (0.3F + static_cast<float>(column) / 800) * z;
+      cloud.y(column, row) = static_cast<float>(row) / 800 * z;
       cloud.z(column, row) = z;
     }
   }

@@ -4,11 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/gamma/correction.h"
 #include "slipstream/gamma/distortion.h"
 #include "slipstream/gamma/double_three_step.h"
 #include "slipstream/gamma/precompensation.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "slipstream/gamma/correction.h"
 #include "slipstream/gamma/distortion.h"
-#include "slipstream/reproduce/board_experiment.h"
+#include "tools/reproduce/board_experiment.h"
 
 namespace slipstream {
 

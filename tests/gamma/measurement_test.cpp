@@ -8,7 +8,7 @@
 #include <rapidcheck.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/reproduce/board_experiment.h"
+#include "tools/reproduce/board_experiment.h"
 
 namespace slipstream {
 namespace {

@@ -10,7 +10,8 @@
 #include "slipstream/gamma/blind.h"
 #include "slipstream/gamma/correction.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/unwrap/decoder.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {
@@ -28,10 +29,11 @@ FrameSet frames_of(const fs::path& folder, int count) {
 }
 
 /// RMS of the phase error of three steps, rad, against the dual-frequency scan of the same object.
-double rms_error(const FrameSet& three_steps, const DecodedScan& truth,
+double rms_error(const FrameSet& three_steps, const BasicMaps<double>& truth,
                  const Image<std::uint8_t>& lit, const PhaseCorrections& corrections) {
-  const Decoder decode(PhaseMeasuring{3, 1}, projector_columns, Backend::lut, corrections);
-  const DecodedScan decoded = decode(three_steps);
+  const Decoder decode(PhaseMeasuring{3, 1}.layout(), projector_columns, PhaseMethod::tables,
+                       corrections);
+  const BasicMaps<double> decoded = decode(three_steps);
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
     if (lit.begin()[i] == 0 || truth.modulation.begin()[i] < 15) continue;
@@ -50,8 +52,9 @@ TEST(SkullGamma, BlindCorrectionDoesNoHarm) {
   const fs::path skull = shared_data() / "skull";
   if (!fs::exists(skull)) GTEST_SKIP() << "no " << skull;
   const FrameSet frames = frames_of(skull / "pmp", 3);
-  const DecodedScan truth = Decoder(DualFrequency{.steps = 3, .high = 16}, projector_columns,
-                                    Backend::lut)(frames_of(skull / "dual-frequency", 6));
+  const BasicMaps<double> truth =
+      Decoder(DualFrequency{.steps = 3, .high = 16}.layout(), projector_columns,
+              PhaseMethod::tables)(frames_of(skull / "dual-frequency", 6));
   const Image<MeasuredHarmonics> pixels = pixel_harmonics(frames, 0, 3);
   const Image<std::uint8_t> lit = well_lit(pixels, frames);
   const BlindGamma found = find_gamma(pixels, lit, 3);

@@ -1,14 +1,16 @@
 // A program outside the project: a scan by the virtual scanner to a cloud.
-#include <slipstream/reconstruct/reconstructor.h>
+#include <slipstream/reconstruct/engine.h>
 #include <slipstream/simulate/named_scenes.h>
 #include <slipstream/simulate/virtual_scanner.h>
+#include <slipstream/strategy/phase_measuring.h>
 
 int main() {
   using namespace slipstream;
   const Scanner scanner = example_scanner({64, 48});
-  const Strategy strategy = PhaseMeasuring{.steps = 4, .frequency = 1};
+  const Sequence sequence{.strategy = PhaseMeasuring{.steps = 4, .frequency = 1}};
   const VirtualScan scan =
-      take_scan(scanner, scene_named("sphere", scanner), pattern_set(strategy, Axis::x));
-  const Reconstruction result = Reconstructor(scanner, strategy, Axis::x)(scan.frames);
-  return point_count(result.cloud) > 100 ? 0 : 1;
+      take_scan(scanner, scene_named("sphere", scanner), pattern_set(sequence));
+  Cloud cloud;
+  Engine(scanner, sequence).cloud(scan.frames, cloud);
+  return point_count(cloud) > 100 ? 0 : 1;
 }

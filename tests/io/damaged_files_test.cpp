@@ -16,9 +16,9 @@
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/png_check.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/io/response_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/strategy/dual_frequency.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
@@ -84,31 +84,30 @@ const auto read_picture = [](const auto& path) { read_frames({path}); };
 
 const auto write_curve = [](const auto& path) {
   const std::array values{0.0, 0.25, 0.5, 0.75, 1.0}, light{0.0, 0.1, 0.3, 0.6, 1.0};
-  write_response(std::nullopt, path, response_curve(values, light), 2, 0.01);
+  write_photometric_calibration(
+      std::nullopt, path,
+      {.response = MeasuredResponse{.response = response_curve(values, light), .gamma = 2}});
 };
-const auto read_curve = [](const auto& path) { (void)read_response(path); };
+const auto read_light = [](const auto& path) { (void)read_photometric_calibration(path); };
 
 const std::vector<Format> formats{
     {"scan.yaml",
      [](const auto& path) {
-       ScanDescription scan;
-       scan.strategy = DualFrequency{};
-       scan.projector = {1824, 1140};
-       scan.frames = {"a.png", "b.png"};
-       write_scan_description(path, scan);
+       write_scan_files(path, {.sequence = {.strategy = DualFrequency{}, .projector = {1824, 1140}},
+                               .frames = {"a.png", "b.png"}});
      },
-     [](const auto& path) { read_scan_description(path); }},
+     [](const auto& path) { read_scan_files(path); }},
     {"scanner.yaml", [](const auto& path) { write_scanner(path, some_scanner()); },
      [](const auto& path) { require_valid(read_scanner(path)); }},
     {"scanner.xml", [](const auto& path) { write_scanner(path, some_scanner()); },
      [](const auto& path) { require_valid(read_scanner(path)); }},
-    {"response.yaml", write_curve, read_curve},
-    {"response.xml", write_curve, read_curve},
+    {"response.yaml", write_curve, read_light},
+    {"response.xml", write_curve, read_light},
     {"photometry.yaml",
      [](const auto& path) {
        write_photometric_calibration(std::nullopt, path, {.ambient = -7, .noise_variance = 1.55});
      },
-     [](const auto& path) { (void)read_photometric_calibration(path); }},
+     read_light},
     {"frame.png", write_picture, read_picture},
     {"frame.pgm", write_picture, read_picture},
     {"frame.bmp", write_picture, read_picture},
@@ -131,8 +130,9 @@ const std::vector<Format> formats{
      [](const auto& path) { (void)read_cloud(path); }},
     {"frames.recording",
      [](const auto& path) {
-       RecordingWriter writer(
-           path, {.format = some_format, .scan = ScanDescription{.strategy = DualFrequency{}}});
+       RecordingWriter writer(path, {.format = some_format,
+                                     .sequence = Sequence{.strategy = DualFrequency{}},
+                                     .scanner = some_scanner()});
        for (int i = 0; i < 3; ++i) writer.append(some_frame(i));
        writer.finish();
      },

@@ -1,8 +1,15 @@
 #include "slipstream/io/photometric_file.h"
 
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
 #include <gtest/gtest.h>
 
+#include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/opencv_storage.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
@@ -53,6 +60,86 @@ TEST(PhotometricFile, RefusesWhatIsOutOfRange) {
       },
       {"x.xml", "YAML"});
 }
+
+namespace fs = std::filesystem;
+
+class ResponseInAFile : public testing::TestWithParam<const char*> {
+ protected:
+  [[nodiscard]] fs::path file(const std::string& name) const {
+    return folder_.path() / (name + GetParam());
+  }
+  [[nodiscard]] std::string text_of(const std::string& name) const {
+    const auto bytes = read_file(file(name));
+    return {bytes.begin(), bytes.end()};
+  }
+  /// Writes it beside what the file `from` says, where there is one.
+  void write(const std::optional<std::string>& from, const std::string& to,
+             const MeasuredResponse& response) const {
+    write_photometric_calibration(from ? std::optional(file(*from)) : std::nullopt, file(to),
+                                  {.response = response});
+  }
+  [[nodiscard]] std::optional<MeasuredResponse> read(const std::string& name) const {
+    return read_photometric_calibration(file(name)).response;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_P(ResponseInAFile, KeepsEveryOtherEntry) {
+  write_scanner(file("scanner"), example_scanner());
+  EXPECT_FALSE(read("scanner"));
+  write_file(file("scanner"),
+             with_entries(text_of("scanner"),
+                          {{"ambient_light", {1, 1, {7}}}, {"vignette", {2, 2, {1, 2, 3, 4}}}},
+                          "scanner"));
+
+  const MeasuredResponse power_law{PowerLaw{2.21}, 2.21, 0.001};
+  write("scanner", "scanner", power_law);
+  EXPECT_EQ(read("scanner"), power_law);
+  EXPECT_EQ(read_photometric_calibration(file("scanner")).ambient, 7);
+  EXPECT_EQ(read_opencv_storage(file("scanner")).at("vignette").numbers,
+            (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(read_scanner(file("scanner")).translation, example_scanner().translation);
+
+  // Written again it stands there once.
+  write("scanner", "copy", {PowerLaw{1.8}, 1.8, 0.002});
+  EXPECT_EQ(read("copy")->gamma, 1.8);
+  EXPECT_EQ(text_of("copy").find("2.21"), std::string::npos);
+}
+
+TEST_P(ResponseInAFile, HoldsACurve) {
+  std::vector<double> values, intensities;
+  for (int i = 0; i <= 16; ++i) {
+    values.push_back(i / 16.0);
+    intensities.push_back(10 + 100 * std::pow(i / 16.0, 1.9));
+  }
+  const MeasuredResponse curve{response_curve(values, intensities), 1.9, 0.01};
+  write({}, "alone", curve);
+  EXPECT_EQ(read("alone"), curve);
+  // A power law that is written later takes the curve's place.
+  const MeasuredResponse power_law{PowerLaw{2}, 2, 0.01};
+  write("alone", "alone", power_law);
+  EXPECT_EQ(read("alone"), power_law);
+}
+
+TEST_P(ResponseInAFile, IsRefusedWhereItIsNone) {
+  const auto refused = [&](const std::map<std::string, StoredMatrix>& entries,
+                           const std::string& words) {
+    write_scanner(file("scanner"), example_scanner());
+    write_file(file("bad"), with_entries(text_of("scanner"), entries, "scanner"));
+    expect_error([&] { (void)read("bad"); }, {words});
+    expect_error([&] { (void)read_scanner(file("bad")); }, {words});
+  };
+  refused({{"gamma", {1, 1, {30}}}}, "gamma 30 is out of range");
+  refused({{"gamma", {1, 2, {2, 3}}}}, "gamma is not a number");
+  refused({{"response_values", {1, 3, {0, 0.5, 1}}}}, "go together");
+  refused({{"response_values", {1, 3, {0, 0.5, 1}}}, {"response_light", {1, 3, {0, 0, 0}}}},
+          "does not rise");
+}
+
+INSTANTIATE_TEST_SUITE_P(Endings, ResponseInAFile, testing::Values(".yaml", ".xml"),
+                         [](const auto& info) { return std::string(info.param).substr(1); });
 
 }  // namespace
 }  // namespace slipstream

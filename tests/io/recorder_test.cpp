@@ -11,6 +11,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/recorded_source.h"
 #include "slipstream/io/replay_source.h"
+#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
@@ -111,14 +112,14 @@ TEST(RecordedSource, RecordsWhatPassesBetweenBeginningAndEnd) {
 TEST(RecordedSource, RecordingsNameTheStrategyThatIsShownWhenTheyBegin) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16),
-                        {.scan = ScanDescription{.strategy = PhaseMeasuring{.steps = 4}}});
+                        {.sequence = Sequence{.strategy = PhaseMeasuring{.steps = 4}}});
   source.record_to(folder.path() / "first");
   source.set_strategy(PhaseMeasuring{.steps = 6});
   source.record_to(folder.path() / "second");
   source.finish_recording();
   const auto steps = [&](const char* name) {
     const RecordingReader reader(folder.path() / name);
-    return frame_count(reader.header().scan->strategy);
+    return frame_count(reader.header().sequence->strategy);
   };
   EXPECT_EQ(steps("first"), 4);
   EXPECT_EQ(steps("second"), 6);

@@ -8,10 +8,12 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/fused_reconstructor.h"
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/dual_frequency.h"
+#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
@@ -23,8 +25,8 @@ using namespace std::chrono_literals;
 
 /// Frames of the numbers given, in a recording of PMP with N = 4.
 void record(const fs::path& path, const std::vector<int>& numbers) {
-  RecordingWriter writer(path, {.format = some_format,
-                                .scan = ScanDescription{.strategy = PhaseMeasuring{.steps = 4}}});
+  RecordingWriter writer(
+      path, {.format = some_format, .sequence = Sequence{.strategy = PhaseMeasuring{.steps = 4}}});
   for (const int number : numbers) writer.append(some_frame(number));
   writer.finish();
 }
@@ -101,7 +103,7 @@ TEST(ReplaySource, TellsOfDamagedFrames) {
   const TemporaryFolder folder;
   record(folder.path() / "frames", {0, 1, 2, 3});
   std::vector<std::uint8_t> bytes = read_file(folder.path() / "frames");
-  const std::size_t header = RecordingReader(folder.path() / "frames").header().scan ? 256 : 64;
+  const std::size_t header = RecordingReader(folder.path() / "frames").header().sequence ? 256 : 64;
   bytes[header + 384 + 100] ^= 1;
   write_file(folder.path() / "frames", bytes);
   ReplaySource source(folder.path() / "frames", {});
@@ -142,13 +144,7 @@ FrameSet write_scan(const fs::path& folder, const Scanner& scanner, const Strate
   FrameSet frames = take_scan(scanner, scene_named("statue", scanner),
                               pattern_set(strategy, Axis::x), {.bits = bits})
                         .frames;
-  ScanDescription scan{.strategy = strategy, .bits = bits, .scanner = folder / "scanner.yaml"};
-  for (int i = 0; i < frames.count(); ++i) {
-    scan.frames.push_back(folder / ("frame" + std::to_string(i) + ".png"));
-  }
-  write_frames(scan.frames, frames);
-  write_scanner(*scan.scanner, scanner);
-  write_scan_description(folder / "scan.yaml", scan);
+  save_scan(folder, frames, {.strategy = strategy}, scanner);
   return frames;
 }
 
@@ -157,24 +153,20 @@ TEST(ReplaySource, RefusesPicturesOf16BitsThatAreSaidToHave8) {
   const Scanner scanner = example_scanner({48, 36});
   const Strategy strategy = PhaseMeasuring{.steps = 4};
   write_scan(folder.path(), scanner, strategy, 12);
-  ScanDescription scan = read_scan_description(folder.path() / "scan.yaml");
+  ScanFiles scan = read_scan_files(folder.path() / "scan.yaml");
   scan.bits = 8;
-  write_scan_description(folder.path() / "scan.yaml", scan);
+  write_scan_files(folder.path() / "scan.yaml", scan);
   expect_error([&] { ReplaySource(folder.path(), {}); },
                {folder.path().string(), "pictures of 16 bits", "bits is 8"});
 }
 
 template <class Pixel>
-FusedCloud cloud_of(const FusedReconstructor& reconstruct, const std::vector<Frame>& frames) {
-  Frames<Pixel> views;
-  for (const Frame& frame : frames) views.push_back(std::get<Image<Pixel>>(frame.pixels));
-  FusedCloud cloud;
-  if constexpr (sizeof(Pixel) == 1) {
-    reconstruct(views, cloud);
-  } else {
-    reconstruct(views, (1 << frames[0].bits) - 1, cloud);
-  }
-  return cloud;
+FrameViews views_of(const std::vector<Frame>& frames) {
+  FrameViews views;
+  views.assign<Pixel>(frames, frames[0].bits, [](const Frame& frame) {
+    return ImageView<const Pixel>(std::get<Image<Pixel>>(frame.pixels));
+  });
+  return views;
 }
 
 bool same_bits(const Image<float>& a, const Image<float>& b) {
@@ -188,16 +180,15 @@ TEST(ReplaySource, GivesBitIdenticalCloudsFromAScanFolderAndFromItsRecording) {
   const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
   for (const int bits : {8, 12}) {
     const FrameSet frames = write_scan(folder.path(), scanner, strategy, bits);
-    const auto reconstruct = FusedReconstructor::make(scanner, strategy, Axis::x, {});
-    ASSERT_TRUE(reconstruct);
-    FusedCloud offline;
-    (*reconstruct)(frames, offline);
+    Engine engine(scanner, {.strategy = strategy});
+    Cloud offline, cloud;
+    engine.cloud(frames, offline);
 
     const fs::path recording = folder.path() / "recording";
     for (const fs::path& path : {folder.path(), recording}) {
       ReplaySource source(path, {});
       EXPECT_EQ(source.format(), (FrameFormat{{96, 72}, bits}));
-      EXPECT_NO_THROW((void)scanner_from(source.header().scanner, "its scanner"));
+      EXPECT_EQ(source.header().scanner, scanner);
       RecordingWriter writer(folder.path() / "copy", source.header());
       source.start();
       std::vector<Frame> replayed;
@@ -209,8 +200,8 @@ TEST(ReplaySource, GivesBitIdenticalCloudsFromAScanFolderAndFromItsRecording) {
       writer.finish();
       fs::rename(folder.path() / "copy", recording);
       ASSERT_EQ(replayed.size(), 6U);
-      const FusedCloud cloud = bits == 8 ? cloud_of<std::uint8_t>(*reconstruct, replayed)
-                                         : cloud_of<std::uint16_t>(*reconstruct, replayed);
+      engine.cloud(bits == 8 ? views_of<std::uint8_t>(replayed) : views_of<std::uint16_t>(replayed),
+                   cloud);
       EXPECT_TRUE(same_bits(cloud.x, offline.x) && same_bits(cloud.y, offline.y) &&
                   same_bits(cloud.z, offline.z) && same_bits(cloud.intensity, offline.intensity))
           << path << ", " << bits << " bits";

@@ -5,37 +5,36 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/io/file.h"
+#include "slipstream/strategy/dual_frequency.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {
 namespace {
 
-TEST(ScanDescription, ComesBackAsItWasWritten) {
+TEST(ScanFiles, ComesBackAsItWasWritten) {
   const TemporaryFolder folder;
-  ScanDescription scan;
-  scan.strategy = DualFrequency{.steps = 4, .low_steps = 3, .high = 12, .low = 0.5};
-  scan.axis = Axis::y;
-  scan.light = {.alpha_p = 200, .beta_p = 12.5};
-  scan.projector = {1824, 1140};
-  scan.bits = 12;
-  scan.frames = {folder.path() / "a.png", folder.path() / "b.png"};
-  scan.scanner = folder.path() / "scanner.yaml";
-  write_scan_description(folder.path() / "scan.yaml", scan);
+  const ScanFiles scan{
+      .sequence = {.strategy = DualFrequency{.steps = 4, .low_steps = 3, .high = 12, .low = 0.5},
+                   .axis = Axis::y,
+                   .light = {.alpha_p = 200, .beta_p = 12.5},
+                   .projector = {1824, 1140},
+                   .marker = true},
+      .bits = 12,
+      .frames = {folder.path() / "a.png", folder.path() / "b.png"},
+      .scanner = folder.path() / "scanner.yaml",
+      .second_camera = folder.path() / "second"};
+  write_scan_files(folder.path() / "scan.yaml", scan);
 
-  const ScanDescription read = read_scan_description(folder.path() / "scan.yaml");
-  EXPECT_EQ(name_of(read.strategy), name_of(scan.strategy));
-  EXPECT_EQ(settings_of(read.strategy), settings_of(scan.strategy));
-  EXPECT_EQ(read.axis, Axis::y);
-  EXPECT_EQ(read.light.alpha_p, 200);
-  EXPECT_EQ(read.light.beta_p, 12.5);
-  EXPECT_EQ(read.projector, scan.projector);
+  const ScanFiles read = read_scan_files(folder.path() / "scan.yaml");
+  EXPECT_EQ(read.sequence, scan.sequence);
   EXPECT_EQ(read.bits, 12);
   EXPECT_EQ(read.frames, scan.frames);
   EXPECT_EQ(read.scanner, scan.scanner);
+  EXPECT_EQ(read.second_camera, scan.second_camera);
 }
 
-TEST(ScanDescription, IsAsTheDocumentationHasIt) {
+TEST(ScanFiles, IsAsTheDocumentationHasIt) {
   const TemporaryFolder folder;
   write_file(folder.path() / "scan.yaml",
              "slipstream: 1\n"
@@ -43,19 +42,19 @@ TEST(ScanDescription, IsAsTheDocumentationHasIt) {
              "projector: {width: 1824, height: 1140}\n"
              "frames: [frame_0.png, frame_1.png]\n"
              "scanner: scanner.yaml\n");
-  const ScanDescription scan = read_scan_description(folder.path() / "scan.yaml");
-  EXPECT_EQ(std::get<DualFrequency>(scan.strategy).high, 16);
+  const ScanFiles scan = read_scan_files(folder.path() / "scan.yaml");
+  EXPECT_EQ(scan.sequence.strategy.settings().at("high"), 16);
   EXPECT_EQ(scan.frames.at(1), folder.path() / "frame_1.png");
 }
 
-TEST(ScanDescription, BadOnesAreNamed) {
+TEST(ScanFiles, BadOnesAreNamed) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "scan.yaml";
   const std::string good_strategy = "strategy: {name: pmp, steps: 3}\n";
   const auto expect_refused = [&](const std::string& text,
                                   std::initializer_list<std::string> parts) {
     write_file(path, text);
-    expect_error([&] { read_scan_description(path); }, parts);
+    expect_error([&] { read_scan_files(path); }, parts);
   };
   expect_refused("", {"scan.yaml"});
   expect_refused("a: [", {"scan.yaml", "line"});

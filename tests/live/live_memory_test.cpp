@@ -32,16 +32,17 @@ TEST(LivePipeline, takes_no_more_memory_the_longer_it_runs) {
     long allocations_after = 0, resident_after = 0, allocations_in_the_end = 0;
     const std::uint64_t warm = frames / 10;
     const std::uint64_t last = frames / 2 - static_cast<std::uint64_t>(frame_count(strategy)) + 1;
-    LivePipeline pipeline(std::make_unique<VirtualCamera>(frames_of(strategy)),
-                          {.scanner = example_scanner({64, 48}), .strategy = strategy},
-                          {.most_frames = frames / 2, .on_cloud = [&](const Pooled<LiveCloud>&) {
-                             ++clouds;
-                             if (clouds == warm) {
-                               resident_after = resident_kilobytes();
-                               allocations_after = allocations;
-                             }
-                             if (clouds == last) allocations_in_the_end = allocations;
-                           }});
+    LivePipeline pipeline(
+        std::make_unique<VirtualCamera>(frames_of(strategy)),
+        {.scanner = example_scanner({64, 48}), .sequence = {.strategy = strategy}},
+        {.most_frames = frames / 2, .on_cloud = [&](const Pooled<LiveCloud>&) {
+           ++clouds;
+           if (clouds == warm) {
+             resident_after = resident_kilobytes();
+             allocations_after = allocations;
+           }
+           if (clouds == last) allocations_in_the_end = allocations;
+         }});
     pipeline.start();
     while (pipeline.running()) ::usleep(1000);
     pipeline.stop();

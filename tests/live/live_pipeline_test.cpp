@@ -10,7 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/engine.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 
@@ -20,8 +21,8 @@ using namespace std::chrono_literals;
 
 const Strategy four_steps = PhaseMeasuring{.steps = 4, .frequency = 1};
 
-LiveScan scan_of(const Strategy& strategy, Size size = {64, 48}) {
-  return {.scanner = example_scanner(size), .strategy = strategy};
+EngineSetup scan_of(const Strategy& strategy, Size size = {64, 48}) {
+  return {.scanner = example_scanner(size), .sequence = {.strategy = strategy}};
 }
 
 std::vector<ScriptedStep> in_a_row(int count) {
@@ -38,7 +39,7 @@ bool same_bytes(const Image<Pixel>& a, const Image<Pixel>& b) {
          std::memcmp(a.begin(), b.begin(), a.pixel_count() * sizeof(Pixel)) == 0;
 }
 
-bool same_bytes(const FusedCloud& a, const FusedCloud& b) {
+bool same_bytes(const Cloud& a, const Cloud& b) {
   return same_bytes(a.x, b.x) && same_bytes(a.y, b.y) && same_bytes(a.z, b.z) &&
          same_bytes(a.intensity, b.intensity) && same_bytes(a.validity, b.validity);
 }
@@ -61,12 +62,9 @@ FrameSet set_of(const std::vector<Frame>& pictures, const std::vector<int>& indi
 /// which picture of the loop was shown as that sequence.
 class OfflineCheck {
  public:
-  OfflineCheck(const LiveScan& scan, const std::vector<Frame>& pictures,
+  OfflineCheck(const EngineSetup& scan, const std::vector<Frame>& pictures,
                const std::vector<ScriptedStep>& script)
-      : reconstruct_(
-            *FusedReconstructor::make(scan.scanner, scan.strategy, scan.axis, scan.settings)),
-        steps_(frame_count(scan.strategy)),
-        pictures_(pictures) {
+      : reconstruct_(scan), steps_(frame_count(scan.sequence.strategy)), pictures_(pictures) {
     for (const ScriptedStep& step : script) {
       if (step.arrival == Arrival::frame) shown_[step.sequence] = step.frame;
     }
@@ -79,8 +77,8 @@ class OfflineCheck {
     for (int n = 0; n < steps_; ++n) {
       in_order = in_order && indices[static_cast<std::size_t>(n)] % steps_ == n;
     }
-    FusedCloud offline;
-    reconstruct_(set_of(pictures_, indices), offline);
+    Cloud offline;
+    reconstruct_.cloud(set_of(pictures_, indices), offline);
     const bool whole = in_order && same_bytes(live.cloud, offline);
     ++(whole ? equal : other);
     newest.push_back(live.newest.sequence);
@@ -90,7 +88,7 @@ class OfflineCheck {
   std::vector<std::uint64_t> newest;
 
  private:
-  FusedReconstructor reconstruct_;
+  Engine reconstruct_;
   int steps_;
   const std::vector<Frame>& pictures_;
   std::map<std::uint64_t, int> shown_;
@@ -110,7 +108,7 @@ struct Ran {
 
 Ran run(const Strategy& strategy, const std::vector<Frame>& pictures,
         const std::vector<ScriptedStep>& script, LiveSettings settings = {}) {
-  const LiveScan scan = scan_of(strategy, pictures.front().format().size);
+  const EngineSetup scan = scan_of(strategy, pictures.front().format().size);
   OfflineCheck check(scan, pictures, script);
   settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { check(*cloud); };
   LivePipeline pipeline(std::make_unique<ScriptedSource>(pictures, script), scan, settings);
@@ -146,10 +144,10 @@ TEST(LivePipeline, each_frame_gives_the_cloud_that_its_window_gives_by_itself) {
 
 TEST(LivePipeline, without_a_fused_pass_clouds_are_those_in_double) {
   const Size size{12, 16};
-  const LiveScan scan = scan_of(four_steps, size);
+  const EngineSetup scan = scan_of(four_steps, size);
   const auto pictures = frames_of(four_steps, {.size = size});
-  const Reconstructor reconstruct(scan.scanner, scan.strategy, scan.axis, scan.settings);
-  const Cloud offline = reconstruct(set_of(pictures, {0, 1, 2, 3})).cloud;
+  const BasicCloud<double> offline =
+      ReferenceEngine(scan, {})(set_of(pictures, {0, 1, 2, 3})).cloud;
   std::vector<float> z;
   LivePipeline pipeline(
       std::make_unique<ScriptedSource>(pictures, in_a_row(4)), scan,
@@ -224,7 +222,7 @@ TEST(LivePipeline, resumes_when_the_source_is_back) {
   script.insert(script.begin() + 10, 5,
                 {.arrival = Arrival::nothing, .state = "the camera is gone; looking for it"});
   const auto pictures = frames_of(four_steps);
-  const LiveScan scan = scan_of(four_steps);
+  const EngineSetup scan = scan_of(four_steps);
   OfflineCheck check(scan, pictures, script);
   auto source = std::make_unique<ScriptedSource>(pictures, script);
   std::promise<void> looked;
@@ -339,7 +337,7 @@ TEST(LivePipeline, a_newest_cloud_may_be_kept) {
   while (!first) first = pipeline.newest();
   const auto sequence = first->newest.sequence;
   const float z = first->cloud.z(32, 24);
-  pipeline.shown(*first);
+  pipeline.shown(first->newest.host_time);
   Pooled<LiveCloud> later = pipeline.newest();
   while (later->newest.sequence < sequence + 100) later = pipeline.newest();
   EXPECT_EQ(first->newest.sequence, sequence);
@@ -428,7 +426,7 @@ TEST(LivePipeline, scan_is_changed_while_it_runs) {
   pipeline.start();
   while (window != 4) std::this_thread::sleep_for(1ms);
   EXPECT_GT(dark, 1000U);
-  LiveScan scan = scan_of(four_steps);
+  EngineSetup scan = scan_of(four_steps);
   scan.settings.minimum_modulation = 0;
   pipeline.change(scan);
   while (dark != 0) std::this_thread::sleep_for(1ms);
@@ -443,7 +441,7 @@ TEST(LivePipeline, scan_is_changed_while_it_runs) {
 
 TEST(LivePipeline, refuses_what_does_not_fit_the_frames) {
   const auto pictures = frames_of(four_steps);
-  const auto make = [&](const LiveScan& scan) {
+  const auto make = [&](const EngineSetup& scan) {
     LivePipeline(std::make_unique<VirtualCamera>(pictures), scan);
   };
   EXPECT_THROW(make(scan_of(four_steps, {32, 24})), Error);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/live/virtual_loop.h"
+#include "tests/own_strategies.h"
 
 namespace slipstream {
 namespace {
@@ -81,7 +82,9 @@ const std::vector<Strategy> strategies{PhaseMeasuring{.steps = 3, .frequency = 1
                                        PhaseMeasuring{.steps = 6, .frequency = 1},
                                        PhaseMeasuring{.steps = 8, .frequency = 1},
                                        DualFrequency{.steps = 3},
-                                       DualFrequency{.steps = 4, .low_steps = 3, .high = 8}};
+                                       DualFrequency{.steps = 4, .low_steps = 3, .high = 8},
+                                       TwoPlusOne{},
+                                       ThreeFrequencies{}};
 
 std::string text_of(const Strategy& strategy) {
   std::string text(name_of(strategy));
@@ -242,6 +245,24 @@ TEST(PatternWindows, two_frequencies_tell_where_they_begin) {
       const Outcome outcome = run(strategy, PatternIndexing::counted, loop, script);
       EXPECT_EQ(outcome.wrong, 0);
       EXPECT_EQ(outcome.resynchronisations, 1U);
+      EXPECT_EQ(outcome.windows.size(), static_cast<std::size_t>(3 * N + 1));
+    }
+  }
+}
+
+TEST(PatternWindows, three_frequencies_tell_where_they_begin) {
+  for (const Strategy& strategy :
+       {Strategy(ThreeFrequencies{}), Strategy(ThreeFrequencies{36, 1, 6}),
+        Strategy(ThreeFrequencies{6, 36, 1})}) {
+    const int N = frame_count(strategy);
+    const auto loop = frames_of(strategy, {.size = {160, 120}});
+    for (int begin = 0; begin < N; ++begin) {
+      SCOPED_TRACE(testing::Message() << highest_frequency(strategy) << " from " << begin);
+      auto script = in_a_row(4 * N, N);
+      for (Shown& shown : script) shown.frame += begin;
+      const Outcome outcome = run(strategy, PatternIndexing::counted, loop, script);
+      EXPECT_EQ(outcome.wrong, 0);
+      EXPECT_EQ(outcome.resynchronisations, begin == 0 ? 0U : 1U);
       EXPECT_EQ(outcome.windows.size(), static_cast<std::size_t>(3 * N + 1));
     }
   }

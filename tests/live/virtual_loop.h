@@ -6,7 +6,7 @@
 #include "slipstream/capture/pool.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_camera.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 

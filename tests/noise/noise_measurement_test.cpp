@@ -8,10 +8,10 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/noise/phase_noise.h"
-#include "slipstream/phase/phase_channel.h"
+#include "slipstream/phase/phase_decoder.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -54,11 +54,11 @@ double averaged(int steps, const Photometry& photometry, const Measure& measure)
 }
 
 NoiseEstimate by_means(Board& board) {
-  const auto mean = [&] { return weighted_sum(board.frames(), 0, mean_weights(3)); };
+  const auto mean = [&] { return weighted_sum(board.frames(), mean_weights(3)); };
   return noise_from_means(mean(), 3, mean(), 3, board.lit());
 }
 Image<double> b_cos(Board& board) {
-  return weighted_sum(board.frames(), 0, half_phase_weights());
+  return weighted_sum(board.frames(), half_phase_weights());
 }
 NoiseEstimate by_half_phase(Board& board) {
   return noise_from_half_phase(b_cos(board), board.lit());
@@ -89,8 +89,8 @@ TEST(NoiseMeasurement, ByMeansTakesScansOfAnyTwoStepCounts) {
   Board five(PhaseMeasuring{.steps = 5, .frequency = 1}, other);
   double sum = 0;
   for (int run = 0; run < runs; ++run) {
-    const Image<double> mean_3 = weighted_sum(three.frames(), 0, mean_weights(3));
-    const Image<double> mean_5 = weighted_sum(five.frames(), 0, mean_weights(5));
+    const Image<double> mean_3 = weighted_sum(three.frames(), mean_weights(3));
+    const Image<double> mean_5 = weighted_sum(five.frames(), mean_weights(5));
     sum += noise_from_means(mean_3, 3, mean_5, 5, three.lit()).variance;
   }
   EXPECT_NEAR(sum / runs, 2, 0.02);
@@ -102,10 +102,12 @@ TEST(NoiseMeasurement, FromOneMultiplexedScanIsRightWithinTwoPercent) {
         PhaseChannelMultiplexing{.steps = 5, .high = 12, .share = c1, .reference = {}};
     Board board(strategy, {.ambient = 5, .noise_variance = 1.6, .bits = std::nullopt});
     double sum = 0;
+    const PhaseDecoder decode(PhaseMethod::equation, {});
+    const std::vector<Band>& channels = strategy.layout().bands;
     for (int run = 0; run < runs; ++run) {
       const FrameSet frames = board.frames();
-      sum += noise_from_modulations(channel_modulation(frames, 5, 1),
-                                    channel_modulation(frames, 5, 2), 5, c1, board.lit())
+      sum += noise_from_modulations(decode(frames, channels[0]).modulation,
+                                    decode(frames, channels[1]).modulation, 5, c1, board.lit())
                  .variance;
     }
     EXPECT_NEAR(sum / runs / 1.6, 1, 0.02) << "c_1 " << c1;

@@ -8,7 +8,8 @@
 
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 namespace {
@@ -28,8 +29,8 @@ double measured_phase_variance(int steps, double alpha) {
   const VirtualScan scan =
       take_scan(scanner, scene, pattern_set(strategy, Axis::x, light),
                 {.ambient = 5, .noise_variance = sigma_w2, .bits = 8, .seed = 11});
-  const DecodedScan decoded =
-      Decoder(strategy, scanner.projector.size.width, Backend::lut)(scan.frames);
+  const BasicMaps<double> decoded =
+      Decoder(strategy.layout(), scanner.projector.size.width, PhaseMethod::tables)(scan.frames);
 
   double sum = 0, sum_of_squares = 0, count = 0;
   for (std::size_t i = 0; i < scan.coordinate.pixel_count(); ++i) {

@@ -12,6 +12,7 @@
 #include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/reflectivity.h"
 #include "slipstream/phase/equations.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -144,6 +145,57 @@ TEST(PredictedVariance, OfReflectivityAndCueInTheSecondFullPhaseChannel) {
 TEST(PredictedVariance, OfTheMultiplexedCoordinateIsEquation363) {
   const double expected = 2 * 1.55 / (3 * pi * pi * 0.25 * 200 * 200 * 0.25 * 9);
   EXPECT_NEAR(multiplexed_coordinate_variance(3, 0.5, 200, 0.5, 3, 1.55), expected, 1e-15);
+}
+
+/// Whatever the strategy: of its layout alone.
+TEST(PredictedVariance, OfALayoutsCoordinateIsTheEquationsOfItsStrategy) {
+  for (const int N : {3, 4, 5, 6, 9}) {
+    for (const double alpha : {0.15, 0.6, 1.0}) {
+      const double B = alpha * light.alpha_p / 2;  // (3.4)
+      for (const double f : {0.5, 1.0, 8.0}) {
+        const double printed =
+            2 * sigma_w2 /
+            (pi * pi * N * alpha * alpha * light.alpha_p * light.alpha_p * f * f);  // (3.40)
+        const double of_phase = phase_variance(N, alpha, light.alpha_p, sigma_w2);  // (3.38)
+        const Layout pmp = PhaseMeasuring{.steps = N, .frequency = f}.layout();
+        EXPECT_NEAR(phase_variance(pmp.bands[0], B, sigma_w2) / of_phase, 1, 1e-12);
+        EXPECT_NEAR(coordinate_variance(pmp, B, sigma_w2) / printed, 1, 1e-12);
+        EXPECT_NEAR(coordinate_variance(of_phase, f) / printed, 1, 1e-12);
+        for (const int low_steps : {3, 8}) {
+          const Layout dual =
+              DualFrequency{.steps = N, .low_steps = low_steps, .high = 8 * f, .low = f / 8}
+                  .layout();
+          EXPECT_NEAR(coordinate_variance(dual, B, sigma_w2) / (printed / 64), 1, 1e-12);
+        }
+      }
+      for (const double share : {0.3, 0.5, 0.8}) {
+        const Layout pcmp = PhaseChannelMultiplexing{
+            .steps = N,
+            .high = 12,
+            .share = share,
+            .reference = {}}.layout();
+        const double printed = multiplexed_coordinate_variance(N, alpha, light.alpha_p, share, 12,
+                                                               sigma_w2);  // (3.63)
+        EXPECT_NEAR(coordinate_variance(pcmp, share * B, sigma_w2) / printed, 1, 1e-12);
+        if (N < 5) {
+          EXPECT_NEAR(cue_variance(*pcmp.cue, sigma_w2) / (sigma_w2 / N), 1, 1e-12);
+          continue;
+        }
+        const double c2 = 1 - share;
+        EXPECT_NEAR(phase_variance(pcmp.bands[1], c2 * B, sigma_w2) /
+                        cue_phase_variance(N, alpha, light.alpha_p, c2, sigma_w2),  // (3.101)
+                    1, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(PredictedVariance, OfABandIsThatOfItsWeights) {
+  EXPECT_NEAR(component_variance(phase_shifted_band(9, 2, 5, 3), sigma_w2), 2.0 / 5 * sigma_w2,
+              1e-12);
+  const Band own{.periods = 1, .cosine = {1, 0, -1}, .sine = {0, 1, -1}, .mean = {0, 0, 1}};
+  EXPECT_DOUBLE_EQ(component_variance(own, sigma_w2), 2 * sigma_w2);
+  EXPECT_DOUBLE_EQ(phase_variance(own, 40, sigma_w2), 2 * sigma_w2 / 1600);
 }
 
 TEST(Reflectivity, HasTheReliableRangeThatIsPrinted) {

@@ -2,9 +2,11 @@
 
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream {
@@ -31,43 +33,44 @@ void expect_equal_maps(const PhaseMaps& a, const PhaseMaps& b) {
   }
 }
 
-TEST(PhaseDecoder, BackendsAgreeOnEightBits) {
+TEST(PhaseDecoder, MethodsAgreeOnEightBits) {
   for (const int N : {3, 4, 6}) {
     const FrameSet frames(random_images<std::uint8_t>(N + 2, 255));
-    const PhaseMaps exact = PhaseDecoder(Backend::equation, {N})(frames, 1, N);
-    expect_equal_maps(PhaseDecoder(Backend::closed_form, {N})(frames, 1, N), exact);
-    expect_equal_maps(PhaseDecoder(Backend::lut, {N})(frames, 1, N), exact);
+    const PhaseMaps exact = PhaseDecoder(PhaseMethod::equation, {N})(frames, 1, N);
+    expect_equal_maps(PhaseDecoder(PhaseMethod::closed_form, {N})(frames, 1, N), exact);
+    expect_equal_maps(PhaseDecoder(PhaseMethod::tables, {N})(frames, 1, N), exact);
   }
 }
 
 TEST(PhaseDecoder, ClosedFormsTakeTwelveBits) {
   const FrameSet frames(random_images<std::uint16_t>(6, 4095), 12);
-  const PhaseDecoder decode(Backend::closed_form, {6});
-  EXPECT_EQ(decode.backend_for(6, frames), Backend::closed_form);
-  expect_equal_maps(decode(frames, 0, 6), PhaseDecoder(Backend::equation, {6})(frames, 0, 6));
+  const PhaseDecoder decode(PhaseMethod::closed_form, {6});
+  EXPECT_EQ(decode.method_for(6, frames), PhaseMethod::closed_form);
+  expect_equal_maps(decode(frames, 0, 6), PhaseDecoder(PhaseMethod::equation, {6})(frames, 0, 6));
 }
 
 TEST(PhaseDecoder, SaysWhereItFallsBackToTheEquations) {
   const FrameSet eight_bits(random_images<std::uint8_t>(8, 255));
   const FrameSet twelve_bits(random_images<std::uint16_t>(3, 4095), 12);
-  const PhaseDecoder decode(Backend::lut, {3, 5});
-  EXPECT_EQ(decode.backend_for(3, eight_bits), Backend::lut);
-  EXPECT_EQ(decode.backend_for(5, eight_bits), Backend::equation);
-  EXPECT_EQ(decode.backend_for(3, twelve_bits), Backend::equation);
+  const PhaseDecoder decode(PhaseMethod::tables, {3, 5});
+  EXPECT_EQ(decode.method_for(3, eight_bits), PhaseMethod::tables);
+  EXPECT_EQ(decode.method_for(5, eight_bits), PhaseMethod::equation);
+  EXPECT_EQ(decode.method_for(3, twelve_bits), PhaseMethod::equation);
   const FrameSet eight_bits_in_sixteen(FrameSet::Images16(3, Image<std::uint16_t>({4, 3})), 8);
-  EXPECT_EQ(decode.backend_for(3, eight_bits_in_sixteen), Backend::equation);
+  EXPECT_EQ(decode.method_for(3, eight_bits_in_sixteen), PhaseMethod::equation);
   expect_equal_maps(decode(eight_bits, 0, 5),
-                    PhaseDecoder(Backend::equation, {5})(eight_bits, 0, 5));
+                    PhaseDecoder(PhaseMethod::equation, {5})(eight_bits, 0, 5));
 }
 
-TEST(PhaseDecoder, CorrectsThePhaseInEveryBackend) {
+TEST(PhaseDecoder, CorrectsThePhaseInEveryMethod) {
   const FrameSet frames(random_images<std::uint8_t>(9, 255));
   PhaseCorrections corrections;
   for (const int N : {3, 4, 6}) corrections[N] = {N, {0, 0.02, 0.01, -0.01, -0.02}};
   for (const int N : {3, 4, 6, 5}) {
-    const PhaseMaps plain = PhaseDecoder(Backend::equation, {N})(frames, 0, N);
-    for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
-      const PhaseMaps maps = PhaseDecoder(backend, {N}, corrections)(frames, 0, N);
+    const PhaseMaps plain = PhaseDecoder(PhaseMethod::equation, {N})(frames, 0, N);
+    for (const PhaseMethod method :
+         {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+      const PhaseMaps maps = PhaseDecoder(method, {N}, corrections)(frames, 0, N);
       for (std::size_t i = 0; i < maps.mean.pixel_count(); ++i) {
         const double phi = plain.wrapped_phase.begin()[i];
         const double wanted =
@@ -80,15 +83,42 @@ TEST(PhaseDecoder, CorrectsThePhaseInEveryBackend) {
   }
 }
 
-TEST(PhaseDecoder, RefusesACorrectionForAnotherN) {
-  EXPECT_THROW(PhaseDecoder(Backend::lut, {3}, {{3, {4, {0}}}}), Error);
+TEST(PhaseDecoder, OfABandIsThatOfItsFrames) {
+  const FrameSet frames(random_images<std::uint8_t>(9, 255));
+  PhaseCorrections corrections;
+  corrections[4] = {4, {0, 0.02, 0.01, -0.01, -0.02}};
+  for (const PhaseMethod method :
+       {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+    const PhaseDecoder decode(method, {4, 5}, corrections);
+    for (const auto& [first, N] : {std::pair{0, 4}, {3, 4}, {5, 4}, {2, 5}}) {
+      const Band band = phase_shifted_band(9, first, N, 16);
+      EXPECT_EQ(decode.method_for(band, frames), decode.method_for(N, frames));
+      expect_equal_maps(decode(frames, band), decode(frames, first, N));
+    }
+    // The second channel is no run of steps: equations, and no correction.
+    const Band second = phase_shifted_band(9, 2, 5, 1, 2);
+    EXPECT_EQ(decode.method_for(second, frames), PhaseMethod::equation);
+    const PhaseMaps maps = decode(frames, second);
+    const Image<double> C = weighted_sum(frames, second.cosine),
+                        S = weighted_sum(frames, second.sine);
+    for (std::size_t i = 0; i < maps.mean.pixel_count(); ++i) {
+      const double B = maps.modulation.begin()[i], phi = maps.wrapped_phase.begin()[i];
+      ASSERT_NEAR(B * std::cos(phi), C.begin()[i], 1e-9);
+      ASSERT_NEAR(B * std::sin(phi), S.begin()[i], 1e-9);
+    }
+  }
 }
 
-TEST(Backend, HasNames) {
-  for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
-    EXPECT_EQ(backend_named(name_of(backend)), backend);
+TEST(PhaseDecoder, RefusesACorrectionForAnotherN) {
+  EXPECT_THROW(PhaseDecoder(PhaseMethod::tables, {3}, {{3, {4, {0}}}}), Error);
+}
+
+TEST(PhaseMethod, HasNames) {
+  for (const PhaseMethod method :
+       {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+    EXPECT_EQ(phase_method_named(name_of(method)), method);
   }
-  EXPECT_THROW(backend_named("fast"), Error);
+  EXPECT_THROW(phase_method_named("fast"), Error);
 }
 
 }  // namespace

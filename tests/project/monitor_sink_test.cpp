@@ -15,7 +15,7 @@
 #include "slipstream/pattern/pattern_in_8_bits.h"
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/project/projection.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/registry.h"
 #include "tests/opengl/desktop.h"
 
 namespace slipstream::project {

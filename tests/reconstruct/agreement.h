@@ -8,9 +8,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/geometry/projection.h"
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 
@@ -32,8 +34,8 @@ struct Agreement {
   double worst = 0;                 ///< relative error of depth where the gap is kept
 };
 
-inline Agreement compare(const Scanner& scanner, Axis axis, const FusedCloud& cloud,
-                         const Reconstruction& exact) {
+inline Agreement compare(const Scanner& scanner, Axis axis, const Cloud& cloud,
+                         const ReferenceResult& exact) {
   Agreement agreement;
   for (int row = 0; row < cloud.z.height(); ++row) {
     for (int column = 0; column < cloud.z.width(); ++column) {
@@ -48,7 +50,7 @@ inline Agreement compare(const Scanner& scanner, Axis axis, const FusedCloud& cl
       agreement.other_intensity += std::abs(difference) <= 1e-3F ? 0 : 1;
       if (validity != Validity::valid) continue;
       ++agreement.points;
-      const double y = exact.decoded.coordinate(column, row);
+      const double y = exact.maps.coordinate(column, row);
       if (std::abs(coordinate_at_infinity(scanner, axis, column, row) - y) < gap) continue;
       const double depth = exact.cloud.z(column, row);
       agreement.worst =
@@ -60,24 +62,36 @@ inline Agreement compare(const Scanner& scanner, Axis axis, const FusedCloud& cl
   return agreement;
 }
 
-inline Agreement agreement_on(const Scanner& scanner, const Strategy& strategy, Axis axis,
-                              const FrameSet& frames, const ReconstructSettings& settings = {}) {
-  const auto fused = FusedReconstructor::make(scanner, strategy, axis, settings);
+/// The points by the equations in double, whatever the settings ask for.
+inline ReferenceResult by_equations(EngineSetup setup, const FrameViews& frames,
+                                    const PhaseCorrections& corrections = {}) {
+  setup.settings.phase_method = PhaseMethod::equation;
+  return ReferenceEngine(setup, corrections)(frames);
+}
+
+inline Agreement agreement_on(const EngineSetup& setup, const FrameViews& frames,
+                              const PhaseCorrections& corrections = {}) {
+  const auto fused = FusedEngine::make(setup, corrections);
   if (!fused) {
     ADD_FAILURE() << "no fused pass";
     return {};
   }
-  FusedCloud cloud;
-  (*fused)(frames, cloud);
-  ReconstructSettings exactly = settings;
-  exactly.backend = Backend::equation;
-  return compare(scanner, axis, cloud, Reconstructor(scanner, strategy, axis, exactly)(frames));
+  Cloud cloud;
+  FusedMemory memory;
+  (*fused)(frames, {.cloud = &cloud}, memory);
+  return compare(setup.scanner, setup.sequence.axis, cloud,
+                 by_equations(setup, frames, corrections));
 }
 
 inline FrameSet statue_frames(const Scanner& scanner, const Strategy& strategy, Axis axis,
                               Photometry photometry = {.ambient = 5, .noise_variance = 1.55}) {
   return take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, axis), photometry)
       .frames;
+}
+
+inline EngineSetup setup_of(const Scanner& scanner, const Strategy& strategy, Axis axis,
+                            const ReconstructSettings& settings = {}) {
+  return {scanner, {.strategy = strategy, .axis = axis}, settings};
 }
 
 }  // namespace slipstream

@@ -8,8 +8,8 @@
 #include <tbb/global_control.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/reconstruct/reconstructor.h"
-#include "slipstream/reconstruct/vector_target.h"
+#include "slipstream/kernels/vector_target.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "tests/geometry/random_scanner.h"
@@ -33,7 +33,7 @@ TEST_P(FusedCloudOn, HasThePointsOfTheEquations) {
         SCOPED_TRACE(testing::Message()
                      << name_of(strategy) << ", width " << width << ", axis " << name_of(axis));
         const Agreement agreement =
-            agreement_on(scanner, strategy, axis, statue_frames(scanner, strategy, axis));
+            agreement_on(setup_of(scanner, strategy, axis), statue_frames(scanner, strategy, axis));
         EXPECT_GT(agreement.points, 2000U);
         EXPECT_LE(agreement.other_validity, 1U);
         EXPECT_LE(agreement.worst, depth_bound);
@@ -54,15 +54,16 @@ TEST(FusedCloud, HasThePointsOfTheEquationsInLargePictures) {
     const Strategy strategy = width == 640 ? Strategy(PhaseMeasuring{.steps = 3, .frequency = 1})
                                            : Strategy(DualFrequency{.steps = 3});
     const FrameSet frames = statue_frames(scanner, strategy, axis);
-    const Reconstruction exact =
-        Reconstructor(scanner, strategy, axis, {.backend = Backend::equation})(frames);
-    const auto fused = FusedReconstructor::make(scanner, strategy, axis, {});
+    const EngineSetup setup = setup_of(scanner, strategy, axis);
+    const ReferenceResult exact = by_equations(setup, frames);
+    const auto fused = FusedEngine::make(setup, {});
     ASSERT_TRUE(fused);
+    FusedMemory memory;
     for (const std::string& target : vector_targets()) {
       SCOPED_TRACE(testing::Message() << "width " << width << ", vectors " << target);
       const OnlyVectorTarget only(target);
-      FusedCloud cloud;
-      (*fused)(frames, cloud);
+      Cloud cloud;
+      (*fused)(frames, {.cloud = &cloud}, memory);
       const Agreement agreement = compare(scanner, axis, cloud, exact);
       EXPECT_GT(agreement.points, 50000U);
       EXPECT_LE(agreement.other_validity, 3U);
@@ -81,12 +82,13 @@ TEST(FusedCloud, HasThePointsOfTheEquationsForAnyScanner) {
     scanner.camera.intrinsic.topRows<2>() /= 4;
     const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
     for (const Axis axis : {Axis::x, Axis::y}) {
-      if (!FusedReconstructor::make(scanner, strategy, axis, {})) continue;
+      const EngineSetup setup = setup_of(scanner, strategy, axis);
+      if (!FusedEngine::make(setup, {})) continue;
       SCOPED_TRACE(testing::Message() << "scanner " << seed << ", axis " << name_of(axis));
       const Scene board = scene_named("board", scanner);
       const FrameSet frames =
           take_scan(scanner, board, pattern_set(strategy, axis), {.bits = 12}).frames;
-      const Agreement agreement = agreement_on(scanner, strategy, axis, frames);
+      const Agreement agreement = agreement_on(setup, frames);
       EXPECT_LE(agreement.other_validity, 2U);
       EXPECT_LE(agreement.worst, depth_bound);
       scanners += agreement.points > 1000 ? 1 : 0;
@@ -107,7 +109,8 @@ TEST(FusedCloud, LeavesOutTheSamePixelsForTheSameReasons) {
         ReconstructSettings{.minimum_modulation = 5,
         .fringe_order = {.largest_doubt = 0.1, .fewest_neighbours = 4, .fewest_if_doubtful = 8}},
         ReconstructSettings{.nearest = 560, .farthest = 600}}) {
-    const Agreement agreement = agreement_on(scanner, strategy, Axis::x, frames, settings);
+    const Agreement agreement =
+        agreement_on(setup_of(scanner, strategy, Axis::x, settings), frames);
     EXPECT_GT(agreement.points, 1000U);
     // Phases of few grey levels are fractions that meet a limit exactly, and rounding decides.
     EXPECT_LE(agreement.other_validity, 12U);
@@ -125,7 +128,7 @@ TEST(FusedCloud, OfNoiseIsThatOfTheEquations) {
       for (std::uint8_t& pixel : images.back()) pixel = static_cast<std::uint8_t>(random());
     }
     const Agreement agreement =
-        agreement_on(scanner, strategy, Axis::x, FrameSet(std::move(images)));
+        agreement_on(setup_of(scanner, strategy, Axis::x), FrameSet(images));
     EXPECT_GT(agreement.points, 500U);
     EXPECT_LE(agreement.other_validity, 30U);
     EXPECT_LE(agreement.worst, depth_bound);
@@ -136,11 +139,12 @@ TEST(FusedCloud, IsTheSameOnAnyNumberOfThreads) {
   const Scanner scanner = example_scanner({320, 240});
   const Strategy strategy = DualFrequency{};
   const FrameSet frames = statue_frames(scanner, strategy, Axis::x);
-  const auto reconstruct = FusedReconstructor::make(scanner, strategy, Axis::x, {});
-  std::vector<FusedCloud> clouds(2);
+  const auto reconstruct = FusedEngine::make(setup_of(scanner, strategy, Axis::x), {});
+  FusedMemory memory;
+  std::vector<Cloud> clouds(2);
   for (const std::size_t threads : {1U, 4U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    (*reconstruct)(frames, clouds[threads == 1 ? 0 : 1]);
+    (*reconstruct)(frames, {.cloud = &clouds[threads == 1 ? 0 : 1]}, memory);
   }
   for (std::size_t i = 0; i < clouds[0].z.pixel_count(); ++i) {
     ASSERT_EQ(clouds[0].validity.begin()[i], clouds[1].validity.begin()[i]);
@@ -154,11 +158,12 @@ TEST(FusedCloud, DepthAloneIsItsDepth) {
   const Scanner scanner = example_scanner({320, 240});
   const Strategy strategy = DualFrequency{};
   const FrameSet frames = statue_frames(scanner, strategy, Axis::x);
-  const auto reconstruct = FusedReconstructor::make(scanner, strategy, Axis::x, {});
-  FusedCloud cloud;
-  FusedDepth depth;
-  (*reconstruct)(frames, cloud);
-  (*reconstruct)(frames, depth);
+  const auto reconstruct = FusedEngine::make(setup_of(scanner, strategy, Axis::x), {});
+  FusedMemory memory;
+  Cloud cloud;
+  Depth depth;
+  (*reconstruct)(frames, {.cloud = &cloud}, memory);
+  (*reconstruct)(frames, {.depth = &depth}, memory);
   for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
     ASSERT_EQ(cloud.validity.begin()[i], depth.validity.begin()[i]);
     if (cloud.validity.begin()[i] == Validity::valid) {
@@ -167,41 +172,49 @@ TEST(FusedCloud, DepthAloneIsItsDepth) {
   }
 }
 
-TEST(FusedCloud, AnotherBackendStandsInWhereItCannot) {
-  const Strategy strategy = PhaseMeasuring{.steps = 3, .frequency = 1};
-  const ReconstructSettings fused{.backend = Backend::fused};
+TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
+  const Sequence sequence{.strategy = PhaseMeasuring{.steps = 3, .frequency = 1}};
   const FrameSet bytes(FrameSet::Images8(3, Image<std::uint8_t>({64, 48})));
   const FrameSet unquantised(FrameSet::ImagesUnquantised(3, Image<double>({64, 48})));
-  const Reconstructor reconstruct(example_scanner({64, 48}), strategy, Axis::x, fused);
-  EXPECT_EQ(reconstruct.backend_for(bytes), "fused");
-  EXPECT_EQ(reconstruct.backend_for(unquantised), "equation");
-  EXPECT_EQ(point_count(reconstruct(unquantised).cloud), 0U);
-
   const FrameSet narrow(FrameSet::Images8(3, Image<std::uint8_t>({15, 48})));
-  EXPECT_EQ(Reconstructor(example_scanner({15, 48}), strategy, Axis::x, fused).backend_for(narrow),
-            "lut");
   Scanner bent = example_scanner({64, 48});
   bent.projector.distortion = make_distortion(std::vector{-0.9, 0.8, 0.0, 0.0, 0.3});
-  EXPECT_EQ(Reconstructor(bent, strategy, Axis::x, fused).backend_for(bytes), "lut");
+  for (const EngineKind kind : {EngineKind::fused, EngineKind::automatic}) {
+    const ReconstructSettings settings{.engine = kind};
+    Engine reconstruct(example_scanner({64, 48}), sequence, settings);
+    EXPECT_EQ(reconstruct.backend_for(bytes), "fused");
+    EXPECT_EQ(reconstruct.backend_for(unquantised), "equation");
+    Cloud cloud;
+    reconstruct.cloud(unquantised, cloud);
+    EXPECT_EQ(point_count(cloud), 0U);
+
+    EXPECT_EQ(Engine(example_scanner({15, 48}), sequence, settings).backend_for(narrow), "lut");
+    EXPECT_EQ(Engine(bent, sequence, settings).backend_for(bytes), "lut");
+  }
+  Engine reference(example_scanner({64, 48}), sequence, {.engine = EngineKind::reference});
+  EXPECT_EQ(reference.backend_for(bytes), "lut");
 }
 
 TEST(FusedCloud, RefusesWhatDoesNotFit) {
   const Scanner scanner = example_scanner({64, 48});
-  const auto make = [&](const Strategy& strategy, const ReconstructSettings& settings) {
-    return FusedReconstructor::make(scanner, strategy, Axis::x, settings);
-  };
-  EXPECT_THROW(make(PhaseMeasuring{.steps = 3, .frequency = 8}, {}), Error);
-  EXPECT_THROW(make(DualFrequency{}, {.minimum_modulation = -1}), Error);
-  EXPECT_THROW(make(PhaseChannelMultiplexing{}, {.cue = {.noise_variance = 0}}), Error);
-  const auto reconstruct = make(DualFrequency{}, {});
-  FusedCloud cloud;
-  EXPECT_THROW((*reconstruct)(FrameSet(FrameSet::Images8(6, Image<std::uint8_t>({48, 48}))), cloud),
-               Error);
-  EXPECT_THROW((*reconstruct)(FrameSet(FrameSet::Images8(5, Image<std::uint8_t>({64, 48}))), cloud),
-               Error);
+  const ReconstructSettings fused{.engine = EngineKind::fused};
   EXPECT_THROW(
-      (*reconstruct)(FrameSet(FrameSet::ImagesUnquantised(6, Image<double>({64, 48}))), cloud),
-      Error);
+      Engine(setup_of(scanner, PhaseMeasuring{.steps = 3, .frequency = 8}, Axis::x, fused)), Error);
+  ReconstructSettings negative = fused;
+  negative.minimum_modulation = -1;
+  EXPECT_THROW(Engine(setup_of(scanner, DualFrequency{}, Axis::x, negative)), Error);
+  Scanner without_noise = scanner;
+  without_noise.photometry.noise_variance = 0;
+  EXPECT_THROW(Engine(setup_of(without_noise, PhaseChannelMultiplexing{}, Axis::x, fused)), Error);
+  const auto reconstruct = FusedEngine::make(setup_of(scanner, DualFrequency{}, Axis::x), {});
+  Cloud cloud;
+  FusedMemory memory;
+  for (const FrameSet& frames :
+       {FrameSet(FrameSet::Images8(6, Image<std::uint8_t>({48, 48}))),
+        FrameSet(FrameSet::Images8(5, Image<std::uint8_t>({64, 48}))),
+        FrameSet(FrameSet::ImagesUnquantised(6, Image<double>({64, 48})))}) {
+    EXPECT_THROW((*reconstruct)(frames, {.cloud = &cloud}, memory), Error);
+  }
 }
 
 }  // namespace

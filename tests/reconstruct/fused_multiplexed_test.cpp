@@ -8,8 +8,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "slipstream/reconstruct/vector_target.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/kernels/vector_target.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/unwrap/decoder.h"
 #include "tests/reconstruct/agreement.h"
 
 namespace slipstream {
@@ -21,8 +22,11 @@ PhaseChannelMultiplexing pcmp(int steps) {
   return {.steps = steps, .high = {}, .share = {}, .reference = {}};
 }
 
-ReconstructSettings settings() {
-  return {.cue = {.light = {}, .ambient = ambient}};
+EngineSetup setup_for_pcmp(const Scanner& scanner, int steps, Axis axis = Axis::x,
+                           const ReconstructSettings& settings = {}) {
+  EngineSetup setup = setup_of(scanner, pcmp(steps), axis, settings);
+  setup.scanner.photometry.ambient = ambient;
+  return setup;
 }
 
 /// Photometry at which many pixels are of a wrong order before the neighbours are asked.
@@ -38,10 +42,10 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquations) {
       for (const Photometry& photometry : {Photometry{.ambient = ambient}, noisy}) {
         SCOPED_TRACE(testing::Message() << steps << " steps, width " << width << ", noise "
                                         << photometry.noise_variance);
-        const Agreement agreement = agreement_on(
-            scanner, pcmp(steps), width == 160 ? Axis::x : Axis::y,
-            statue_frames(scanner, pcmp(steps), width == 160 ? Axis::x : Axis::y, photometry),
-            settings());
+        const Axis axis = width == 160 ? Axis::x : Axis::y;
+        const Agreement agreement =
+            agreement_on(setup_for_pcmp(scanner, steps, axis),
+                         statue_frames(scanner, pcmp(steps), axis, photometry));
         EXPECT_GT(agreement.points, 2000U);
         EXPECT_LE(agreement.other_validity, 1U);
         EXPECT_LE(agreement.other_intensity, 1U);
@@ -81,10 +85,10 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquationsForEveryInput) {
           hard_frames(steps, scanner.camera.size, full, static_cast<unsigned>(7 * bits)), bits);
       for (const double least : {15.0, 1.0}) {
         SCOPED_TRACE(testing::Message() << steps << " steps, " << bits << " bits, least " << least);
-        ReconstructSettings all = settings();
-        all.minimum_modulation = least * full / 255;
-        all.drop_saturated = least > 1;
-        const Agreement agreement = agreement_on(scanner, pcmp(steps), Axis::x, frames, all);
+        const ReconstructSettings all{.minimum_modulation = least * full / 255,
+                                      .drop_saturated = least > 1};
+        const Agreement agreement =
+            agreement_on(setup_for_pcmp(scanner, steps, Axis::x, all), frames);
         EXPECT_GT(agreement.points, 100U);
         // Phases of few grey levels are fractions that lie half a period apart to the last bit.
         EXPECT_LE(agreement.other_validity, bits == 8 ? 12U : 2U);
@@ -106,22 +110,23 @@ TEST(FusedMultiplexed, HasThePointsOfTheEquationsAndTheTruthInLargePictures) {
     const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner),
                                        pattern_set(Strategy(pcmp(steps)), Axis::x),
                                        {.ambient = ambient, .noise_variance = 1.55});
-    ReconstructSettings fused = settings();
-    fused.backend = Backend::fused;
-    const Reconstructor reconstruct(scanner, pcmp(steps), Axis::x, fused);
+    const EngineSetup setup = setup_for_pcmp(scanner, steps);
+    Engine reconstruct(setup);
     EXPECT_EQ(reconstruct.backend_for(scan.frames), "fused");
-    const Reconstruction made = reconstruct(scan.frames);
-    fused.backend = Backend::equation;
-    const Reconstruction exact = Reconstructor(scanner, pcmp(steps), Axis::x, fused)(scan.frames);
+    Cloud cloud;
+    Maps maps;
+    reconstruct.cloud(scan.frames, cloud);
+    reconstruct.maps(scan.frames, maps);
+    const ReferenceResult exact = by_equations(setup, scan.frames);
     std::size_t points = 0, other = 0, wrong = 0;
-    for (std::size_t i = 0; i < made.cloud.z.pixel_count(); ++i) {
-      const bool valid = made.cloud.validity.begin()[i] == Validity::valid;
-      other += made.cloud.validity.begin()[i] != exact.cloud.validity.begin()[i] ? 1 : 0;
+    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+      const bool valid = cloud.validity.begin()[i] == Validity::valid;
+      other += cloud.validity.begin()[i] != exact.cloud.validity.begin()[i] ? 1 : 0;
       if (!valid) continue;
       ++points;
-      const double error = made.decoded.coordinate.begin()[i] - scan.coordinate.begin()[i];
+      const double error = maps.coordinate.begin()[i] - scan.coordinate.begin()[i];
       wrong += std::abs(error) < 0.5 / pcmp(steps).f_h() ? 0 : 1;
-      ASSERT_NEAR(made.decoded.coordinate.begin()[i], exact.decoded.coordinate.begin()[i], 2e-7);
+      ASSERT_NEAR(maps.coordinate.begin()[i], exact.maps.coordinate.begin()[i], 2e-7);
     }
     EXPECT_GT(points, 240000U);
     EXPECT_LE(10000 * other, points);
@@ -136,14 +141,16 @@ TEST(FusedMultiplexed, DecodesToTheImagesOfTheEquations) {
     const FrameSet frames =
         statue_frames(scanner, pcmp(steps), Axis::x,
                       {.ambient = ambient, .noise_variance = noisy.noise_variance, .bits = 12});
-    const auto fused = FusedReconstructor::make(scanner, pcmp(steps), Axis::x, settings());
+    const EngineSetup setup = setup_for_pcmp(scanner, steps);
+    const auto fused = FusedEngine::make(setup, {});
     ASSERT_TRUE(fused);
-    FusedDecoding made;
-    (*fused)(frames, made);
-    const Decoder decode(pcmp(steps), scanner.projector.size.width, Backend::equation, {},
-                         settings().cue);
-    const DecodedScan exact =
-        decode(frames, least_neighbour_modulation(settings(), frames.full_scale()));
+    Maps made;
+    FusedMemory memory;
+    (*fused)(frames, {.maps = &made}, memory);
+    const Decoder decode(setup.sequence.strategy.layout(), scanner.projector.size.width,
+                         PhaseMethod::equation, {}, cue_settings(setup));
+    const BasicMaps<double> exact =
+        decode(frames, least_neighbour_modulation(setup.settings, frames.full_scale()));
     std::size_t other_order = 0;
     for (std::size_t i = 0; i < exact.coordinate.pixel_count(); ++i) {
       if (exact.modulation.begin()[i] < 16) continue;  // of 4095
@@ -162,24 +169,25 @@ TEST(FusedMultiplexed, DecodesToTheImagesOfTheEquations) {
 
 TEST(FusedMultiplexed, IsCorrectedAndIsTheSameOnAnyNumberOfThreads) {
   const Scanner scanner = example_scanner({320, 240});
-  ReconstructSettings corrected = settings();
+  const EngineSetup setup = setup_for_pcmp(scanner, 5);
   PhaseCorrection correction{5, {}};
   for (int i = 0; i < 256; ++i) correction.added.push_back(0.05 * std::sin(0.0245436926 * i));
-  corrected.phase_corrections[5] = correction;
+  const PhaseCorrections corrections{{5, correction}};
   const FrameSet frames = statue_frames(scanner, pcmp(5), Axis::x, noisy);
-  const Agreement agreement = agreement_on(scanner, pcmp(5), Axis::x, frames, corrected);
+  const Agreement agreement = agreement_on(setup, frames, corrections);
   EXPECT_GT(agreement.points, 20000U);
   EXPECT_LE(agreement.other_validity, 3U);
   EXPECT_LE(agreement.worst, depth_bound);
 
-  const auto reconstruct = FusedReconstructor::make(scanner, pcmp(5), Axis::x, corrected);
-  std::vector<FusedCloud> clouds(2);
+  const auto reconstruct = FusedEngine::make(setup, corrections);
+  FusedMemory memory;
+  std::vector<Cloud> clouds(2);
   for (const std::size_t threads : {1U, 4U}) {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    (*reconstruct)(frames, clouds[threads == 1 ? 0 : 1]);
+    (*reconstruct)(frames, {.cloud = &clouds[threads == 1 ? 0 : 1]}, memory);
   }
-  FusedDepth depth;
-  (*reconstruct)(frames, depth);
+  Depth depth;
+  (*reconstruct)(frames, {.depth = &depth}, memory);
   for (std::size_t i = 0; i < depth.z.pixel_count(); ++i) {
     ASSERT_EQ(clouds[0].validity.begin()[i], clouds[1].validity.begin()[i]);
     ASSERT_EQ(clouds[0].validity.begin()[i], depth.validity.begin()[i]);
@@ -192,17 +200,17 @@ TEST(FusedMultiplexed, IsCorrectedAndIsTheSameOnAnyNumberOfThreads) {
 
 TEST(FusedMultiplexed, LeavesOtherRulesAndReferencesToTheEquations) {
   const Scanner scanner = example_scanner({64, 48});
-  const auto fused = [&](const PhaseChannelMultiplexing& strategy, Unwrapping unwrapping) {
-    ReconstructSettings asked = settings();
-    asked.cue.unwrapping = unwrapping;
-    return FusedReconstructor::make(scanner, strategy, Axis::x, asked).has_value();
+  const auto fused = [&](const PhaseChannelMultiplexing& strategy, CueRule rule) {
+    EngineSetup setup = setup_for_pcmp(scanner, 3, Axis::x, {.cue_rule = rule});
+    setup.sequence.strategy = strategy;
+    return FusedEngine::make(setup, {}).has_value();
   };
-  EXPECT_TRUE(fused(pcmp(3), Unwrapping::consensus));
-  EXPECT_FALSE(fused(pcmp(3), Unwrapping::published));
-  EXPECT_FALSE(fused(pcmp(5), Unwrapping::likelihood));
+  EXPECT_TRUE(fused(pcmp(3), CueRule::consensus));
+  EXPECT_FALSE(fused(pcmp(3), CueRule::published));
+  EXPECT_FALSE(fused(pcmp(5), CueRule::likelihood));
   PhaseChannelMultiplexing own = pcmp(4);
   own.reference = [](double y) { return 1 - 2 * y; };
-  EXPECT_FALSE(fused(own, Unwrapping::consensus));
+  EXPECT_FALSE(fused(own, CueRule::consensus));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <string>
 #include <tuple>
@@ -9,13 +10,15 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/gamma/correction.h"
+#include "slipstream/kernels/vector_target.h"
 #include "slipstream/phase/equations.h"
 #include "slipstream/phase/phase_correction.h"
-#include "slipstream/phase/temporal_unwrapping.h"
-#include "slipstream/reconstruct/fused_reconstructor.h"
-#include "slipstream/reconstruct/vector_target.h"
+#include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -85,6 +88,20 @@ PhaseSample by_equations(const std::vector<Image<Pixel>>& frames, int first, int
   return PhaseEquations(steps)(intensities);
 }
 
+/// The fused pass of an example scanner whose camera has that size.
+std::optional<FusedEngine> fused(Size size, const Strategy& strategy, Axis axis = Axis::x,
+                                 const PhaseCorrections& corrections = {}) {
+  return FusedEngine::make({example_scanner(size), {.strategy = strategy, .axis = axis}, {}},
+                           corrections);
+}
+
+Maps maps_of(const FusedEngine& reconstruct, const FrameViews& frames) {
+  Maps maps;
+  FusedMemory memory;
+  reconstruct(frames, {.maps = &maps}, memory);
+  return maps;
+}
+
 template <class Pixel>
 void expect_phase_of_equations(int steps, int width, int bits, bool dual) {
   const Size size{width, 24};
@@ -92,10 +109,9 @@ void expect_phase_of_equations(int steps, int width, int bits, bool dual) {
                                  : Strategy(PhaseMeasuring{.steps = steps, .frequency = 1});
   const auto frames = hard_frames<Pixel>(frame_count(strategy), size, bits,
                                          static_cast<unsigned>(1000 * steps + width + bits));
-  const auto reconstruct = FusedReconstructor::make(example_scanner(size), strategy, Axis::x, {});
+  const auto reconstruct = fused(size, strategy);
   ASSERT_TRUE(reconstruct);
-  FusedDecoding decoding;
-  (*reconstruct)(frame_set(frames, bits), decoding);
+  const Maps decoding = maps_of(*reconstruct, frame_set(frames, bits));
   const double full = (1 << bits) - 1;
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {
@@ -145,10 +161,8 @@ TEST_P(FusedPhase, IsThatOfTheEquationsAllAroundTheCircle) {
         digits /= 6;
       }
     }
-    const auto reconstruct = FusedReconstructor::make(
-        example_scanner(size), PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::y, {});
-    FusedDecoding decoding;
-    (*reconstruct)(FrameSet(frames), decoding);
+    const auto reconstruct = fused(size, PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::y);
+    const Maps decoding = maps_of(*reconstruct, FrameSet(frames));
     for (int row = 0; row < size.height; ++row) {
       for (int column = 0; column < size.width; ++column) {
         const PhaseSample expected = by_equations(frames, 0, steps, column, row);
@@ -203,12 +217,9 @@ TEST_P(FusedPhase, IsCorrected) {
         phase_correction(PowerLaw{1.3}, 6), phase_correction(PowerLaw{2.2}, 9)}) {
     const int steps = correction.steps;
     const auto frames = hard_frames<std::uint8_t>(steps, size, 8, 11);
-    ReconstructSettings settings;
-    settings.phase_corrections[steps] = correction;
-    const auto reconstruct = FusedReconstructor::make(
-        example_scanner(size), PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::x, settings);
-    FusedDecoding decoding;
-    (*reconstruct)(FrameSet(frames), decoding);
+    const auto reconstruct =
+        fused(size, PhaseMeasuring{.steps = steps, .frequency = 1}, Axis::x, {{steps, correction}});
+    const Maps decoding = maps_of(*reconstruct, FrameSet(frames));
     for (int row = 0; row < size.height; ++row) {
       for (int column = 0; column < size.width; ++column) {
         const PhaseSample measured = by_equations(frames, 0, steps, column, row);

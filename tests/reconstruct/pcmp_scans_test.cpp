@@ -4,9 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -18,9 +19,14 @@ PhaseChannelMultiplexing pcmp(int steps) {
   return {.steps = steps, .high = {}, .share = {}, .reference = {}};
 }
 
-ReconstructSettings settings(Unwrapping unwrapping, Backend backend = Backend::lut) {
-  return {.backend = backend,
-          .cue = {.light = light, .ambient = ambient, .unwrapping = unwrapping}};
+/// In double.
+ReferenceEngine engine(Scanner scanner, int steps, Axis axis, CueRule rule,
+                       PhaseMethod method = PhaseMethod::tables) {
+  scanner.photometry.ambient = ambient;
+  return {{scanner,
+           {.strategy = pcmp(steps), .axis = axis, .light = light},
+           {.phase_method = method, .cue_rule = rule}},
+          {}};
 }
 
 TEST(PcmpScans, ComeOutAtTheirTrueDepth) {
@@ -30,18 +36,18 @@ TEST(PcmpScans, ComeOutAtTheirTrueDepth) {
       const VirtualScan scan =
           take_scan(scanner, scene_named("boxes", scanner), pattern_set(pcmp(steps), axis, light),
                     {.ambient = ambient, .bits = std::nullopt});
-      for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
-        for (const Unwrapping unwrapping : {Unwrapping::published, Unwrapping::consensus}) {
-          const Reconstructor reconstruct(scanner, pcmp(steps), axis,
-                                          settings(unwrapping, backend));
-          const Cloud cloud = reconstruct(scan.frames).cloud;
+      for (const PhaseMethod method :
+           {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+        for (const CueRule rule : {CueRule::published, CueRule::consensus}) {
+          const BasicCloud<double> cloud =
+              engine(scanner, steps, axis, rule, method)(scan.frames).cloud;
           std::size_t points = 0, lit = 0;
           for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
             if (!std::isnan(scan.coordinate.begin()[i])) ++lit;
             if (std::isnan(cloud.z.begin()[i])) continue;
             ++points;
             ASSERT_NEAR(cloud.z.begin()[i], scan.depth.begin()[i], 1e-6)
-                << steps << " steps, " << name_of(backend) << ", " << name_of(unwrapping);
+                << steps << " steps, " << name_of(method) << ", " << name_of(rule);
           }
           EXPECT_EQ(points, lit);
         }
@@ -55,18 +61,17 @@ struct Counts {
   std::size_t wrong = 0;
 };
 
-Counts noisy_statue(int steps, Unwrapping unwrapping, int bits) {
+Counts noisy_statue(int steps, CueRule rule, int bits) {
   const Scanner scanner = example_scanner({640, 480});
   const VirtualScan scan =
       take_scan(scanner, scene_named("statue", scanner), pattern_set(pcmp(steps), Axis::x, light),
                 {.ambient = ambient, .noise_variance = 1.55, .bits = bits});
-  const Reconstruction made =
-      Reconstructor(scanner, pcmp(steps), Axis::x, settings(unwrapping))(scan.frames);
+  const ReferenceResult made = engine(scanner, steps, Axis::x, rule)(scan.frames);
   Counts counts;
   for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
     if (made.cloud.validity.begin()[i] != Validity::valid) continue;
     ++counts.points;
-    const double error = made.decoded.coordinate.begin()[i] - scan.coordinate.begin()[i];
+    const double error = made.maps.coordinate.begin()[i] - scan.coordinate.begin()[i];
     if (!(std::abs(error) < 0.5 / pcmp(steps).f_h())) ++counts.wrong;
   }
   return counts;
@@ -74,15 +79,15 @@ Counts noisy_statue(int steps, Unwrapping unwrapping, int bits) {
 
 TEST(PcmpScans, ShowNoPointOfAWrongFringeOrder) {
   for (const int steps : {3, 4, 5}) {
-    const Counts consensus = noisy_statue(steps, Unwrapping::consensus, 8);
-    const Counts published = noisy_statue(steps, Unwrapping::published, 8);
+    const Counts consensus = noisy_statue(steps, CueRule::consensus, 8);
+    const Counts published = noisy_statue(steps, CueRule::published, 8);
     EXPECT_EQ(consensus.wrong, 0U) << steps << " steps, of " << consensus.points;
     EXPECT_GE(consensus.points, published.points - published.wrong) << steps << " steps";
   }
 }
 
 TEST(PcmpScans, DecodeSixteenBitFrames) {
-  const Counts counts = noisy_statue(3, Unwrapping::consensus, 12);
+  const Counts counts = noisy_statue(3, CueRule::consensus, 12);
   EXPECT_GT(counts.points, 100000U);
   EXPECT_EQ(counts.wrong, 0U);
 }

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -29,7 +31,7 @@ struct Pair {
     Photometry other_light = light;
     other_light.seed += 1000;
     const PatternSet patterns = pattern_set(strategy, Axis::x);
-    return PhaseMatcher(first, second, strategy, Axis::x, {}, match)(
+    return PhaseMatcher(first, second, {.strategy = strategy}, {}, match)(
                take_again(first_scan, patterns, light),
                take_again(second_scan, patterns, other_light))
         .cloud;
@@ -75,7 +77,8 @@ TEST(PhaseMatching, IsFreeOfGamma) {
   EXPECT_LE(distorted.rms, 1.2 * straight.rms) << straight.rms;
   // One camera and the projector are off by as much as gamma bends the phase.
   const FrameSet frames = take_again(board.first_scan, pattern_set(strategy, Axis::x), bent);
-  const Cloud one = Reconstructor(board.first, strategy, Axis::x)(frames).cloud;
+  Cloud one;
+  Engine(board.first, {.strategy = strategy}).cloud(frames, one);
   EXPECT_GT(error_of(one, depth).rms, 50 * distorted.rms);
 }
 
@@ -108,18 +111,18 @@ TEST(PhaseMatcher, ShowsNoWrongPointWhereTheSecondCameraDoesNotSee) {
 
 TEST(PhaseMatcher, RefusesWhatIsNoPair) {
   const Scanner first = example_scanner(camera), second = second_scanner(first);
-  EXPECT_THROW(PhaseMatcher(first, second, PhaseChannelMultiplexing{}, Axis::x), Error);
-  EXPECT_THROW(PhaseMatcher(first, second, DualFrequency{}, Axis::x, {.minimum_modulation = -1}),
-               Error);
-  const Strategy strategy = DualFrequency{};
-  EXPECT_THROW(PhaseMatcher(first, first, strategy, Axis::x), Error);
-  EXPECT_THROW(PhaseMatcher(first, second, PhaseMeasuring{3, 8}, Axis::x), Error);
-  EXPECT_THROW(PhaseMatcher(first, second, strategy, Axis::x, {}, {.window = -1}), Error);
+  const auto sequence = [](const Strategy& strategy) { return Sequence{.strategy = strategy}; };
+  const Sequence dual = sequence(DualFrequency{});
+  EXPECT_THROW(PhaseMatcher(first, second, sequence(PhaseChannelMultiplexing{})), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, dual, {.minimum_modulation = -1}), Error);
+  EXPECT_THROW(PhaseMatcher(first, first, dual), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, sequence(PhaseMeasuring{3, 8})), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, dual, {}, {.window = -1}), Error);
   Scanner other = second;
   other.projector.size = {640, 480};
-  EXPECT_THROW(PhaseMatcher(first, other, strategy, Axis::x), Error);
+  EXPECT_THROW(PhaseMatcher(first, other, dual), Error);
   const FrameSet small(FrameSet::Images8(6, Image<std::uint8_t>({80, 60})));
-  EXPECT_THROW(PhaseMatcher(first, second, strategy, Axis::x)(small, small), Error);
+  EXPECT_THROW(PhaseMatcher(first, second, dual)(small, small), Error);
 }
 
 }  // namespace

@@ -9,15 +9,37 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {
 namespace {
 
-class Skull : public testing::TestWithParam<Backend> {};
+/// How it is computed, and as what backend_for names it.
+struct Way {
+  ReconstructSettings settings;
+  std::string name;
+};
 
-const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
+constexpr double least = 15;
+const Way equation{{.engine = EngineKind::reference,
+                    .phase_method = PhaseMethod::equation,
+                    .minimum_modulation = least},
+                   "equation"};
+const Way closed_forms{{.engine = EngineKind::reference,
+                        .phase_method = PhaseMethod::closed_form,
+                        .minimum_modulation = least},
+                       "closed-form"};
+const Way tables{{.engine = EngineKind::reference,
+                  .phase_method = PhaseMethod::tables,
+                  .minimum_modulation = least},
+                 "lut"};
+const Way fused{{.engine = EngineKind::fused, .minimum_modulation = least}, "fused"};
+
+class Skull : public testing::TestWithParam<Way> {};
+
+const Sequence sequence{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}};
 
 TEST_P(Skull, AgreesWithTheReferenceDepth) {
   const std::filesystem::path folder = shared_data() / "skull";
@@ -27,10 +49,10 @@ TEST_P(Skull, AgreesWithTheReferenceDepth) {
   const Image<std::uint16_t> reference =
       read_grey_image(folder / "reference" / "dual-frequency-depth.png");
 
-  const Reconstructor reconstruct(scanner, strategy, Axis::x,
-                                  {.backend = GetParam(), .minimum_modulation = 15});
-  EXPECT_EQ(reconstruct.backend_for(loaded.frames), name_of(GetParam()));
-  const Cloud cloud = reconstruct(loaded.frames).cloud;
+  Engine engine(scanner, sequence, GetParam().settings);
+  EXPECT_EQ(engine.backend_for(loaded.frames), GetParam().name);
+  Cloud cloud;
+  engine.cloud(loaded.frames, cloud);
 
   int valid = 0, agreeing = 0, extra = 0;
   for (std::size_t i = 0; i < reference.pixel_count(); ++i) {
@@ -53,29 +75,28 @@ TEST(SkullFused, HasThePointsOfTheEquations) {
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const Scanner scanner = read_scanner(folder / "calibration.xml");
   const FrameSet frames = read_frames(images_in_folder(folder / "dual-frequency")).frames;
-  const auto cloud = [&](Backend backend) {
-    return Reconstructor(scanner, strategy, Axis::x, {.backend = backend, .minimum_modulation = 15})
-        .cloud(frames);
+  const auto cloud_by = [&](const Way& way) {
+    Cloud cloud;
+    Engine(scanner, sequence, way.settings).cloud(frames, cloud);
+    return cloud;
   };
-  const Cloud exact = cloud(Backend::equation), fused = cloud(Backend::fused);
+  const Cloud exact = cloud_by(equation), quick = cloud_by(fused);
   int valid = 0, agreeing = 0, other_validity = 0;
   for (std::size_t i = 0; i < exact.z.pixel_count(); ++i) {
     const double z = exact.z.begin()[i];
-    if (exact.validity.begin()[i] != fused.validity.begin()[i]) ++other_validity;
+    if (exact.validity.begin()[i] != quick.validity.begin()[i]) ++other_validity;
     if (!std::isfinite(z)) continue;
     ++valid;
-    if (std::abs(fused.z.begin()[i] - z) <= 0.002) ++agreeing;
+    if (std::abs(quick.z.begin()[i] - z) <= 0.002) ++agreeing;
   }
   EXPECT_GT(valid, 300000);
   EXPECT_GE(agreeing, 0.999 * valid);
   EXPECT_LE(other_validity, 0.001 * valid);
 }
 
-INSTANTIATE_TEST_SUITE_P(Backend, Skull,
-                         testing::Values(Backend::equation, Backend::closed_form, Backend::lut,
-                                         Backend::fused),
+INSTANTIATE_TEST_SUITE_P(Way, Skull, testing::Values(equation, closed_forms, tables, fused),
                          [](const auto& info) {
-                           std::string name(name_of(info.param));
+                           std::string name = info.param.name;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

@@ -4,9 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/noise/phase_noise.h"
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -19,20 +20,20 @@ struct Normalised {
   double x = 0, y = 0, z = 0, coordinate = 0, points = 0;
 };
 
-Normalised normalised_errors(const Strategy& strategy, double alpha) {
-  const Scanner scanner = example_scanner({200, 150});
+Normalised normalised_errors(const Strategy& strategy, double alpha, EngineKind kind) {
+  Scanner scanner = example_scanner({200, 150});
   Scene board = scene_named("board", scanner);
   board.front().texture = uniform_texture(alpha);
   const VirtualScan scan =
       take_scan(scanner, board, pattern_set(strategy, Axis::x, light), photometry);
-  ReconstructSettings settings;
-  settings.minimum_modulation = 3;
-  settings.cue = {.light = light,
-                  .ambient = photometry.ambient,
-                  .noise_variance = photometry.noise_variance + quantisation_variance};
-  const Reconstructor reconstruct(scanner, strategy, Axis::x, settings);
-  const Reconstruction made = reconstruct(scan.frames);
-  const Uncertainty sigma = reconstruct.uncertainty(made, scan.frames);
+  scanner.photometry = {.ambient = photometry.ambient,
+                        .noise_variance = photometry.noise_variance + quantisation_variance};
+  Engine engine(scanner, {.strategy = strategy, .light = light},
+                {.engine = kind, .minimum_modulation = 3});
+  Cloud cloud;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, cloud, maps);
+  const Uncertainty sigma = engine.uncertainty(cloud, maps, scan.frames);
 
   Normalised sum;
   const auto square = [](double x) { return x * x; };
@@ -40,15 +41,14 @@ Normalised normalised_errors(const Strategy& strategy, double alpha) {
     for (int column = 0; column < scan.depth.width(); ++column) {
       // At so low a threshold noise alone makes points where no light falls.
       const bool is_lit = !std::isnan(scan.coordinate(column, row));
-      if (!is_lit || made.cloud.validity(column, row) != Validity::valid) continue;
+      if (!is_lit || cloud.validity(column, row) != Validity::valid) continue;
       const Eigen::Vector3d truth =
           ray_through(scanner.camera, {column, row}) * scan.depth(column, row);
-      sum.x += square((made.cloud.x(column, row) - truth.x()) / sigma.x(column, row));
-      sum.y += square((made.cloud.y(column, row) - truth.y()) / sigma.y(column, row));
-      sum.z += square((made.cloud.z(column, row) - truth.z()) / sigma.z(column, row));
-      sum.coordinate +=
-          square((made.decoded.coordinate(column, row) - scan.coordinate(column, row)) /
-                 sigma.coordinate(column, row));
+      sum.x += square((cloud.x(column, row) - truth.x()) / sigma.x(column, row));
+      sum.y += square((cloud.y(column, row) - truth.y()) / sigma.y(column, row));
+      sum.z += square((cloud.z(column, row) - truth.z()) / sigma.z(column, row));
+      sum.coordinate += square((maps.coordinate(column, row) - scan.coordinate(column, row)) /
+                               sigma.coordinate(column, row));
       ++sum.points;
     }
   }
@@ -62,13 +62,15 @@ TEST(Uncertainty, IsThatOfTheVirtualScannerWithinTenPercent) {
         Strategy(PhaseChannelMultiplexing{.steps = 4, .high = 4, .share = {}, .reference = {}}),
         Strategy(PhaseChannelMultiplexing{.steps = 5, .high = {}, .share = {}, .reference = {}})}) {
     for (const double alpha : {0.15, 0.3, 0.5, 0.75, 1.0}) {
-      const Normalised errors = normalised_errors(strategy, alpha);
-      SCOPED_TRACE(testing::Message() << name_of(strategy) << ", alpha " << alpha);
-      EXPECT_GT(errors.points, 10000);
-      EXPECT_NEAR(errors.x, 1, 0.1);
-      EXPECT_NEAR(errors.y, 1, 0.1);
-      EXPECT_NEAR(errors.z, 1, 0.1);
-      EXPECT_NEAR(errors.coordinate, 1, 0.1);
+      for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
+        const Normalised errors = normalised_errors(strategy, alpha, kind);
+        SCOPED_TRACE(testing::Message() << name_of(strategy) << ", alpha " << alpha);
+        EXPECT_GT(errors.points, 10000);
+        EXPECT_NEAR(errors.x, 1, 0.1);
+        EXPECT_NEAR(errors.y, 1, 0.1);
+        EXPECT_NEAR(errors.z, 1, 0.1);
+        EXPECT_NEAR(errors.coordinate, 1, 0.1);
+      }
     }
   }
 }
@@ -78,11 +80,13 @@ TEST(Uncertainty, IsNotSaidWhereThereIsNoPoint) {
   const Strategy strategy = DualFrequency{};
   const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner),
                                      pattern_set(strategy, Axis::x), photometry);
-  const Reconstructor reconstruct(scanner, strategy, Axis::x);
-  const Reconstruction made = reconstruct(scan.frames);
-  const Uncertainty sigma = reconstruct.uncertainty(made, scan.frames);
+  Engine engine(scanner, {.strategy = strategy});
+  Cloud cloud;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, cloud, maps);
+  const Uncertainty sigma = engine.uncertainty(cloud, maps, scan.frames);
   for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
-    ASSERT_EQ(std::isnan(sigma.z.begin()[i]), std::isnan(made.cloud.z.begin()[i]));
+    ASSERT_EQ(std::isnan(sigma.z.begin()[i]), std::isnan(cloud.z.begin()[i]));
   }
 }
 

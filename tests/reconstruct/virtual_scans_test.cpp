@@ -1,4 +1,5 @@
 // Noise-free, unquantised virtual scans come out at their true depth.
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -8,9 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/reconstruct/reconstructor.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -21,7 +24,7 @@ struct DepthError {
   std::size_t lit = 0;
 };
 
-DepthError compare(const Cloud& cloud, const VirtualScan& scan) {
+DepthError compare(const BasicCloud<double>& cloud, const VirtualScan& scan) {
   DepthError error;
   double sum = 0;
   for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
@@ -57,10 +60,12 @@ TEST_P(VirtualScans, ComeOutAtTheirTrueDepth) {
         Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1})}) {
     const VirtualScan scan = take_scan(scanner, scene_named(scene, scanner),
                                        pattern_set(strategy, axis), {.bits = std::nullopt});
-    for (const Backend backend : {Backend::equation, Backend::closed_form, Backend::lut}) {
-      const Reconstructor reconstruct(scanner, strategy, axis, {.backend = backend});
+    for (const PhaseMethod method :
+         {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+      const ReferenceEngine reconstruct(
+          {scanner, {.strategy = strategy, .axis = axis}, {.phase_method = method}}, {});
       const DepthError error = compare(reconstruct(scan.frames).cloud, scan);
-      EXPECT_LE(error.rms, 1e-6) << name_of(strategy) << ", " << name_of(backend);
+      EXPECT_LE(error.rms, 1e-6) << name_of(strategy) << ", " << name_of(method);
       EXPECT_EQ(error.points, error.lit);
       EXPECT_GT(error.points, 1500U);
     }
@@ -81,13 +86,33 @@ INSTANTIATE_TEST_SUITE_P(
                      testing::Values(Bent::neither, Bent::camera, Bent::projector, Bent::both)),
     case_name);
 
-TEST(VirtualScan, TwoDisjointBoxesStandAtTheirOwnDepths) {
+/// Both engines, which are held to the same.
+class EngineOfKind : public testing::TestWithParam<EngineKind> {
+ protected:
+  [[nodiscard]] static Cloud cloud_of(const FrameViews& frames, const Scanner& scanner,
+                                      const Sequence& sequence, ReconstructSettings settings = {}) {
+    settings.engine = GetParam();
+    Engine engine(scanner, sequence, settings);
+    EXPECT_EQ(engine.backend_for(frames) == "fused", GetParam() == EngineKind::fused);
+    Cloud cloud;
+    engine.cloud(frames, cloud);
+    return cloud;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Kind, EngineOfKind,
+                         testing::Values(EngineKind::reference, EngineKind::fused),
+                         [](const auto& info) {
+                           return info.param == EngineKind::fused ? "fused" : "reference";
+                         });
+
+TEST_P(EngineOfKind, TwoDisjointBoxesStandAtTheirOwnDepths) {
   const Scanner scanner = example_scanner({320, 240});
   const Strategy strategy = DualFrequency{.steps = 3, .high = 32, .low = 1};
   const Scene boxes = scene_named("boxes", scanner);
   const VirtualScan scan = take_scan(scanner, boxes, pattern_set(strategy, Axis::x),
                                      {.ambient = 5, .noise_variance = 1.55, .bits = 8});
-  const Cloud cloud = Reconstructor(scanner, strategy, Axis::x)(scan.frames).cloud;
+  const Cloud cloud = cloud_of(scan.frames, scanner, {.strategy = strategy});
   double near_sum = 0, far_sum = 0;
   int near_count = 0, far_count = 0;
   for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
@@ -104,7 +129,7 @@ TEST(VirtualScan, TwoDisjointBoxesStandAtTheirOwnDepths) {
   EXPECT_NEAR(far_sum / far_count, 0, 0.05);
 }
 
-TEST(Reconstructor, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
+TEST_P(EngineOfKind, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   const Scanner scanner = example_scanner({160, 120});
   const Strategy strategy = DualFrequency{};
   const Scene statue = scene_named("statue", scanner);
@@ -112,8 +137,7 @@ TEST(Reconstructor, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   const VirtualScan scan = take_scan(scanner, statue, pattern_set(strategy, Axis::x),
                                      {.ambient = 70, .noise_variance = 1.55, .bits = 8});
   const auto counts_with = [&](const ReconstructSettings& settings) {
-    return count_by_validity(
-        Reconstructor(scanner, strategy, Axis::x, settings)(scan.frames).cloud);
+    return count_by_validity(cloud_of(scan.frames, scanner, {.strategy = strategy}, settings));
   };
   const auto of = [](const auto& counts, Validity validity) {
     return counts[static_cast<std::size_t>(validity)];
@@ -125,15 +149,15 @@ TEST(Reconstructor, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   EXPECT_GT(of(counts_with({.farthest = 600}), Validity::out_of_range), 1000U);
 }
 
-TEST(Reconstructor, ShowsNoPointOfAWrongFringeOrder) {
+TEST_P(EngineOfKind, ShowsNoPointOfAWrongFringeOrder) {
   const Scanner scanner = example_scanner({640, 480});
   const Strategy strategy = DualFrequency{.steps = 4, .high = 32, .low = 1};
   const VirtualScan scan =
       take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x),
                 {.ambient = 5, .noise_variance = 1.55, .bits = 8});
   const auto wrong_with = [&](const FringeOrderConsensus& consensus) {
-    const Reconstructor reconstruct(scanner, strategy, Axis::x, {.fringe_order = consensus});
-    const Cloud cloud = reconstruct(scan.frames).cloud;
+    const Cloud cloud =
+        cloud_of(scan.frames, scanner, {.strategy = strategy}, {.fringe_order = consensus});
     int wrong = 0;
     for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
       // A fringe is about 60 mm deep here.
@@ -146,7 +170,7 @@ TEST(Reconstructor, ShowsNoPointOfAWrongFringeOrder) {
   EXPECT_EQ(wrong_with({}), 0);
 }
 
-TEST(Reconstructor, AStripeFromElsewhereIsOutsideTheField) {
+TEST_P(EngineOfKind, AStripeFromElsewhereIsOutsideTheField) {
   // The pictures upside down: the coordinates are good, but belong to other rays.
   const Scanner scanner = example_scanner({160, 120});
   const Strategy strategy = DualFrequency{};
@@ -164,14 +188,14 @@ TEST(Reconstructor, AStripeFromElsewhereIsOutsideTheField) {
       }
     }
   });
-  const Reconstruction result = Reconstructor(scanner, strategy, Axis::y)(FrameSet(turned));
-  const auto counts = count_by_validity(result.cloud);
+  const auto counts = count_by_validity(
+      cloud_of(FrameSet(turned), scanner, {.strategy = strategy, .axis = Axis::y}));
   EXPECT_GT(counts[static_cast<std::size_t>(Validity::outside_field)] +
                 counts[static_cast<std::size_t>(Validity::no_point)],
             counts[static_cast<std::size_t>(Validity::valid)] / 4);
 }
 
-TEST(Reconstructor, ACoordinatePastTheFieldIsNoPoint) {
+TEST(Engine, ACoordinatePastTheFieldIsNoPoint) {
   const Scanner scanner = example_scanner({64, 48});
   const DualFrequency strategy{.steps = 4, .high = 8, .low = 0.5};
   constexpr double y = 1.3;
@@ -182,31 +206,41 @@ TEST(Reconstructor, ACoordinatePastTheFieldIsNoPoint) {
       frames.emplace_back(scanner.camera.size, static_cast<std::uint8_t>(std::lround(level)));
     }
   }
-  for (const Backend backend : {Backend::equation, Backend::lut, Backend::fused}) {
-    const Reconstructor reconstruct(scanner, strategy, Axis::x, {.backend = backend});
-    const Reconstruction result = reconstruct(FrameSet(frames));
-    EXPECT_NEAR(result.decoded.coordinate(30, 20), y, 1e-2);
-    EXPECT_EQ(point_count(result.cloud), 0U) << name_of(backend);
+  for (const ReconstructSettings& settings :
+       {ReconstructSettings{.engine = EngineKind::reference, .phase_method = PhaseMethod::equation},
+        ReconstructSettings{.engine = EngineKind::reference, .phase_method = PhaseMethod::tables},
+        ReconstructSettings{.engine = EngineKind::fused}}) {
+    Engine reconstruct(scanner, {.strategy = strategy}, settings);
+    Cloud cloud;
+    Maps maps;
+    const FrameSet set(frames);
+    reconstruct.cloud_and_maps(set, cloud, maps);
+    EXPECT_NEAR(maps.coordinate(30, 20), y, 1e-2);
+    EXPECT_EQ(point_count(cloud), 0U) << reconstruct.backend_for(set);
   }
 }
 
-TEST(Reconstructor, ALargeThresholdLeavesNothing) {
+TEST_P(EngineOfKind, ALargeThresholdLeavesNothing) {
   const Scanner scanner = example_scanner({64, 48});
   const FrameSet frames(FrameSet::Images8(6, Image<std::uint8_t>({64, 48}, 200)));
-  const Reconstructor reconstruct(
-      scanner, DualFrequency{}, Axis::x,
-      {.backend = Backend::fused, .minimum_modulation = 504457810.78437746});
-  EXPECT_EQ(point_count(reconstruct(frames).cloud), 0U);
+  const Cloud cloud = cloud_of(frames, scanner, {.strategy = DualFrequency{}},
+                               {.minimum_modulation = 504457810.78437746});
+  EXPECT_EQ(point_count(cloud), 0U);
 }
 
-TEST(Reconstructor, RefusesWhatCannotGiveDepth) {
+TEST(Engine, RefusesWhatCannotGiveDepth) {
   const Scanner scanner = example_scanner({160, 120});
-  EXPECT_THROW(Reconstructor(scanner, PhaseMeasuring{.steps = 3, .frequency = 8}, Axis::x), Error);
-  EXPECT_THROW(Reconstructor(scanner, DualFrequency{}, Axis::x, {.minimum_modulation = -1}), Error);
-  EXPECT_THROW(Reconstructor(scanner, DualFrequency{}, Axis::x, {.nearest = 10, .farthest = 5}),
-               Error);
+  const Sequence dual{.strategy = DualFrequency{}};
+  const Sequence periods{.strategy = PhaseMeasuring{.steps = 3, .frequency = 8}};
+  EXPECT_THROW(Engine(scanner, periods), Error);
+  EXPECT_THROW(Engine(scanner, dual, {.minimum_modulation = -1}), Error);
+  EXPECT_THROW(Engine(scanner, dual, {.nearest = 10, .farthest = 5}), Error);
   const FrameSet small(FrameSet::Images8(6, Image<std::uint8_t>({80, 60})));
-  EXPECT_THROW(Reconstructor(scanner, DualFrequency{}, Axis::x)(small), Error);
+  for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
+    Engine engine(scanner, dual, {.engine = kind});
+    Cloud cloud;
+    EXPECT_THROW(engine.cloud(small, cloud), Error);
+  }
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/reproduce/unwrapping_tables.h"
-#include "slipstream/reproduce/variance_ratio_tables.h"
 #include "slipstream/strategy/multiplexing_design.h"
+#include "tools/reproduce/unwrapping_tables.h"
+#include "tools/reproduce/variance_ratio_tables.h"
 
 namespace slipstream {
 namespace {
@@ -24,7 +24,7 @@ TEST_P(UnwrappingTable, IsRecomputedImprovedAndPredicted) {
     const PhaseChannelMultiplexing strategy{
         .steps = cell.steps, .high = cell.high, .share = cell.c1, .reference = {}};
     const PatternLight light{.alpha_p = cell.alpha_p, .beta_p = 255 - cell.alpha_p};
-    const double predicted = 100 * predicted_unwrapping(strategy, light, 0.5, -7, 1.55);
+    const double predicted = 100 * predicted_unwrapping(strategy.layout(), light, 0.5, -7, 1.55);
     // The prediction takes the cue of 5 steps for the circle that the published rule cuts open.
     EXPECT_NEAR(predicted, cell.steps < 5 ? cell.recomputed : cell.improved, 0.6);
   }

@@ -1,4 +1,4 @@
-#include "slipstream/reproduce/reproduction.h"
+#include "tools/reproduce/reproduction.h"
 
 #include <cmath>
 #include <set>

@@ -16,18 +16,43 @@ namespace fs = std::filesystem;
 
 using Uses = std::map<std::string, std::set<std::string>>;
 
-/// "phase: error image capture", a line for each room.
-Uses read_rooms() {
+struct Rooms {
   Uses uses;
+  std::set<std::string> private_rooms;  ///< whose headers are not installed
+};
+
+/// "installed phase: error image capture", or "private ...", a line for each room.
+Rooms read_rooms() {
+  Rooms rooms;
   std::ifstream file(SLIPSTREAM_ROOMS_FILE);
   for (std::string line; std::getline(file, line);) {
     std::istringstream words(line);
+    std::string headers;
     std::string room;
-    if (!(words >> room)) continue;
+    if (!(words >> headers >> room)) continue;
     room.pop_back();
-    uses[room] = {std::istream_iterator<std::string>(words), {}};
+    rooms.uses[room] = {std::istream_iterator<std::string>(words), {}};
+    if (headers == "private") rooms.private_rooms.insert(room);
   }
-  return uses;
+  return rooms;
+}
+
+/// The folder slipstream/ of the sources.
+fs::path rooms_folder() {
+  return fs::path(SLIPSTREAM_SOURCE_FOLDER) / "slipstream";
+}
+
+/// The folder below slipstream/ that a file is in, its own or one further up.
+std::string room_of(const fs::path& file) {
+  return *file.lexically_relative(rooms_folder()).begin();
+}
+
+std::vector<fs::path> files_of_rooms() {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(rooms_folder())) {
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  }
+  return files;
 }
 
 std::vector<std::string> included(const std::string& source) {
@@ -43,9 +68,10 @@ std::vector<std::string> included(const std::string& source) {
 /// What a source of `room` includes and may not; empty where all is well.
 std::vector<std::string> forbidden_includes(const std::string& room, const std::string& source,
                                             const Uses& uses) {
-  static const std::set<std::string> heavy_rooms{"calibrate",   "camera",  "io",  "opengl",
-                                                 "performance", "project", "view"};
-  static const std::regex slipstream_header("slipstream/([a-z_]+)/.*");
+  static const std::set<std::string> heavy_rooms{"calibrate", "camera",  "io",
+                                                 "opengl",    "project", "view"};
+  static const std::regex slipstream_header("slipstream/([a-z_]+)/(detail/)?.*");
+  static const std::regex no_library("(app|bench|tests|tools)/.*");
   static const std::regex heavy_library(
       "(opencv2|ceres|yaml-cpp|tiny_obj_loader|pugixml|CLI|nlohmann|GLFW|epoxy|imgui|glm|arv).*");
   std::vector<std::string> forbidden;
@@ -53,12 +79,33 @@ std::vector<std::string> forbidden_includes(const std::string& room, const std::
     std::smatch match;
     if (std::regex_match(header, match, slipstream_header)) {
       const std::string used = match[1];
-      if (used != room && !uses.at(room).contains(used)) forbidden.push_back(header);
+      const bool may = uses.at(room).contains(used) && !match[2].matched;
+      if (used != room && !may) forbidden.push_back(header);
+    } else if (std::regex_match(header, no_library)) {
+      forbidden.push_back(header);
     } else if (std::regex_match(header, heavy_library) && !heavy_rooms.contains(room)) {
       forbidden.push_back(header);
     }
   }
   return forbidden;
+}
+
+/// Whether `header`, as in slipstream/phase/fold.h, is there for programs outside the project.
+bool is_installed(const std::string& header, const Rooms& rooms) {
+  static const std::regex slipstream_header("slipstream/([a-z_]+)/.*\\.h");
+  static const std::regex inner(".*(/detail/.*|-inl\\.h)");
+  std::smatch match;
+  return std::regex_match(header, match, slipstream_header) &&
+         !rooms.private_rooms.contains(match[1]) && !std::regex_match(header, inner);
+}
+
+/// What an installed header includes and those outside the project do not have.
+std::vector<std::string> inner_includes(const std::string& header, const Rooms& rooms) {
+  std::vector<std::string> inner;
+  for (const std::string& used : included(header)) {
+    if (used.starts_with("slipstream/") && !is_installed(used, rooms)) inner.push_back(used);
+  }
+  return inner;
 }
 
 std::string contents(const fs::path& path) {
@@ -73,16 +120,14 @@ bool may_be_off(const std::string& room) {
 }
 
 TEST(Rooms, IncludeOnlyWhatTheyMay) {
-  const Uses uses = read_rooms();
+  const Uses uses = read_rooms().uses;
   int files = 0;
-  for (const auto& entry :
-       fs::recursive_directory_iterator(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "slipstream")) {
-    if (!entry.is_regular_file()) continue;
-    const std::string room = entry.path().parent_path().filename();
+  for (const fs::path& file : files_of_rooms()) {
+    const std::string room = room_of(file);
     if (may_be_off(room) && !uses.contains(room)) continue;
-    ASSERT_TRUE(uses.contains(room)) << entry.path() << " is in no room that CMake knows";
-    for (const std::string& header : forbidden_includes(room, contents(entry.path()), uses)) {
-      ADD_FAILURE() << entry.path() << " includes " << header << ", which " << room << " may not";
+    ASSERT_TRUE(uses.contains(room)) << file << " is in no room that CMake knows";
+    for (const std::string& header : forbidden_includes(room, contents(file), uses)) {
+      ADD_FAILURE() << file << " includes " << header << ", which " << room << " may not";
     }
     ++files;
   }
@@ -90,16 +135,49 @@ TEST(Rooms, IncludeOnlyWhatTheyMay) {
 }
 
 TEST(Rooms, AForbiddenIncludeIsFound) {
-  const Uses uses = read_rooms();
+  const Uses uses = read_rooms().uses;
   EXPECT_TRUE(
       forbidden_includes("phase", "#include \"slipstream/capture/frame_set.h\"", uses).empty());
   EXPECT_EQ(forbidden_includes("phase", "#include \"slipstream/geometry/lens.h\"", uses).size(),
             1U);
   EXPECT_EQ(forbidden_includes("geometry", "#include <opencv2/core.hpp>", uses).size(), 1U);
+  EXPECT_EQ(forbidden_includes("reconstruct", "#include \"tools/bench/timing.h\"", uses).size(),
+            1U);
+  const std::string part = "#include \"slipstream/reconstruct/detail/fused_stages.h\"";
+  EXPECT_TRUE(forbidden_includes("reconstruct", part, uses).empty());
+  EXPECT_EQ(forbidden_includes("live", part, uses).size(), 1U);
+}
+
+TEST(Rooms, InstalledHeadersIncludeInstalledHeaders) {
+  const Rooms rooms = read_rooms();
+  int headers = 0;
+  for (const fs::path& file : files_of_rooms()) {
+    const std::string name = file.lexically_relative(SLIPSTREAM_SOURCE_FOLDER).generic_string();
+    if (!is_installed(name, rooms)) continue;
+    for (const std::string& inner : inner_includes(contents(file), rooms)) {
+      ADD_FAILURE() << name << " includes " << inner << ", which is not installed";
+    }
+    ++headers;
+  }
+  EXPECT_GT(headers, 30);
+}
+
+TEST(Rooms, AnInnerIncludeIsFound) {
+  const Rooms rooms{.uses = {}, .private_rooms = {"kernels"}};
+  EXPECT_FALSE(is_installed("slipstream/phase/detail/fold.h", rooms));
+  EXPECT_FALSE(is_installed("slipstream/phase/fold-inl.h", rooms));
+  EXPECT_FALSE(is_installed("slipstream/phase/fold.cpp", rooms));
+  EXPECT_EQ(
+      inner_includes("#include \"slipstream/phase/fold.h\"\n"
+                     "#include \"slipstream/phase/detail/fold.h\"\n"
+                     "#include \"slipstream/kernels/rows.h\"\n"
+                     "#include <vector>\n",
+                     rooms),
+      (std::vector<std::string>{"slipstream/phase/detail/fold.h", "slipstream/kernels/rows.h"}));
 }
 
 TEST(Rooms, DependOnNoRoomThatDependsOnThem) {
-  const Uses uses = read_rooms();
+  const Uses uses = read_rooms().uses;
   for (const auto& [room, used] : uses) {
     for (const std::string& other : used) {
       ASSERT_TRUE(uses.contains(other)) << room << " uses " << other;

@@ -8,7 +8,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -42,7 +42,7 @@ TEST(VirtualFrames, at_rest_are_those_of_a_scan) {
     const Frame& frame = frames[static_cast<std::size_t>(n)];
     EXPECT_EQ(frame.stamp.sequence, static_cast<std::uint64_t>(n));
     EXPECT_EQ(frame.stamp.pattern_index, n % 4);
-    scan.frames.visit(n % 4, 1, [&]<class Pixel>(const Frames<Pixel>& views) {
+    scan.frames.views().part(n % 4, 1).visit([&]<class Pixel>(const Frames<Pixel>& views) {
       EXPECT_TRUE(std::equal(pixels(frame).begin(), pixels(frame).end(), views[0].row(0)));
     });
   }

@@ -57,7 +57,7 @@ TEST(VirtualRig, AnswersPatternsWithTheFramesOfTheVirtualScanner) {
       const Frame frame = next_frame(rig);
       EXPECT_EQ(frame.stamp.pattern_index, n);
       int worst = 0;
-      scan.frames.visit(n, 1, [&]<class Pixel>(const Frames<Pixel>& views) {
+      scan.frames.views().part(n, 1).visit([&]<class Pixel>(const Frames<Pixel>& views) {
         for (int row = 0; row < 48; ++row) {
           for (int column = 0; column < 64; ++column) {
             worst = std::max(worst, std::abs(static_cast<int>(views[0](column, row)) -

@@ -7,7 +7,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -18,7 +18,7 @@ const PatternSet patterns = pattern_set(PhaseMeasuring{.steps = 3, .frequency = 
 template <class Pixel>
 Image<Pixel> frame(const VirtualScan& scan, int n) {
   Image<Pixel> copy(scan.frames.size());
-  scan.frames.visit(n, 1, [&]<class Stored>(const Frames<Stored>& frames) {
+  scan.frames.views().part(n, 1).visit([&]<class Stored>(const Frames<Stored>& frames) {
     for (int row = 0; row < copy.height(); ++row) {
       for (int column = 0; column < copy.width(); ++column) {
         copy(column, row) = static_cast<Pixel>(frames[0](column, row));

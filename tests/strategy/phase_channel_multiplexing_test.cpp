@@ -8,8 +8,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
-#include "slipstream/strategy/decoder.h"
+#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 namespace {
@@ -44,14 +47,14 @@ struct Shown {
     return FrameSet(std::move(images));
   }
 
-  [[nodiscard]] DecodedScan decoded(Unwrapping unwrapping) const {
+  [[nodiscard]] BasicMaps<double> decoded(CueRule rule) const {
     // The rules weigh channels by their noise: told of more than there is, they rightly choose
     // among orders that a weak cue can hardly tell apart by what is likely beforehand.
     const CueSettings cue{.light = light,
                           .ambient = ambient,
                           .noise_variance = std::max(noise * noise, 1e-6),
-                          .unwrapping = unwrapping};
-    return Decoder(strategy, length, Backend::equation, {}, cue)(frames());
+                          .rule = rule};
+    return Decoder(strategy.layout(), length, PhaseMethod::equation, {}, cue)(frames());
   }
 };
 
@@ -59,10 +62,9 @@ RC_GTEST_PROP(PhaseChannelMultiplexing, GivesTheCoordinateThatWasShown, ()) {
   const int steps = *rc::gen::inRange(3, 10);
   const int high = *rc::gen::inRange(2, 24);
   const double share = 1.0 / high + (1 - 1.0 / high) * *rc::gen::inRange(1, 18) / 20.0;
-  const auto unwrapping =
-      *rc::gen::element(Unwrapping::published, Unwrapping::likelihood, Unwrapping::consensus);
+  const auto rule = *rc::gen::element(CueRule::published, CueRule::likelihood, CueRule::consensus);
   const Shown shown{.strategy = {.steps = steps, .high = high, .share = share, .reference = {}}};
-  const DecodedScan scan = shown.decoded(unwrapping);
+  const BasicMaps<double> scan = shown.decoded(rule);
   for (int i = 0; i < length; ++i) {
     RC_ASSERT(std::abs(scan.coordinate(i, 0) - Shown::coordinate(i)) < 1e-9);
     RC_ASSERT(scan.fringe_order_doubt(i, 0) < 1e-3);
@@ -73,12 +75,11 @@ TEST(PhaseChannelMultiplexing, TakesAnyMonotonicReference) {
   const auto square = [](double y) { return 1 - 2 * y * y; };
   for (const int steps : {3, 4}) {
     const Shown shown{.strategy = {.steps = steps, .high = 6, .share = 0.5, .reference = square}};
-    for (const Unwrapping unwrapping :
-         {Unwrapping::published, Unwrapping::likelihood, Unwrapping::consensus}) {
-      const DecodedScan scan = shown.decoded(unwrapping);
+    for (const CueRule rule : {CueRule::published, CueRule::likelihood, CueRule::consensus}) {
+      const BasicMaps<double> scan = shown.decoded(rule);
       for (int i = 0; i < length; ++i) {
         ASSERT_NEAR(scan.coordinate(i, 0), Shown::coordinate(i), 1e-9)
-            << steps << " steps, " << name_of(unwrapping);
+            << steps << " steps, " << name_of(rule);
       }
     }
   }
@@ -91,9 +92,9 @@ TEST(PhaseChannelMultiplexing, DefaultReferencesAreThePublishedOnes) {
   EXPECT_EQ(three.f_h(), 3);
   EXPECT_EQ(three.c1(), 0.5);
   for (const double y : {0.0, 0.3, 0.9}) {
-    EXPECT_DOUBLE_EQ(three.R(y), 2 * y - 1);
-    EXPECT_DOUBLE_EQ(four.R(y), std::cos(pi * y));
-    EXPECT_NEAR(four.inverse_R(four.R(y)), y, 1e-12);
+    EXPECT_DOUBLE_EQ(three.cue_reference()(y), 2 * y - 1);
+    EXPECT_DOUBLE_EQ(four.cue_reference()(y), std::cos(pi * y));
+    EXPECT_NEAR(four.cue_reference().inverse(four.cue_reference()(y)), y, 1e-12);
     // (3.68) with S[R, 2n, 4] = (-1)^n R
     EXPECT_NEAR(four.shape(1, y),
                 0.5 + 0.3 * std::cos(2 * pi * 6 * y - pi / 2) - 0.2 * std::cos(pi * y), 1e-12);
@@ -120,8 +121,8 @@ TEST(PhaseChannelMultiplexing, RefusesWhatDoesNotPayOrCannotBeTold) {
   EXPECT_THROW(folded.require_valid(), Error);
   folded.reference = [](double y) { return 2 * y; };
   EXPECT_THROW(folded.require_valid(), Error) << "leaves -1 to 1";
-  EXPECT_THROW(unwrapping_named("spatial"), Error);
-  EXPECT_EQ(unwrapping_named("published"), Unwrapping::published);
+  EXPECT_THROW(cue_rule_named("spatial"), Error);
+  EXPECT_EQ(cue_rule_named("published"), CueRule::published);
   EXPECT_THROW(require_valid(CueSettings{.ambient = std::nan("")}), Error);
   EXPECT_THROW(require_valid(CueSettings{.noise_variance = 0}), Error);
 }
@@ -131,7 +132,7 @@ TEST(PhaseChannelMultiplexing, NoiseOfTheCoordinateIsAsPredicted) {
     const Shown shown{.strategy = {.steps = steps, .high = {}, .share = {}, .reference = {}},
                       .noise = std::sqrt(1.55),
                       .rows = 60};
-    const DecodedScan scan = shown.decoded(Unwrapping::consensus);
+    const BasicMaps<double> scan = shown.decoded(CueRule::consensus);
     double square = 0;
     for (int row = 0; row < shown.rows; ++row) {
       for (int i = 0; i < length; ++i) {
@@ -140,15 +141,15 @@ TEST(PhaseChannelMultiplexing, NoiseOfTheCoordinateIsAsPredicted) {
         square += error * error;
       }
     }
-    const double predicted =
-        shown.strategy.coordinate_variance(shown.alpha, shown.light.alpha_p, 1.55);
+    const double modulation = shown.strategy.c1() * shown.alpha * shown.light.alpha_p / 2;
+    const double predicted = coordinate_variance(shown.strategy.layout(), modulation, 1.55);
     EXPECT_NEAR(square / (length * shown.rows) / predicted, 1, 0.03) << steps << " steps";
   }
 }
 
 TEST(PhaseChannelMultiplexing, TheCueOfThreeStepsDoesNotShadeTheTexture) {
   const Shown shown{.strategy = {.steps = 3, .high = {}, .share = {}, .reference = {}}};
-  const DecodedScan scan = shown.decoded(Unwrapping::consensus);
+  const BasicMaps<double> scan = shown.decoded(CueRule::consensus);
   const double A = shown.alpha * (100 + 55 + ambient) + ambient;  // (3.3)
   for (int i = 0; i < length; ++i) ASSERT_NEAR(scan.mean(i, 0), A, 1e-9);
 }

@@ -1,11 +1,11 @@
-#include "slipstream/strategy/strategy.h"
-
+#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace {
@@ -13,10 +13,9 @@ namespace {
 TEST(Strategy, IsMadeFromItsNameAndSettings) {
   const Strategy made =
       make_strategy("dual-frequency", {{"steps", 4}, {"low_steps", 3}, {"high", 8}});
-  const auto& dual = std::get<DualFrequency>(made);
-  EXPECT_EQ(dual.steps, 4);
-  EXPECT_EQ(dual.low_step_count(), 3);
-  EXPECT_EQ(dual.high, 8);
+  EXPECT_EQ(made, Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 8}));
+  EXPECT_EQ(step_counts(made), (std::vector{4, 3}));
+  EXPECT_EQ(highest_frequency(made), 8);
   EXPECT_EQ(frame_count(made), 7);
   EXPECT_EQ(name_of(made), "dual-frequency");
   EXPECT_EQ(settings_of(make_strategy(name_of(made), settings_of(made))), settings_of(made));
@@ -47,6 +46,14 @@ TEST(Strategy, DescribesEverySettingOnce) {
                                    [](const auto& setting) { return setting.name == "steps"; });
   EXPECT_EQ(steps, 1);
   EXPECT_EQ(settings.front().strategies, "pmp, dual-frequency, pcmp");
+}
+
+TEST(Strategy, OffersUsualOnesThatGiveACoordinate) {
+  const std::vector<Strategy> usual = usual_strategies();
+  ASSERT_FALSE(usual.empty());
+  EXPECT_EQ(label_of(usual.front()), "dual-frequency, high 16, low 1, steps 3");
+  EXPECT_TRUE(std::all_of(usual.begin(), usual.end(),
+                          [](const Strategy& strategy) { return has_coordinate(strategy); }));
 }
 
 TEST(Strategy, RefusesFrequenciesThatTheProjectorCannotShow) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/view/point_images.h"
 
 namespace slipstream::view {
@@ -38,6 +40,17 @@ inline MadeUpCloud wall(Size size, float depth) {
       cloud.put(column, row, u * depth, v * depth, depth, 2 * column < size.width ? 200 : 40);
     }
   }
+  return cloud;
+}
+
+/// All of its pixels have points.
+inline Cloud cloud_of(const MadeUpCloud& made_up) {
+  Cloud cloud(made_up.x.size());
+  cloud.x = made_up.x;
+  cloud.y = made_up.y;
+  cloud.z = made_up.z;
+  cloud.intensity = made_up.intensity;
+  std::fill(cloud.validity.begin(), cloud.validity.end(), Validity::valid);
   return cloud;
 }
 

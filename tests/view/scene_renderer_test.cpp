@@ -45,7 +45,7 @@ class SceneRendererTest : public testing::Test {
     scene.set_cloud(cloud.images(), nullptr, settings.colour);
     const opengl::RenderTarget target(size);
     target.bind();
-    scene.draw(settings, {}, {.size = size});
+    scene.draw(settings, 0, {.size = size});
     return opengl::read_pixels(size);
   }
 

@@ -3,8 +3,8 @@
 #include "slipstream/view/viewer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
+#include <memory>
 #include <optional>
 
 #include <GLFW/glfw3.h>
@@ -12,44 +12,30 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/opengl/off_screen.h"
-#include "slipstream/view/live_screen.h"
+#include "slipstream/view/cloud_screen.h"
 #include "tests/opengl/desktop.h"
 #include "tests/view/made_up_cloud.h"
 
 namespace slipstream::view {
 namespace {
 
-using namespace std::chrono_literals;
-
 /// A plate that comes nearer and nearer, a new cloud whenever it is asked for.
 class MovingPlate {
  public:
-  MovingPlate() : clouds_(4, [] { return LiveCloud{}; }) {}
-
-  Pooled<LiveCloud> newest() {
-    Pooled<LiveCloud> cloud = clouds_.take();
-    if (!cloud) return {};
+  ShownCloud newest() {
     const MadeUpCloud plate = wall({64, 48}, 600 - static_cast<float>(given_++ % 100));
-    LiveCloud& filled = cloud.fill();
-    filled.cloud.x = plate.x;
-    filled.cloud.y = plate.y;
-    filled.cloud.z = plate.z;
-    filled.cloud.intensity = plate.intensity;
-    filled.cloud.validity = Image<Validity>(plate.x.size(), Validity::valid);
-    filled.finished = std::chrono::steady_clock::now();
-    return cloud;
+    return {.cloud = std::make_shared<const Cloud>(cloud_of(plate))};
   }
   [[nodiscard]] int given() const { return given_; }
 
  private:
-  Pool<LiveCloud> clouds_;
   int given_ = 0;
 };
 
 ViewSource source_of(MovingPlate& plate, int& shown) {
   ViewSource source;
   source.newest = [&plate] { return plate.newest(); };
-  source.shown = [&shown](const LiveCloud&) { ++shown; };
+  source.shown = [&shown](const ShownCloud&) { ++shown; };
   source.statistics = [] {
     LiveStatistics statistics;
     statistics.frames.captured = 123;
@@ -82,7 +68,7 @@ TEST(RenderScreen, HasTheCloudWithAndWithoutPanel) {
   EXPECT_EQ(shown, 0) << "nothing was on a screen";
 }
 
-class LiveScreenTest : public testing::Test {
+class CloudScreenTest : public testing::Test {
  protected:
   void SetUp() override {
     try {
@@ -92,10 +78,10 @@ class LiveScreenTest : public testing::Test {
     }
     source_ = source_of(plate_, shown_);
   }
-  Image<Colour> drawn(LiveScreen& live, const Screen& screen) {
+  Image<Colour> drawn(CloudScreen& clouds, const Screen& screen) {
     const opengl::RenderTarget target(screen.framebuffer);
     target.bind();
-    for (int pass = 0; pass < 3; ++pass) live.draw(screen);
+    for (int pass = 0; pass < 3; ++pass) clouds.draw(screen);
     return opengl::read_pixels(screen.framebuffer);
   }
   static Screen screen(Size size) { return {.window = size, .framebuffer = size}; }
@@ -106,26 +92,26 @@ class LiveScreenTest : public testing::Test {
   ViewSource source_;
 };
 
-TEST_F(LiveScreenTest, IsDrawnInWindowsOfAnySize) {
-  LiveScreen live(source_, {}, nullptr);
-  EXPECT_TRUE(live.take_newest());
+TEST_F(CloudScreenTest, IsDrawnInWindowsOfAnySize) {
+  CloudScreen clouds(source_, {}, nullptr);
+  EXPECT_TRUE(clouds.take_newest());
   for (const Size size : {Size{640, 480}, Size{1280, 800}, Size{200, 900}, Size{1, 1}}) {
-    EXPECT_EQ(drawn(live, screen(size)).size(), size);
+    EXPECT_EQ(drawn(clouds, screen(size)).size(), size);
   }
-  live.state().shown = false;
-  EXPECT_GT(bright_pixels(drawn(live, screen({640, 480}))), 2000);
+  clouds.state().shown = false;
+  EXPECT_GT(bright_pixels(drawn(clouds, screen({640, 480}))), 2000);
 }
 
-TEST_F(LiveScreenTest, IsAsLargeOnHiDpi) {
-  LiveScreen live(source_, {}, nullptr);
-  live.take_newest();
+TEST_F(CloudScreenTest, IsAsLargeOnHiDpi) {
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
   // Where windows are told to be larger themselves, and where the desktop does it behind them.
   const Screen by_window{.window = {1280, 960}, .framebuffer = {1280, 960}, .content_scale = 2};
   const Screen by_desktop{.window = {640, 480}, .framebuffer = {1280, 960}, .content_scale = 2};
   EXPECT_FLOAT_EQ(by_window.unit(), 2);
   EXPECT_FLOAT_EQ(by_desktop.unit(), 1);
   EXPECT_FLOAT_EQ(by_desktop.pixel_ratio(), 2);
-  const Image<Colour> first = drawn(live, by_window), second = drawn(live, by_desktop);
+  const Image<Colour> first = drawn(clouds, by_window), second = drawn(clouds, by_desktop);
   ASSERT_EQ(first.size(), second.size());
   int different = 0;
   for (std::size_t i = 0; i < first.pixel_count(); ++i) {
@@ -134,23 +120,23 @@ TEST_F(LiveScreenTest, IsAsLargeOnHiDpi) {
   EXPECT_LT(different, 1280 * 960 / 50);
 }
 
-TEST_F(LiveScreenTest, TellsOnceThatACloudIsShown) {
-  LiveScreen live(source_, {}, nullptr);
-  live.take_newest();
-  live.tell_shown();
-  live.tell_shown();
+TEST_F(CloudScreenTest, TellsOnceThatACloudIsShown) {
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
+  clouds.tell_shown();
+  clouds.tell_shown();
   EXPECT_EQ(shown_, 1);
 }
 
-TEST_F(LiveScreenTest, TakesNoCloudWhilePaused) {
-  LiveScreen live(source_, {}, nullptr);
-  live.take_newest();
+TEST_F(CloudScreenTest, TakesNoCloudWhilePaused) {
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
   const int given = plate_.given();
-  live.state().paused = true;
-  EXPECT_FALSE(live.take_newest());
+  clouds.state().paused = true;
+  EXPECT_FALSE(clouds.take_newest());
   EXPECT_EQ(plate_.given(), given);
-  live.state().paused = false;
-  EXPECT_TRUE(live.take_newest());
+  clouds.state().paused = false;
+  EXPECT_TRUE(clouds.take_newest());
 }
 
 TEST(Viewer, ShowsMovingCloudsIsResizedAndClosesWhileTheyStream) {

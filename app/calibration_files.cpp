@@ -1,0 +1,66 @@
+#include "app/calibration_files.h"
+
+#include <fmt/format.h>
+
+#include "app/progress.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/photometric_file.h"
+#include "slipstream/io/saved_scan.h"
+
+namespace slipstream::app {
+namespace fs = std::filesystem;
+
+void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
+  command.add_option("--scanner", files.scanner,
+                     "scanner file to add to; where not that of scan.yaml");
+  command.add_option("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
+}
+
+void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
+                   CalibrationFiles& files, Output& output,
+                   const std::function<void(const Scan& scan, const std::string& folder)>& take) {
+  Progress progress("scans", static_cast<int>(folders.size()));
+  for (const std::string& folder : folders) {
+    const ScanFiles described = describe(folder, flags);
+    const Scan scan = load_frames(described);
+    for (const std::string& warning : scan.warnings) output.warn(warning);
+    if (!files.scanner && described.scanner) files.scanner = described.scanner->string();
+    try {
+      take(scan, folder);
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      throw Error(message.starts_with(folder) ? message : fmt::format("{}: {}", folder, message));
+    }
+    progress.advance();
+  }
+}
+
+ScanAverage averaged_scans(const std::vector<std::string>& folders, const ScanFlags& flags,
+                           CalibrationFiles& files, Output& output) {
+  ScanAverage average;
+  for_each_scan(folders, flags, files, output,
+                [&](const Scan& scan, const std::string& folder) { average.add(scan, folder); });
+  return average;
+}
+
+void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
+                       Output& output) {
+  require_valid(found);
+  if (files.output.empty()) {
+    output.say("nothing was asked to be written; -o scanner.yaml writes it into a scanner file");
+    return;
+  }
+  std::optional<fs::path> from;
+  if (files.scanner) from = *files.scanner;
+  write_photometric_calibration(from, files.output, found);
+  output.document["output"] = files.output;
+  output.say("{}: written{}", files.output,
+             from ? fmt::format(", with all that {} holds", from->string()) : "");
+}
+
+BarPlot bar_plot(const std::string& title, const std::string& unit, const Histogram& counted) {
+  return {title,       unit,         "pixels",
+          counted.low, counted.high, {counted.counts.begin(), counted.counts.end()}};
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "app/output.h"
+#include "app/scan_flags.h"
+#include "slipstream/gamma/measurement.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/photometry/scan_average.h"
+#include "slipstream/plot/plot.h"
+
+namespace slipstream::app {
+
+/// Where to write a calibration: `-o`, into what `--scanner` or the first scan names.
+struct CalibrationFiles {
+  std::optional<std::string> scanner;
+  std::string output;
+};
+
+/// Adds --scanner and -o.
+void add_calibration_files(CLI::App& command, CalibrationFiles& files);
+
+/// Calls `take` with the frames of each folder and what they show, as scan.yaml and the flags say
+/// it. Where `files` names no scanner, the first scan's is the one to add to.
+void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
+                   CalibrationFiles& files, Output& output,
+                   const std::function<void(const Scan& scan, const std::string& folder)>& take);
+
+/// The mean of the scans in those folders.
+ScanAverage averaged_scans(const std::vector<std::string>& folders, const ScanFlags& flags,
+                           CalibrationFiles& files, Output& output);
+
+/// Writes what was found where it is asked for, and says so.
+void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
+                       Output& output);
+
+/// How many pixels have which value.
+BarPlot bar_plot(const std::string& title, const std::string& unit, const Histogram& counted);
+
+}  // namespace slipstream::app

@@ -1,0 +1,23 @@
+#include "app/source_flags.h"
+
+namespace slipstream::app {
+
+SourceRequest request_from(const SourceFlags& flags, bool marker) {
+  SourceRequest request{.source = flags.source,
+                        .rate = flags.rate,
+                        .loop = flags.loop,
+                        .marker = marker,
+                        .sequence = changes_from(flags.scan)};
+  if (flags.scanner) request.scanner = *flags.scanner;
+  const std::string scheme = scheme_of(flags.source);
+  if (scheme == "virtual") {
+    VirtualFlags world = flags.virtual_scanner;
+    world.scanner = flags.scanner;
+    request.world = world_from(world);
+  } else if (scheme != "replay") {
+    request.camera = camera_settings(flags.camera);
+  }
+  return request;
+}
+
+}  // namespace slipstream::app

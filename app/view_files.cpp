@@ -1,0 +1,57 @@
+#include "app/view_files.h"
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/view/view_settings.h"
+
+namespace slipstream::app {
+namespace {
+
+void draw(const view::ViewSource& source, const ViewFlags& flags, view::Surround surround,
+          const char* name, const std::string& path, Output& output) {
+  if (path.empty()) return;
+  if (!source.newest()) {
+    throw WorldError(fmt::format("{}: no cloud came that could be drawn", path));
+  }
+  write_picture(name, path,
+                view::render_screen(source, view_settings_from(flags), size_from(flags), surround),
+                output);
+}
+
+}  // namespace
+
+std::string save_in_new_folder(const view::ShownCloud& shown, const EngineSetup& setup,
+                               const ViewFlags& flags) {
+  Sequence sequence = setup.sequence;
+  if (shown.frames.count() != frame_count(sequence.strategy)) {
+    throw Error("the frames shown are not of the strategy looked for");
+  }
+  sequence.projector = setup.scanner.projector.size;
+  sequence.marker = false;
+  Cloud cloud;
+  Maps maps;
+  Engine(setup).cloud_and_maps(shown.frames, cloud, maps);
+  const std::filesystem::path folder = path_named_by_time(flags.save_to, "scan", "");
+  save_scan(folder, shown.frames, sequence, setup.scanner);
+  save_results(folder, cloud, maps);
+  return folder.string();
+}
+
+void write_picture(const char* name, const std::string& path, const Image<Colour>& picture,
+                   Output& output) {
+  write_image(path, picture);
+  output.say("{}: {}", name, path);
+  output.document["files"][name] = path;
+}
+
+void write_snapshot(const view::ViewSource& source, const ViewFlags& flags, Output& output) {
+  draw(source, flags, view::Surround::nothing, "snapshot", flags.snapshot, output);
+}
+
+void write_screenshot(const view::ViewSource& source, const ViewFlags& flags, Output& output) {
+  draw(source, flags, view::Surround::panel, "screenshot", flags.screenshot, output);
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,55 @@
+# Where the libraries come from that rooms link. The build reads this, and so does the installed
+# package, so that a program finds what the rooms it asks for need and nothing else.
+set(slipstream_libraries
+  # target                       pkg-config      find_package (without: found with pkg-config)
+  "Eigen3::Eigen                 eigen3          Eigen3"
+  "fmt::fmt                      fmt             fmt"
+  "TBB::tbb                      tbb             TBB"
+  "hwy::hwy                      libhwy          hwy"
+  "opencv_core                   opencv4         OpenCV COMPONENTS core"
+  "opencv_imgproc                opencv4         OpenCV COMPONENTS imgproc"
+  "opencv_imgcodecs              opencv4         OpenCV COMPONENTS imgcodecs"
+  "opencv_calib3d                opencv4         OpenCV COMPONENTS calib3d"
+  "opencv_features2d             opencv4         OpenCV COMPONENTS features2d"
+  "opencv_aruco                  opencv4         OpenCV COMPONENTS aruco"
+  "opencv_structured_light       opencv4         OpenCV OPTIONAL_COMPONENTS structured_light"
+  "yaml-cpp                      yaml-cpp        yaml-cpp"
+  "pugixml::pugixml              pugixml         pugixml"
+  "tinyobjloader::tinyobjloader  tinyobjloader   tinyobjloader"
+  "ZLIB::ZLIB                    zlib            ZLIB"
+  "Ceres::ceres                  -lceres         Ceres"
+  "PkgConfig::aravis             aravis-0.8"
+  "glfw                          glfw3           glfw3"
+  "PkgConfig::epoxy              epoxy"
+  "PkgConfig::imgui              imgui")
+
+# The words of the library's line above, less the target.
+function(slipstream_library_origin library result)
+  foreach(line IN LISTS slipstream_libraries)
+    separate_arguments(words UNIX_COMMAND "${line}")
+    list(POP_FRONT words target)
+    if(target STREQUAL library)
+      set(${result} ${words} PARENT_SCOPE)
+      return()
+    endif()
+  endforeach()
+  message(FATAL_ERROR "cmake/libraries.cmake does not say where ${library} comes from")
+endfunction()
+
+# slipstream_find_library(TBB::tbb REQUIRED), or QUIET: afterwards the target exists, if it can.
+function(slipstream_find_library library mode)
+  if(TARGET ${library})
+    return()
+  endif()
+  slipstream_library_origin(${library} origin)
+  list(POP_FRONT origin module)
+  if(origin)
+    find_package(${origin} ${mode})
+  else()
+    find_package(PkgConfig ${mode})
+    if(PkgConfig_FOUND)
+      string(REPLACE "PkgConfig::" "" prefix ${library})
+      pkg_check_modules(${prefix} ${mode} IMPORTED_TARGET ${module})
+    endif()
+  endif()
+endfunction()

@@ -1,0 +1,19 @@
+// A scan folder to a cloud in one call: folder_to_cloud SCAN CLOUD.ply
+#include <cstdio>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/reconstruct/engine.h"
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 2;
+  try {
+    const slipstream::Cloud cloud = slipstream::reconstruct(slipstream::load_scan(argv[1]));
+    slipstream::write_cloud(argv[2], cloud);
+    std::printf("%zu points\n", slipstream::point_count(cloud));
+  } catch (const slipstream::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,36 @@
+// The live pipeline: each new frame gives a cloud of the newest four, handed to a function.
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <thread>
+
+#include "slipstream/live/live_pipeline.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_camera.h"
+#include "slipstream/strategy/registry.h"
+
+using namespace slipstream;
+
+int main() {
+  const Scanner scanner = example_scanner({320, 240});
+  const Sequence sequence{.strategy = make_strategy("pmp", {{"steps", 4}})};
+  auto camera = std::make_unique<VirtualCamera>(
+      virtual_frames(scanner, scene_named("statue", scanner), pattern_set(sequence),
+                     {.ambient = 5, .noise_variance = 1.55, .bits = 8}, 4),
+      200.0);  // frames per second
+
+  std::atomic<std::size_t> points = 0;
+  LiveSettings settings;
+  settings.most_frames = 100;
+  settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { points = point_count(cloud->cloud); };
+
+  LivePipeline pipeline(std::move(camera), {scanner, sequence}, settings);
+  pipeline.start();
+  while (pipeline.running()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  pipeline.stop();
+  const LiveStatistics statistics = pipeline.statistics();
+  std::printf("%llu clouds, the last of %zu points, half of them within %.1f ms of capture\n",
+              static_cast<unsigned long long>(statistics.clouds), points.load(),
+              statistics.latency.p50);
+}

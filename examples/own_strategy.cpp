@@ -1,0 +1,48 @@
+// A coding that slipstream does not know, declared as a layout and run by the fused engine: two
+// frames a quarter of a period apart and a flat one between them (2+1 phase shifting).
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string_view>
+
+#include "slipstream/error/error.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+using namespace slipstream;
+
+struct TwoPlusOne {
+  static constexpr std::string_view name = "two-plus-one";
+  double frequency = 1;
+
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit("frequency", "periods across the projector field", self.frequency);
+  }
+  void require_valid() const {
+    if (!(frequency > 0 && frequency <= 1)) throw Error("two-plus-one: at most one period");
+  }
+  [[nodiscard]] double shape(int n, double y) const {
+    const double phase = 2 * std::numbers::pi * frequency * y;
+    return n == 0 ? 0.5 + 0.5 * std::cos(phase) : n == 1 ? 0.5 + 0.5 * std::sin(phase) : 0.5;
+  }
+  [[nodiscard]] Layout layout() const {
+    return {
+        .frames = 3,
+        .bands = {
+            {.periods = frequency, .cosine = {1, 0, -1}, .sine = {0, 1, -1}, .mean = {0, 0, 1}}}};
+  }
+};
+
+int main() {
+  const Scanner scanner = example_scanner({640, 480});
+  const Sequence sequence{.strategy = TwoPlusOne{}};
+  const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner), pattern_set(sequence),
+                                     {.ambient = 5, .noise_variance = 1.55, .bits = 8});
+  Engine engine(scanner, sequence);
+  Cloud cloud;
+  engine.cloud(scan.frames, cloud);
+  std::printf("%zu points by the %s engine\n", point_count(cloud),
+              engine.backend_for(scan.frames).c_str());
+}

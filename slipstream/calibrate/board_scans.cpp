@@ -1,0 +1,85 @@
+#include "slipstream/calibrate/board_scans.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+void require_count(const fs::path& folder, std::size_t count, int wanted, const char* what) {
+  if (static_cast<int>(count) == wanted) return;
+  throw Error(fmt::format("{}: {} frames, but {} takes {}", folder.string(), count, what, wanted));
+}
+
+ScanFiles one_axis(const fs::path& folder, const AmendScan& amend, Axis axis) {
+  ScanFiles scan = scan_files_in(folder);
+  if (fs::exists(folder / "scan.yaml") && scan.sequence.axis != axis) {
+    throw Error(fmt::format("{}: scan.yaml says axis {}, but the folder is for axis {}",
+                            folder.string(), name_of(scan.sequence.axis), name_of(axis)));
+  }
+  amend(scan, folder);
+  scan.sequence.axis = axis;
+  require_count(folder, scan.frames.size(), frame_count(scan.sequence.strategy),
+                "a scan with these steps");
+  return scan;
+}
+
+BoardScans both_in_one(const fs::path& folder, const AmendScan& amend, Axis first_axis) {
+  ScanFiles first;
+  amend(first, folder);
+  ScanFiles second = first;
+  first.sequence.axis = first_axis;
+  second.sequence.axis = first_axis == Axis::x ? Axis::y : Axis::x;
+  const std::vector<fs::path> pictures = images_in_folder(folder);
+  const int each = frame_count(first.sequence.strategy);
+  require_count(folder, pictures.size(), 2 * each, "a scan along x and one along y");
+  first.frames.assign(pictures.begin(), pictures.begin() + each);
+  second.frames.assign(pictures.begin() + each, pictures.end());
+  if (first_axis == Axis::y) std::swap(first, second);
+  return {folder.filename().string(), std::move(first), std::move(second)};
+}
+
+/// What `calibrate geometry --report` leaves, which may be beside the poses.
+bool is_report(const fs::path& folder) {
+  return fs::exists(folder / "report.md");
+}
+
+BoardScans pose_in(const fs::path& folder, const AmendScan& amend, Axis first_axis) {
+  if (fs::is_directory(folder / "x") && fs::is_directory(folder / "y")) {
+    return {folder.filename().string(), one_axis(folder / "x", amend, Axis::x),
+            one_axis(folder / "y", amend, Axis::y)};
+  }
+  return both_in_one(folder, amend, first_axis);
+}
+
+}  // namespace
+
+std::vector<BoardScans> board_scans(const fs::path& folder, const AmendScan& amend,
+                                    Axis first_axis) {
+  if (!fs::is_directory(folder)) {
+    throw Error(fmt::format("{}: no such folder; one folder for each pose of the board is wanted",
+                            folder.string()));
+  }
+  std::vector<fs::path> folders;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory() && !is_report(entry.path())) folders.push_back(entry.path());
+  }
+  std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
+    return before_in_order(a.filename().string(), b.filename().string());
+  });
+  if (folders.empty()) {
+    throw Error(fmt::format("{}: no folder in it; one for each pose of the board is wanted",
+                            folder.string()));
+  }
+  std::vector<BoardScans> poses;
+  poses.reserve(folders.size());
+  for (const fs::path& pose : folders) poses.push_back(pose_in(pose, amend, first_axis));
+  return poses;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/strategy/sequence.h"
+
+namespace slipstream {
+
+/// Writes patterns as pictures for a projector of that many bits, as pattern_file names them, into
+/// a folder, which is made, and a scan.yaml that says that they show `sequence`. Returns the
+/// pictures; `written` is called after each. Throws Error for bits that no projector has.
+std::vector<std::filesystem::path> write_patterns(const std::filesystem::path& folder,
+                                                  const PatternSet& patterns,
+                                                  const Sequence& sequence, int bits,
+                                                  const std::function<void()>& written);
+
+}  // namespace slipstream

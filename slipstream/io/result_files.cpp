@@ -1,0 +1,70 @@
+#include "slipstream/io/result_files.h"
+
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/preview.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::string_view placeholder = "{name}";
+
+void write_map_if_asked(const std::string& path, const Image<float>& map) {
+  if (!path.empty()) write_map(path, map);
+}
+
+}  // namespace
+
+std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
+  std::vector<std::pair<const char*, std::string>> asked{
+      {"cloud", cloud},           {"depth", depth}, {"coordinate", coordinate}, {"phase", phase},
+      {"modulation", modulation}, {"mean", mean},   {"preview", preview}};
+  std::erase_if(asked, [](const auto& file) { return file.second.empty(); });
+  return asked;
+}
+
+bool ResultFiles::any_map() const {
+  return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty());
+}
+
+ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& folder) {
+  const std::string name = std::filesystem::absolute(folder / "").parent_path().filename().string();
+  ResultFiles filled = files;
+  for (std::string* const path : {&filled.cloud, &filled.depth, &filled.coordinate, &filled.phase,
+                                  &filled.modulation, &filled.mean, &filled.preview}) {
+    for (std::size_t at = path->find(placeholder); at != std::string::npos;
+         at = path->find(placeholder, at + name.size())) {
+      path->replace(at, placeholder.size(), name);
+    }
+  }
+  return filled;
+}
+
+void require_writable(const ResultFiles& files, std::size_t scans) {
+  if (!files.cloud.empty()) require_cloud_ending(files.cloud);
+  for (const auto& [name, path] : files.named()) {
+    if (scans > 1 && path.find(placeholder) == std::string::npos) {
+      throw Error(
+          fmt::format("{}: several scans cannot all be written to it; put {{name}} in its "
+                      "path, which stands for each scan's folder",
+                      path));
+    }
+  }
+}
+
+void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
+                   const CloudExtras& extras) {
+  if (!files.cloud.empty()) write_cloud(files.cloud, cloud, extras);
+  write_map_if_asked(files.depth, cloud.z);
+  write_map_if_asked(files.coordinate, maps.coordinate);
+  write_map_if_asked(files.phase, maps.wrapped_phase);
+  write_map_if_asked(files.modulation, maps.modulation);
+  write_map_if_asked(files.mean, maps.mean);
+  if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
+}
+
+}  // namespace slipstream

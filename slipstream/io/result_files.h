@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slipstream/cloud/maps.h"
+#include "slipstream/io/cloud_file.h"
+
+namespace slipstream {
+
+/// Where to write what was made of a scan; a path that is empty: not at all.
+struct ResultFiles {
+  std::string cloud{}, depth{}, coordinate{}, phase{}, modulation{}, mean{}, preview{};
+
+  /// Those that are not empty, each with its name above.
+  [[nodiscard]] std::vector<std::pair<const char*, std::string>> named() const;
+  /// Whether a map is among them that the cloud does not hold.
+  [[nodiscard]] bool any_map() const;
+};
+
+/// The files of one scan of several: "{name}" in a path stands for the name of the scan's folder.
+ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& folder);
+
+/// Throws Error for a cloud of unknown ending, or a path without "{name}" where there are several
+/// scans.
+void require_writable(const ResultFiles& files, std::size_t scans);
+
+/// Writes them: cloud with its extras, depth in mm, the maps as TIFF of 32-bit float, the preview
+/// as PNG. Throws as the writer of each.
+void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
+                   const CloudExtras& extras = {});
+
+}  // namespace slipstream

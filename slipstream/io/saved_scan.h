@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/maps.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/scan/scan.h"
+
+namespace slipstream {
+
+/// The frames of a scan and what they show, without its scanner. Throws Error, naming the folder of
+/// the frames, where they cannot be read or are not as many as the strategy's.
+Scan load_frames(const ScanFiles& files);
+
+/// What one camera took: frames, sequence and the scanner that `files` names, completed by what
+/// else is known and checked against it. Throws Error where anything of it cannot be read or does
+/// not fit together; a scan without scanner is no error.
+Scan load_scan(const ScanFiles& files);
+
+/// Adds what a further camera took of the same patterns at the same time. Throws Error as well
+/// where it was told of others.
+void add_camera(Scan& scan, const ScanFiles& files);
+
+/// The whole scan in a folder with a scan.yaml, that of a second camera with it. Throws Error as
+/// well where there is no scan.yaml.
+Scan load_scan(const std::filesystem::path& folder);
+
+/// Where the frames of a scan go: frame_00.png, ...; .tiff where they are not quantised.
+std::vector<std::filesystem::path> frame_names(const std::filesystem::path& folder,
+                                               const FrameViews& frames);
+
+/// Writes a scan into a folder, which is made: its frames, scan.yaml, and scanner.yaml where the
+/// scanner is known, or `scanner_file` in its place, which is there already. Returns what scan.yaml
+/// says.
+ScanFiles save_scan(const std::filesystem::path& folder, const FrameViews& frames,
+                    const Sequence& sequence, const std::optional<Scanner>& scanner,
+                    const std::optional<std::filesystem::path>& scanner_file = std::nullopt);
+
+/// Writes what was made of a scan beside it: cloud.ply, depth.tiff, coordinate.tiff, phase.tiff,
+/// modulation.tiff, mean.tiff and preview.png.
+void save_results(const std::filesystem::path& folder, const Cloud& cloud, const Maps& maps);
+
+/// A path in `parent` that is not there yet, named by the time: "WHAT-20260131-142530ENDING", with
+/// -2, -3 and so on before the ending where there is one already.
+std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,
+                                         std::string_view ending);
+
+/// RMS of depth minus the truth that the virtual scanner wrote beside a scan, truth/depth.tiff,
+/// over the points that have both, mm; none where there is no truth or no such point. Throws Error
+/// where it is of another size.
+std::optional<double> error_against_truth(const std::filesystem::path& folder, const Cloud& cloud);
+
+}  // namespace slipstream

@@ -1,0 +1,155 @@
+// Vectors of pixels, several at a time. Included once for each vector target.
+#if defined(SLIPSTREAM_KERNELS_VECTORS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SLIPSTREAM_KERNELS_VECTORS_INL_H_
+#undef SLIPSTREAM_KERNELS_VECTORS_INL_H_
+#else
+#define SLIPSTREAM_KERNELS_VECTORS_INL_H_
+#endif
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+#include <hwy/cache_control.h>
+#include <hwy/highway.h>
+
+/// For lambdas: of the target's instructions, and always written out where they are called.
+#ifndef SLIPSTREAM_STEP
+#define SLIPSTREAM_STEP HWY_ATTR __attribute__((always_inline))
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace slipstream::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using FloatTag = hn::ScalableTag<float>;
+using IntTag = hn::RebindToSigned<FloatTag>;
+using Floats = hn::Vec<FloatTag>;
+using Ints = hn::Vec<IntTag>;
+using FloatMask = hn::Mask<FloatTag>;
+
+/// Calls `body(i)` for the vectors of a row; the last overlaps the one before it where the width is
+/// no multiple.
+template <class Body>
+HWY_INLINE void for_each_vector(int width, const Body& body) {
+  const auto count = static_cast<std::size_t>(width);
+  const std::size_t lanes = hn::Lanes(FloatTag());
+  // One place that calls, so that the body is inlined and its constants stay in registers.
+  for (std::size_t next = 0; next < count; next += lanes) body(std::min(next, count - lanes));
+}
+
+/// Vectors that are worked on together: each operation of one waits for the one before it, and the
+/// others fill the wait.
+#if HWY_MAX_BYTES == 64
+inline constexpr std::size_t at_once = 4;
+#else
+inline constexpr std::size_t at_once = 2;
+#endif
+
+template <std::size_t count>
+using Together = std::integral_constant<std::size_t, count>;
+
+/// Calls `body(Together<count>(), i)` for `count` vectors from pixel i on, all the vectors of a
+/// row. The last overlap those before them where the width is no multiple.
+template <class Body>
+HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
+  const std::size_t lanes = hn::Lanes(FloatTag()), together = at_once * lanes;
+  std::size_t i = 0;
+  for (; i + together <= width; i += together) body(Together<at_once>(), i);
+  for (; i < width; i += lanes) body(Together<1>(), std::min(i, width - lanes));
+}
+
+/// An array of them; that of the standard library is not compiled for each target.
+template <std::size_t count, class Vector = Floats>
+class Several {
+ public:
+  HWY_INLINE Several() {}
+  HWY_INLINE Vector& operator[](std::size_t k) { return vectors_[k]; }
+  HWY_INLINE const Vector& operator[](std::size_t k) const { return vectors_[k]; }
+
+ private:
+  Vector vectors_[count];  // NOLINT(modernize-avoid-c-arrays)
+};
+
+/// One step of the work on each of them, written out so that all stay in registers.
+template <std::size_t count, class Step>
+HWY_INLINE void each(const Step& step) {
+  HWY_UNROLL(16) for (std::size_t k = 0; k < count; ++k) step(k);
+}
+
+/// Past the cache a picture that does not fit in it is not read before it is written. `to` is then
+/// aligned to eight floats.
+HWY_INLINE void store(Floats values, float* to, bool past_cache) {
+  const FloatTag d;
+  if (!past_cache) return hn::StoreU(values, d, to);
+#if HWY_MAX_BYTES == 64
+  if (reinterpret_cast<std::uintptr_t>(to) % 64 != 0) {
+    const hn::Half<FloatTag> half;
+    hn::Stream(hn::LowerHalf(half, values), half, to);
+    return hn::Stream(hn::UpperHalf(half, values), half, to + hn::Lanes(half));
+  }
+#endif
+  hn::Stream(values, d, to);
+}
+
+/// Fetches what will be written a little later than `to`: a store waits for the line that it
+/// changes.
+template <class Value>
+HWY_INLINE void fetch_ahead(const Value* to, bool past_cache) {
+  constexpr std::uintptr_t bytes_ahead = 512;  // past the end of an array, too: it is not read
+  if (past_cache) return;
+  hwy::Prefetch(reinterpret_cast<const Value*>(reinterpret_cast<std::uintptr_t>(to) + bytes_ahead));
+}
+
+/// a / b to one unit in the last place or two, by the approximate reciprocal and one correction:
+/// a third of a division's time.
+HWY_INLINE Floats quotient(Floats a, Floats b) {
+#if HWY_ARCH_X86
+  const Floats r = hn::ApproximateReciprocal(b);
+  const Floats q = hn::Mul(a, r);
+  return hn::MulAdd(r, hn::NegMulAdd(b, q, a), q);
+#else
+  return hn::Div(a, b);
+#endif
+}
+
+/// 1 / b as `quotient` has it.
+HWY_INLINE Floats reciprocal(Floats b) {
+  const Floats one = hn::Set(FloatTag(), 1.0F);
+#if HWY_ARCH_X86
+  const Floats r = hn::ApproximateReciprocal(b);
+  return hn::MulAdd(r, hn::NegMulAdd(b, r, one), r);
+#else
+  return hn::Div(one, b);
+#endif
+}
+
+/// a / b of each.
+template <std::size_t count>
+HWY_INLINE Several<count> quotients(const Several<count>& a, const Several<count>& b) {
+  Several<count> q;
+#if HWY_ARCH_X86
+  Several<count> r;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { r[k] = hn::ApproximateReciprocal(b[k]); });
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { q[k] = hn::Mul(a[k], r[k]); });
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    q[k] = hn::MulAdd(r[k], hn::NegMulAdd(b[k], q[k], a[k]), q[k]);
+  });
+#else
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { q[k] = hn::Div(a[k], b[k]); });
+#endif
+  return q;
+}
+
+/// sum = sum x + c of each.
+template <std::size_t count>
+HWY_INLINE void add_term(Several<count>& sum, const Several<count>& x, float c) {
+  each<count>([&](std::size_t k)
+                  SLIPSTREAM_STEP { sum[k] = hn::MulAdd(sum[k], x[k], hn::Set(FloatTag(), c)); });
+}
+
+}  // namespace slipstream::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,269 @@
+#include "slipstream/pattern/layout.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double rounding = 1e-9;
+
+double sum_of(const std::vector<double>& weights) {
+  return std::accumulate(weights.begin(), weights.end(), 0.0);
+}
+
+bool is_near(double a, double b) {
+  return std::abs(a - b) <= rounding;
+}
+
+void require_monotonic(const std::function<double(double)>& reference) {
+  constexpr int samples = 256;
+  const auto place = [](int i) { return static_cast<double>(i) / samples; };
+  const double direction = reference(1) > reference(0) ? 1 : -1;
+  for (int i = 0; i <= samples; ++i) {
+    const double value = reference(place(i));
+    const double next = reference(place(std::min(i + 1, samples)));
+    if (!(std::abs(value) <= 1) || (i < samples && !(direction * (next - value) > 0))) {
+      throw Error(
+          fmt::format("the reference is {} at y = {}; it rises or falls throughout, within -1 to 1",
+                      value, place(i)));
+    }
+  }
+}
+
+void require_weights(const std::vector<double>& weights, int frames, double response,
+                     std::string_view name, std::string_view what) {
+  const bool finite = std::all_of(weights.begin(), weights.end(),
+                                  [](double weight) { return std::isfinite(weight); });
+  if (static_cast<int>(weights.size()) != frames || !finite) {
+    throw Error(fmt::format("{}: {} has {} weights; it takes a finite one for each of {} frames",
+                            name, what, weights.size(), frames));
+  }
+  if (!is_near(sum_of(weights), response)) {
+    throw Error(fmt::format("{}: the weights of {} add up to {}, but must to {}", name, what,
+                            sum_of(weights), response));
+  }
+}
+
+void require_valid(const Band& band, int frames, std::string_view name) {
+  if (!(band.periods > 0 && std::isfinite(band.periods))) {
+    throw Error(fmt::format("{}: {} periods are out of range; above 0", name, band.periods));
+  }
+  if (!(band.share > 0 && band.share <= 1)) {
+    throw Error(fmt::format("{}: share {} is out of range; above 0, at most 1", name, band.share));
+  }
+  require_weights(band.cosine, frames, 0, name, "a cosine");
+  require_weights(band.sine, frames, 0, name, "a sine");
+  require_weights(band.mean, frames, 1, name, "a mean");
+}
+
+void require_hierarchy(const Layout& layout, std::string_view name) {
+  if (least_periods(layout) > 1) {
+    throw Error(
+        fmt::format("{}: no band has at most 1 period, from which the others are unwrapped", name));
+  }
+  double before = 0;
+  for (const std::size_t i : coarse_to_fine(layout)) {
+    const double ratio = before == 0 ? 1 : layout.bands[i].periods / before;
+    if (!is_near(ratio, std::round(ratio))) {
+      throw Error(fmt::format("{}: {} periods are no whole multiple of {}", name,
+                              layout.bands[i].periods, before));
+    }
+    before = layout.bands[i].periods;
+  }
+}
+
+void require_cue(const Layout& layout, std::string_view name) {
+  if (layout.cue) {
+    const double dc = layout.cue->dc();
+    require_weights(layout.cue->weights, layout.frames, dc, name, "the cue");
+    if (!is_near(dc, 0) && !is_near(dc, 1)) {
+      throw Error(fmt::format("{}: the cue's weights add up to {}; to 0 or 1", name, dc));
+    }
+    if (!(layout.cue->share > 0 && layout.cue->share < 1)) {
+      throw Error(fmt::format("{}: the cue's share {} is out of range; above 0, below 1", name,
+                              layout.cue->share));
+    }
+    if (layout.bands.size() != 1) {
+      throw Error(fmt::format("{}: a cue with {} bands; it takes one", name, layout.bands.size()));
+    }
+  } else if (layout.bands.size() != 2 || layout.bands[1].periods != 1) {
+    throw Error(fmt::format("{}: no cue, and no second band of 1 period, to vote with", name));
+  }
+  const double f_h = layout.bands[0].periods;
+  if (f_h != std::floor(f_h)) {
+    throw Error(fmt::format("{}: {} periods are not a whole number", name, f_h));
+  }
+}
+
+std::vector<double> channel_weights(int steps, int channel, double (*wave)(double)) {
+  std::vector<double> weights;
+  for (int n = 0; n < steps; ++n) {
+    weights.push_back(2.0 / steps * wave(2 * pi * channel * n / steps));
+  }
+  return weights;
+}
+
+/// With zeros for the frames before and after.
+std::vector<double> placed(const std::vector<double>& weights, int frames, int first) {
+  std::vector<double> all(static_cast<std::size_t>(frames));
+  std::copy(weights.begin(), weights.end(), all.begin() + first);
+  return all;
+}
+
+bool are_near(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_near);
+}
+
+}  // namespace
+
+CueReference::CueReference(std::function<double(double y)> function)
+    : form_(Form::other), function_(std::move(function)) {
+  require_monotonic(function_);
+}
+
+double CueReference::operator()(double y) const {
+  const double held = std::clamp(y, 0.0, 1.0);
+  switch (form_) {
+    case Form::linear:
+      return 2 * held - 1;
+    case Form::cosine:
+      return std::cos(pi * held);
+    case Form::other:
+      return function_(held);
+  }
+  return 0;
+}
+
+double CueReference::inverse(double value) const {
+  const double held = std::clamp(value, -1.0, 1.0);
+  if (form_ == Form::linear) return (held + 1) / 2;
+  if (form_ == Form::cosine) return std::acos(held) / pi;
+  const double direction = function_(1) > function_(0) ? 1 : -1;
+  double low = 0, high = 1;
+  for (int halving = 0; halving < 50; ++halving) {
+    const double middle = (low + high) / 2;
+    (direction * (value - function_(middle)) > 0 ? low : high) = middle;
+  }
+  return (low + high) / 2;
+}
+
+bool operator==(const CueReference& a, const CueReference& b) {
+  constexpr int places = 32;
+  if (a.form_ != b.form_) return false;
+  for (int i = 0; a.form_ == CueReference::Form::other && i <= places; ++i) {
+    const double y = static_cast<double>(i) / places;
+    if (a(y) != b(y)) return false;
+  }
+  return true;
+}
+
+double Cue::dc() const {
+  return sum_of(weights);
+}
+
+void require_valid(const Layout& layout, std::string_view name) {
+  if (layout.frames < 1 || layout.bands.empty()) {
+    throw Error(fmt::format("{}: {} frames with {} bands; at least one of each is needed", name,
+                            layout.frames, layout.bands.size()));
+  }
+  for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
+  if (layout.unwrapping == Unwrapping::hierarchical) require_hierarchy(layout, name);
+  if (layout.unwrapping == Unwrapping::vote) require_cue(layout, name);
+}
+
+std::vector<double> channel_cosines(int steps, int channel) {
+  return channel_weights(steps, channel, [](double angle) { return std::cos(angle); });
+}
+
+std::vector<double> channel_sines(int steps, int channel) {
+  return channel_weights(steps, channel, [](double angle) { return std::sin(angle); });
+}
+
+std::vector<double> mean_weights(int steps) {
+  return std::vector<double>(static_cast<std::size_t>(steps), 1.0 / steps);
+}
+
+std::vector<double> half_phase_weights() {
+  return {0.25, -0.25, 0.25, -0.25};
+}
+
+Band phase_shifted_band(int frames, int first, int steps, double periods, int channel,
+                        double share) {
+  return {.periods = periods,
+          .share = share,
+          .cosine = placed(channel_cosines(steps, channel), frames, first),
+          .sine = placed(channel_sines(steps, channel), frames, first),
+          .mean = placed(mean_weights(steps), frames, first)};
+}
+
+bool is_channel(const Band& band, const StepRun& run, int channel) {
+  const Band wanted = phase_shifted_band(static_cast<int>(band.mean.size()), run.first, run.steps,
+                                         band.periods, channel);
+  return are_near(band.cosine, wanted.cosine) && are_near(band.sine, wanted.sine) &&
+         are_near(band.mean, wanted.mean);
+}
+
+std::optional<StepRun> step_run(const Band& band) {
+  const auto has_weight = [](double weight) { return weight != 0; };
+  const auto first = std::find_if(band.mean.begin(), band.mean.end(), has_weight);
+  const auto end = std::find_if_not(first, band.mean.end(), has_weight);
+  const StepRun run{static_cast<int>(first - band.mean.begin()), static_cast<int>(end - first)};
+  if (run.steps < 3 || !is_channel(band, run, 1)) return std::nullopt;
+  return run;
+}
+
+std::vector<int> step_counts(const Layout& layout) {
+  std::vector<int> counts;
+  for (const Band& band : layout.bands) {
+    if (const auto run = step_run(band)) counts.push_back(run->steps);
+  }
+  return counts;
+}
+
+std::vector<std::size_t> coarse_to_fine(const Layout& layout) {
+  std::vector<std::size_t> order(layout.bands.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  // Of two alike the first one measures.
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(layout.bands[a].periods, b) < std::pair(layout.bands[b].periods, a);
+  });
+  return order;
+}
+
+std::size_t measuring_band_index(const Layout& layout) {
+  return coarse_to_fine(layout).back();
+}
+
+const Band& measuring_band(const Layout& layout) {
+  return layout.bands[measuring_band_index(layout)];
+}
+
+double least_periods(const Layout& layout) {
+  if (layout.unwrapping == Unwrapping::vote) return 1;
+  return layout.bands[coarse_to_fine(layout).front()].periods;
+}
+
+bool has_coordinate(const Layout& layout) {
+  return layout.unwrapping != Unwrapping::none || measuring_band(layout).periods <= 1;
+}
+
+bool needs_ambient_light(const Layout& layout) {
+  return layout.cue && std::abs(layout.cue->dc()) > 0.5;
+}
+
+double highest_frequency(const Layout& layout) {
+  return measuring_band(layout).periods;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace slipstream {
+
+/// A sinusoid in the frames of a scan, as one complex number for each pixel: C + i S =
+/// B exp(i phi), C = sum cosine[n] I_n and S = sum sine[n] I_n, of mean A = sum mean[n] I_n. Liu
+/// 2010, Eqs. (1.3), (1.5), (1.6) are the band of N-step patterns; any other weights will do for
+/// which the frames shown give C = B cos(phi), S = B sin(phi).
+struct Band {
+  double periods = 1;            ///< across the projector's field, > 0
+  double share = 1;              ///< of the modulation: B over alpha alpha_p / 2, (0, 1]
+  std::vector<double> cosine{};  ///< a weight for each frame of the scan, as `sine` and `mean`
+  std::vector<double> sine{};
+  std::vector<double> mean{};
+
+  friend bool operator==(const Band&, const Band&) = default;
+};
+
+/// What a cue follows across the field: R(y) in [-1, 1], rising or falling throughout y in [0, 1].
+class CueReference {
+ public:
+  enum class Form {
+    linear,  ///< 2 y - 1: Eq. (3.53)
+    cosine,  ///< cos(pi y): Eq. (3.68)
+    other,
+  };
+
+  explicit CueReference(Form form = Form::linear) : form_(form) {}
+  /// Another function. Throws Error unless it is monotonic and within [-1, 1].
+  explicit CueReference(std::function<double(double y)> function);
+
+  [[nodiscard]] Form form() const { return form_; }
+  /// R(y), y held to [0, 1].
+  [[nodiscard]] double operator()(double y) const;
+  /// The y in [0, 1] at which R has that value, or the nearest it has.
+  [[nodiscard]] double inverse(double value) const;
+
+  /// Functions are compared at some places of the field.
+  friend bool operator==(const CueReference& a, const CueReference& b);
+
+ private:
+  Form form_;
+  std::function<double(double y)> function_;
+};
+
+/// A real number for each pixel that is monotonic in the coordinate, in frames that hold a band
+/// too: sum weights[n] I_n = dc (alpha (alpha_p / 2 + beta_p + beta) + beta) + alpha alpha_p share
+/// R(y) / 2 with dc = sum weights[n], Eqs. (3.56), (3.73).
+struct Cue {
+  double share = 0.5;             ///< of the modulation: c_2, (0, 1)
+  std::vector<double> weights{};  ///< one for each frame of the scan
+  CueReference reference{};
+
+  /// What a constant light in all frames counts for: 1 in the DC channel, where the cue cannot be
+  /// read without knowing the ambient light; 0 in the half phase channel.
+  [[nodiscard]] double dc() const;
+
+  friend bool operator==(const Cue&, const Cue&) = default;
+};
+
+/// How phases become a projector coordinate.
+enum class Unwrapping {
+  none,          ///< one band of at most one period needs nothing; of more it gives no coordinate
+  hierarchical,  ///< each band, from few periods to many, is unwrapped by the one before: Eq.
+                 ///< (1.17)
+  vote,          ///< the cue, or a second band in the same frames, and the neighbours: Section 3.2
+};
+
+/// What the frames of a scan hold: all that decoding, prediction and calibration must know of a
+/// strategy.
+struct Layout {
+  int frames = 0;
+  /// At least one. With Unwrapping::vote the first one measures, and a second one of one period is
+  /// its cue; else the order is free.
+  std::vector<Band> bands{};
+  std::optional<Cue> cue{};  ///< with Unwrapping::vote, where there is one band
+  Unwrapping unwrapping = Unwrapping::none;
+
+  friend bool operator==(const Layout&, const Layout&) = default;
+};
+
+/// Throws Error, beginning with `name`, unless there are bands, each with a weight for each frame,
+/// finite, without response to constant light in C and S and with a response of 1 in the mean;
+/// periods and shares are in range, and the unwrapping has what it needs: hierarchical one band of
+/// at most one period and whole ratios from band to band, vote a cue or a second band.
+void require_valid(const Layout& layout, std::string_view name);
+
+/// The band of N phase-shifted sinusoids, from frame `first` of `frames` on: 2/N cos(2 pi m n / N),
+/// 2/N sin(2 pi m n / N) and 1/N, m the phase channel: 1 for Eqs. (1.5), (1.6), 2 for (3.85),
+/// (3.86).
+Band phase_shifted_band(int frames, int first, int steps, double periods, int channel = 1,
+                        double share = 1);
+
+/// The weights of a channel alone, for N frames.
+std::vector<double> channel_cosines(int steps, int channel);
+std::vector<double> channel_sines(int steps, int channel);
+/// Of the DC channel, (1.3), and of the half phase channel of 4 frames, (3.70).
+std::vector<double> mean_weights(int steps);
+std::vector<double> half_phase_weights();
+
+/// Frames in a row that are N-step patterns.
+struct StepRun {
+  int first = 0;
+  int steps = 0;
+
+  friend bool operator==(const StepRun&, const StepRun&) = default;
+};
+
+/// The run whose first phase channel the band is; none where its weights are others. For N = 3, 4,
+/// 6 there are tables then, and for any N a response can be corrected.
+std::optional<StepRun> step_run(const Band& band);
+/// Whether the band is that phase channel of the run.
+bool is_channel(const Band& band, const StepRun& run, int channel);
+
+/// N of each band that is a run of steps, in the order of the bands.
+std::vector<int> step_counts(const Layout& layout);
+
+/// Indices of the bands, from few periods to many.
+std::vector<std::size_t> coarse_to_fine(const Layout& layout);
+/// The band whose phase gives the coordinate.
+const Band& measuring_band(const Layout& layout);
+std::size_t measuring_band_index(const Layout& layout);
+/// The fewest periods that unwrapping begins with: the coordinate is known up to whole multiples of
+/// its inverse.
+double least_periods(const Layout& layout);
+
+/// Whether the frames alone give the projector coordinate, and so a depth.
+bool has_coordinate(const Layout& layout);
+/// Whether that takes the ambient light: a cue in the DC channel.
+bool needs_ambient_light(const Layout& layout);
+/// Most periods across the field.
+double highest_frequency(const Layout& layout);
+
+}  // namespace slipstream

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "slipstream/gamma/measurement.h"
+#include "slipstream/noise/ambient_measurement.h"
+#include "slipstream/photometry/scan_average.h"
+
+namespace slipstream {
+
+/// The ambient light that scans of a bright surface show.
+struct AmbientCalibration {
+  AmbientEstimate estimate{};
+  Histogram histogram{};            ///< of the pixels' own, five standard deviations either side
+  double least_reliable_alpha = 0;  ///< the reflectivity above which no frame is at zero, Eq. (3.9)
+};
+
+/// By the first band of the scans' patterns, Eq. (3.5), over the pixels whose reflectivity is at
+/// least `least_alpha`, (0, 1]. Throws Error for patterns with a cue in their frames, a least_alpha
+/// out of range, or too few pixels.
+AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha = 0.5);
+
+/// Throws Error, naming the scan, where its patterns do not serve to measure ambient light.
+void require_ambient_measurable(const Sequence& sequence, const std::string& name);
+
+}  // namespace slipstream

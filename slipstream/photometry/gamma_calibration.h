@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+
+#include "slipstream/gamma/blind.h"
+#include "slipstream/gamma/measurement.h"
+#include "slipstream/photometry/scan_average.h"
+
+namespace slipstream {
+
+/// What each pixel says of gamma by itself.
+struct PixelGamma {
+  Image<double> map{};  ///< NaN where a pixel does not speak
+  GammaEstimate estimate{};
+  Histogram histogram{};  ///< five spreads either side of the estimate
+};
+
+/// Gamma of a projector and a camera, from scans of any surface.
+struct GammaCalibration {
+  int steps = 0;                       ///< of the band that it was found with
+  BlindGamma fit{};                    ///< to all pixels with all harmonics
+  std::optional<PixelGamma> pixels{};  ///< from B_1 and B_2, where there are 5 steps and more
+};
+
+/// By the first run of steps of the scans' patterns. `minimum_modulation`: grey levels of 255; 16
+/// where 0. Throws Error where the patterns have no such run or too few pixels are lit.
+GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modulation = 0);
+
+/// Throws Error, saying what to do, where the scans do not tell gamma. That there is none to see is
+/// no reason.
+void require_found(const GammaCalibration& calibration);
+
+}  // namespace slipstream

@@ -1,0 +1,367 @@
+#include "slipstream/reconstruct/detail/fused_stages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <utility>
+
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/phase/closed_form.h"
+
+namespace slipstream {
+namespace {
+
+/// In turns, at the part r of a period, linear between the entries.
+double added_turns(const PhaseCorrection& correction, double r) {
+  const auto count = static_cast<double>(correction.added.size());
+  const double place = (r - std::floor(r)) * count;
+  const double floor = std::floor(place);
+  const auto entry = [&](double i) {
+    return correction.added[static_cast<std::size_t>(i) % correction.added.size()];
+  };
+  return std::lerp(entry(floor), entry(floor + 1), place - floor) / (2 * std::numbers::pi);
+}
+
+/// The odd polynomial that a correction is; empty where one misses it by more than 8e-7 rad.
+std::vector<float> wave_of(const PhaseCorrection& correction) {
+  constexpr double largest_error = 8e-7 / (2 * std::numbers::pi);
+  constexpr int nodes = 128;
+  constexpr std::size_t degree = 2 * SinusoidStage::wave_terms - 1;
+  // Chebyshev polynomials of x = 2 r; T_k from the two before it.
+  std::vector<double> before{1}, now{0, 1}, sum(degree + 1);
+  for (std::size_t k = 1; k <= degree; ++k) {
+    if (k % 2 == 1) {
+      double projection = 0;
+      for (int i = 0; i < nodes; ++i) {
+        const double angle = std::numbers::pi * (i + 0.5) / nodes;
+        projection += 2.0 / nodes * added_turns(correction, std::cos(angle) / 2) *
+                      std::cos(static_cast<double>(k) * angle);
+      }
+      for (std::size_t j = 0; j < now.size(); ++j) sum[j] += projection * now[j];
+    }
+    std::vector<double> next(now.size() + 1);
+    for (std::size_t j = 0; j < now.size(); ++j) next[j + 1] = 2 * now[j];
+    for (std::size_t j = 0; j < before.size(); ++j) next[j] -= before[j];
+    before = std::exchange(now, std::move(next));
+  }
+  std::vector<float> wave;
+  for (std::size_t power = degree; power <= degree; power -= 2) {
+    wave.push_back(static_cast<float>(sum[power] * std::exp2(static_cast<double>(power))));
+  }
+  constexpr int samples = 1000;
+  for (int i = 0; i <= samples; ++i) {
+    const double r = static_cast<double>(i) / samples - 0.5;
+    double slope = 0;
+    for (const float c : wave) slope = slope * r * r + c;
+    if (!(std::abs(slope * r - added_turns(correction, r)) <= largest_error)) return {};
+  }
+  return wave;
+}
+
+/// The table's N periods one after another, and the first entry once more for a turn of 1.
+void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
+  stage.folded = folded_phase(correction);
+  stage.correction_wave = wave_of(correction);
+  if (!stage.correction_wave.empty()) return;
+  const std::size_t count = correction.added.size();
+  const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
+  const auto in_turns = [&](std::size_t i) {
+    return correction.added[i % count] / (2 * std::numbers::pi);
+  };
+  stage.segments = static_cast<float>(segments);
+  for (std::size_t i = 0; i <= segments; ++i) {
+    stage.correction.push_back(static_cast<float>(in_turns(i)));
+    stage.correction_rise.push_back(static_cast<float>(in_turns(i + 1) - in_turns(i)));
+  }
+}
+
+/// Of N phase-shifted frames.
+SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
+  SinusoidStage stage{.steps = steps};
+  const auto correction = corrections.find(steps);
+  if (correction != corrections.end()) add_correction(stage, correction->second);
+  const auto weigh = [&](double sine_square, double divisor) {
+    stage.sine_weight = static_cast<float>(std::sqrt(sine_square));
+    stage.sine_square = static_cast<float>(sine_square);
+    stage.modulation_scale = static_cast<float>(1 / divisor);
+  };
+  if (const ClosedForm* form = closed_form(steps)) {
+    weigh(form->sine_square, form->divisor);
+  } else if (steps == 5) {
+    weigh((5 + std::sqrt(5)) / 2, 10);  // (2 sin(2 pi / 5))^2
+  } else {
+    stage.cosines = channel_cosines(steps, 1);
+    stage.sines = channel_sines(steps, 1);
+  }
+  return stage;
+}
+
+/// Of any weights: the frames from the first to the last that has one.
+FusedStages::BandStage weighted_stage(const Band& band) {
+  const auto counts = [&](std::size_t n) {
+    return band.cosine[n] != 0 || band.sine[n] != 0 || band.mean[n] != 0;
+  };
+  std::size_t first = 0, end = band.mean.size();
+  while (!counts(first)) ++first;
+  while (!counts(end - 1)) --end;
+  const auto part = [&](const std::vector<double>& weights) {
+    return std::vector<double>(weights.begin() + static_cast<std::ptrdiff_t>(first),
+                               weights.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  FusedStages::BandStage stage{.sinusoid = {.steps = static_cast<int>(end - first)},
+                               .first_frame = static_cast<int>(first)};
+  stage.sinusoid.cosines = part(band.cosine);
+  stage.sinusoid.sines = part(band.sine);
+  for (const double weight : part(band.mean)) stage.mean.push_back(static_cast<float>(weight));
+  return stage;
+}
+
+FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections) {
+  const auto run = step_run(band);
+  if (!run) return weighted_stage(band);
+  return {.sinusoid = stepped_stage(run->steps, corrections), .first_frame = run->first};
+}
+
+/// `frequency` measures, `widest` says within which period.
+CoordinateStage coordinate_stage(double frequency, double widest, int projector_length) {
+  const double period = 1 / widest;
+  return {.scale = static_cast<float>(1 / frequency),
+          .period = static_cast<float>(period),
+          .cut = static_cast<float>(-0.5 / projector_length - (period - 1) / 2)};
+}
+
+ConsensusStage consensus_stage(double frequency, const FringeOrderConsensus& settings) {
+  return {.half_fringe = static_cast<float>(0.5 / frequency),
+          .fewest_neighbours = settings.fewest_neighbours,
+          .fewest_if_doubtful = settings.fewest_if_doubtful};
+}
+
+/// A coordinate in turns, wherever it lies.
+constexpr CoordinateStage turns_as_they_are{.scale = 1, .period = 1e9F, .cut = -5e8F};
+
+/// The bands from many periods to few, each but the last unwrapped by the next.
+std::vector<FusedStages::BandStage> band_stages(const Layout& layout, int projector_length,
+                                                const FringeOrderConsensus& consensus,
+                                                const PhaseCorrections& corrections) {
+  std::vector<std::size_t> order = coarse_to_fine(layout);
+  std::reverse(order.begin(), order.end());
+  std::vector<FusedStages::BandStage> stages;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Band& band = layout.bands[order[i]];
+    stages.push_back(band_stage(band, corrections));
+    if (i + 1 == order.size()) break;
+    const double next = layout.bands[order[i + 1]].periods;
+    stages.back().unwrap = {
+        .ratio = static_cast<float>(band.periods / next),
+        .largest_doubt = static_cast<float>(consensus.largest_doubt),
+        .coordinate = i == 0
+                          ? coordinate_stage(band.periods, least_periods(layout), projector_length)
+                          : turns_as_they_are};
+  }
+  return stages;
+}
+
+/// N of the frames in whose channels the kernels find a cue; none for others.
+std::optional<int> cue_steps(const Layout& layout) {
+  const auto run = step_run(layout.bands.front());
+  if (!run || run->first != 0 || run->steps != layout.frames) return std::nullopt;
+  const int N = run->steps;
+  if (!layout.cue) {
+    const bool second = N >= 5 && is_channel(layout.bands[1], {0, N}, 2);
+    return second ? std::optional(N) : std::nullopt;
+  }
+  const auto is_published = [&](int steps, const std::vector<double>& weights,
+                                CueReference::Form form) {
+    return N == steps && layout.cue->weights == weights && layout.cue->reference.form() == form;
+  };
+  const bool known = is_published(3, mean_weights(3), CueReference::Form::linear) ||
+                     is_published(4, half_phase_weights(), CueReference::Form::cosine);
+  return known ? std::optional(N) : std::nullopt;
+}
+
+bool has_fused_cue(const EngineSetup& setup) {
+  constexpr double most_periods = 16384;  // shifts of whole periods are kept in 16 bits
+  const Layout& layout = setup.sequence.strategy.layout();
+  return setup.settings.cue_rule == CueRule::consensus &&
+         layout.bands.front().periods <= most_periods && cue_steps(layout);
+}
+
+CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
+  const int N = layout.frames;
+  const CueSettings settings = cue_settings(setup);
+  const auto& [alpha_p, beta_p] = settings.light;
+  const double f_h = layout.bands[0].periods, c1 = layout.bands[0].share;
+  const double c2 = layout.cue ? layout.cue->share : layout.bands[1].share;
+  const double dc = needs_ambient_light(layout) ? 1 + 2 * (beta_p + settings.ambient) / alpha_p : 0;
+  CueStage stage{.gain = static_cast<float>(c1 / c2),
+                 .offset = static_cast<float>(dc / c2),
+                 .shade = static_cast<float>(c2 / c1),
+                 .periods = static_cast<float>(f_h),
+                 .largest_doubt = static_cast<float>(setup.settings.fringe_order.largest_doubt),
+                 .coordinate = coordinate_stage(f_h, 1, projector_length(setup))};
+  if (N == 5) {
+    stage.sine_weight = static_cast<float>(2 * std::sin(2 * std::numbers::pi / 5));
+  } else if (N == 6) {
+    stage.sine_weight = static_cast<float>(std::sqrt(3));
+  } else if (N > 6) {
+    stage.cosines = layout.bands[1].cosine;
+    stage.sines = layout.bands[1].sine;
+  }
+  return stage;
+}
+
+FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
+  const CueSettings settings = cue_settings(setup);
+  const CueEvidence exact(layout, settings);
+  return {.stage = cue_stage(layout, setup),
+          .exact = exact,
+          .f_h = layout.bands[0].periods,
+          .projector_length = projector_length(setup),
+          .dimmest_lit = exact.dimmest_lit(),
+          .ambient = needs_ambient_light(layout) ? settings.ambient : 0,
+          .cosines = layout.bands[0].cosine,
+          .sines = layout.bands[0].sine,
+          .cue = layout.cue ? layout.cue->weights : layout.bands[1].cosine,
+          .cue_sine =
+              layout.cue ? std::vector<double>(layout.cue->weights.size()) : layout.bands[1].sine};
+}
+
+/// A degree that the kernel is compiled for, that one or the next above.
+int compiled_degree(int degree) {
+  if (degree == 0) return 0;
+  return std::max(3, degree + (degree % 2 == 0 ? 1 : 0));
+}
+
+std::vector<float> kernel_order(const PlanePolynomial& polynomial, int degree) {
+  std::vector<float> coefficients;
+  auto c = polynomial.coefficients.begin();
+  for (int i = 0; i <= degree; ++i) {
+    for (int j = 0; i + j <= degree; ++j) {
+      coefficients.push_back(i + j <= polynomial.degree ? static_cast<float>(*c++) : 0);
+    }
+  }
+  std::reverse(coefficients.begin(), coefficients.end());
+  return coefficients;
+}
+
+template <class Row>
+PointStage::Linear linear(const Row& row) {
+  return {static_cast<float>(row(0)), static_cast<float>(row(1)), static_cast<float>(row(2))};
+}
+
+std::array<float, 6> edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
+  std::array<float, 6> narrow{};
+  std::transform(terms.begin(), terms.end(), narrow.begin(),
+                 [](double c) { return static_cast<float>(c); });
+  return narrow;
+}
+
+PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings& settings) {
+  const int degree = compiled_degree(geometry.lens.degree);
+  const auto [inner_low, inner_high] = geometry.inner_places();
+  constexpr double largest = std::numeric_limits<float>::max();
+  return {.coordinate = linear(geometry.coordinate),
+          .depth = linear(geometry.depth),
+          .facing = linear(geometry.facing),
+          .place_constant = linear(geometry.place_constant),
+          .place_slope = linear(geometry.place_slope),
+          .coordinate_offset = static_cast<float>(geometry.coordinate(3)),
+          .depth_offset = static_cast<float>(geometry.depth(3)),
+          .unit_scale = static_cast<float>(geometry.unit_coordinate.scale),
+          .unit_offset = static_cast<float>(geometry.unit_coordinate.offset),
+          .least_coordinate = static_cast<float>(geometry.least_coordinate),
+          .largest_coordinate = static_cast<float>(geometry.largest_coordinate),
+          .lens_degree = degree,
+          .lens = kernel_order(geometry.lens, degree),
+          .low_edge = edge(geometry.low_edge),
+          .high_edge = edge(geometry.high_edge),
+          .inner_low = static_cast<float>(inner_low),
+          .inner_high = static_cast<float>(inner_high),
+          .nearest = static_cast<float>(std::min(settings.nearest, largest)),
+          .farthest = static_cast<float>(std::min(settings.farthest, largest)),
+          .limits_depth = settings.nearest > 0 || settings.farthest < largest};
+}
+
+/// Where the row kernel takes a turn for a coordinate as it is, without asking for the cut.
+void keep_before_cut(FusedStages& stages) {
+  if (!stages.blocks) return;
+  const CoordinateStage& circle = stages.coordinate;
+  const auto unit = [&](float y) { return y * stages.point.unit_scale + stages.point.unit_offset; };
+  constexpr float apart = 1e-6F;
+  for (RayBlocks::Range& range : stages.blocks->described) {
+    range.least = std::max(range.least, unit(circle.cut) + apart);
+    range.largest = std::min(range.largest, unit(circle.cut + circle.period) - apart);
+  }
+}
+
+}  // namespace
+
+std::optional<FusedStages> fused_stages(const EngineSetup& setup,
+                                        const PhaseCorrections& corrections) {
+  constexpr double widest_margin = 0.25;
+  const auto& [scanner, sequence, settings] = setup;
+  const Layout& layout = sequence.strategy.layout();
+  const bool votes = layout.unwrapping == Unwrapping::vote;
+  if ((votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
+      scanner.camera.size.width < least_row_width) {
+    return std::nullopt;
+  }
+  const auto geometry = stripe_geometry(scanner, sequence.axis, settings.field_margin);
+  if (!geometry) return std::nullopt;
+  std::optional<RayTable> rays = ray_table(scanner.camera);
+  if (!rays) return std::nullopt;
+  std::optional<RayBlocks> blocks = ray_blocks(*geometry, *rays);
+
+  const double f = measuring_band(layout).periods, widest = least_periods(layout);
+  FusedStages stages{.frames = layout.frames,
+                     .bands = {},
+                     .cue = {},
+                     .consensus = consensus_stage(f, settings.fringe_order),
+                     .coordinate = coordinate_stage(f, widest, projector_length(setup)),
+                     .point = point_stage(*geometry, settings),
+                     .rays = std::move(*rays),
+                     .blocks = std::move(blocks)};
+  stages.point.may_leave_field = widest < 1;
+  if (votes) {
+    stages.bands.push_back(band_stage(layout.bands.front(), corrections));
+    stages.cue = fused_cue(layout, setup);
+  } else {
+    stages.bands = band_stages(layout, projector_length(setup), settings.fringe_order, corrections);
+    if (stages.bands.size() == 1) keep_before_cut(stages);
+  }
+  return stages;
+}
+
+SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
+                               double full_scale, double mean_of) {
+  // No pixel's modulation reaches twice the full scale, whatever a user asks for.
+  const double least = std::min(least_modulation(settings, full_scale), 2 * full_scale);
+  SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
+  const ClosedForm* form = stage.cosines.empty() ? closed_form(stage.steps) : nullptr;
+  if (form != nullptr) {
+    // The least integer whose root passes in double, so that the same pixels do.
+    double square = std::max(std::floor(least * form->divisor * least * form->divisor) - 2, 0.0);
+    while (std::sqrt(square) / form->divisor < least) ++square;
+    limits.least_square = static_cast<float>(square);
+  } else {
+    const double in_sums = least / stage.modulation_scale;
+    limits.least_square = static_cast<float>(in_sums * in_sums);
+  }
+  if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(full_scale);
+  return limits;
+}
+
+CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
+                     double full_scale) {
+  const double grey_level = full_scale / 255;
+  const double dimmest =
+      stages.cue->dimmest_lit * grey_level / stages.bands.front().sinusoid.modulation_scale;
+  const double voting = least_neighbour_modulation(settings, full_scale) /
+                        stages.bands.front().sinusoid.modulation_scale;
+  return {.ambient = static_cast<float>(stages.cue->ambient * grey_level),
+          .lit_square = static_cast<float>(dimmest * dimmest),
+          .voting_square = static_cast<float>(voting * voting)};
+}
+
+}  // namespace slipstream

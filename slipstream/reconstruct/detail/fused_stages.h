@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "slipstream/geometry/ray_blocks.h"
+#include "slipstream/geometry/ray_table.h"
+#include "slipstream/kernels/cue_rows.h"
+#include "slipstream/kernels/point_rows.h"
+#include "slipstream/kernels/sinusoid_rows.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/unwrap/cue_evidence.h"
+
+namespace slipstream {
+
+/// The stages of the fused pass for one scanner, layout and axis, in the order in which a row meets
+/// them.
+struct FusedStages {
+  struct BandStage {
+    SinusoidStage sinusoid;
+    int first_frame = 0;  ///< of those that it takes
+    /// By the band after it, which has fewer periods; not of the last.
+    UnwrapStage unwrap{};
+    /// What the frames count for in the mean, where they are no run of steps; else empty.
+    std::vector<float> mean{};
+  };
+
+  /// A cue in the frames of the first band says which period it is, and the neighbourhood votes.
+  struct Cue {
+    CueStage stage;
+    CueEvidence exact;  ///< for pixels one by one
+    double f_h = 12;
+    int projector_length = 0;  ///< of the projector along the axis, pixels
+    double dimmest_lit = 0;    ///< grey levels of 255: see CueEvidence::lit
+    double ambient = 0;        ///< beta, grey levels of 255; 0 where the cue does not need it
+    /// What a frame counts for in C, S, and in the cue's channel or its cosine and sine.
+    std::vector<double> cosines, sines, cue, cue_sine;
+  };
+
+  int frames = 0;
+  std::vector<BandStage> bands;  ///< from many periods to few; with a cue the measuring one alone
+  std::optional<Cue> cue;
+  ConsensusStage consensus;    ///< where there are several bands or a cue
+  CoordinateStage coordinate;  ///< of the first band alone
+  PointStage point;
+  RayTable rays;
+  /// None for small pictures. With one band they describe only what lies before the cut of
+  /// `coordinate`.
+  std::optional<RayBlocks> blocks;
+};
+
+/// None where the fused pass cannot stand in for the reference engine: for a cue of other weights
+/// or another reference than those of Eqs. (3.53), (3.68), (3.83), another rule than
+/// CueRule::consensus, a lens too bent for StripeGeometry or RayTable, a picture narrower than
+/// `least_row_width`, a frequency above 16384 under a cue or a field margin above a quarter.
+std::optional<FusedStages> fused_stages(const EngineSetup& setup,
+                                        const PhaseCorrections& corrections);
+
+/// The limits of one sinusoid for frames whose largest grey level is `full_scale`. `mean_of`: what
+/// one grey level of the frames counts for in the mean.
+SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
+                               double full_scale, double mean_of);
+
+/// The limits of a cue likewise.
+CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
+                     double full_scale);
+
+}  // namespace slipstream

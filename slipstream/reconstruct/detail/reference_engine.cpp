@@ -1,0 +1,152 @@
+#include "slipstream/reconstruct/detail/reference_engine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/image/parallel_rows.h"
+#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/phase/modulation_mask.h"
+
+namespace slipstream {
+namespace {
+
+PointMethod point_method(PhaseMethod method) {
+  switch (method) {
+    case PhaseMethod::equation:
+      return PointMethod::inverse;
+    case PhaseMethod::closed_form:
+      return PointMethod::form1;
+    case PhaseMethod::tables:
+      return PointMethod::form3;
+  }
+  return PointMethod::inverse;
+}
+
+}  // namespace
+
+ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections)
+    : setup_(setup),
+      triangulate_(setup.scanner, setup.sequence.axis, point_method(setup.settings.phase_method)),
+      decode_(setup.sequence.strategy.layout(), projector_length(setup),
+              setup.settings.phase_method, corrections, cue_settings(setup)) {}
+
+BasicMaps<double> ReferenceEngine::maps(const FrameViews& frames) const {
+  const Size camera = setup_.scanner.camera.size;
+  if (frames.size() != camera) {
+    throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
+                            frames.size().width, frames.size().height, camera.width,
+                            camera.height));
+  }
+  return decode_(frames, least_neighbour_modulation(setup_.settings, frames.full_scale()));
+}
+
+ReferenceResult ReferenceEngine::operator()(const FrameViews& frames) const {
+  BasicMaps<double> decoded = maps(frames);
+  BasicCloud<double> cloud = triangulated(decoded.coordinate, measured(decoded, frames));
+  const double grey_level = frames.full_scale() / 255;
+  std::transform(decoded.mean.begin(), decoded.mean.end(), cloud.intensity.begin(),
+                 [&](double mean) { return static_cast<float>(mean / grey_level); });
+  return {std::move(cloud), std::move(decoded)};
+}
+
+Image<Validity> ReferenceEngine::measured(const BasicMaps<double>& decoded,
+                                          const FrameViews& frames) const {
+  const ReconstructSettings& settings = setup_.settings;
+  const double least = least_modulation(settings, frames.full_scale());
+  const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
+  const Image<std::uint8_t> saturated = saturation_mask(frames);
+  const bool nothing_to_confirm = decoded.fringe_order_doubt.empty();
+  const bool voted = decode_.layout().unwrapping == Unwrapping::vote;
+  const Image<std::uint8_t> asked =
+      voted ? modulation_mask(decoded.modulation,
+                              least_neighbour_modulation(settings, frames.full_scale()))
+            : lit;
+  const Image<std::uint8_t> unconfirmed =
+      nothing_to_confirm
+          ? Image<std::uint8_t>(frames.size())
+          : unconfirmed_fringe_orders(decoded.coordinate, decoded.fringe_order_doubt, asked,
+                                      highest_frequency(decode_.layout()), settings.fringe_order);
+  Image<Validity> validity(frames.size());
+  for_each_row(frames.size().height, [&](int row) {
+    for (int column = 0; column < frames.size().width; ++column) {
+      if (lit(column, row) == 0) {
+        validity(column, row) = Validity::too_dark;
+      } else if (settings.drop_saturated && saturated(column, row) != 0) {
+        validity(column, row) = Validity::saturated;
+      } else if (unconfirmed(column, row) != 0) {
+        validity(column, row) = Validity::doubtful_order;
+      }
+    }
+  });
+  return validity;
+}
+
+BasicCloud<double> ReferenceEngine::triangulated(const Image<double>& coordinates,
+                                                 Image<Validity> validity) const {
+  BasicCloud<double> cloud(validity.size());
+  cloud.validity = std::move(validity);
+  for_each_row(cloud.size().height, [&](int row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      Validity& pixel = cloud.validity(column, row);
+      if (pixel != Validity::valid) continue;
+      const double coordinate = coordinates(column, row);
+      const Eigen::Vector3d point = triangulate_(column, row, coordinate);
+      pixel = validity_of(coordinate, point);
+      if (pixel != Validity::valid) continue;
+      cloud.x(column, row) = point.x();
+      cloud.y(column, row) = point.y();
+      cloud.z(column, row) = point.z();
+    }
+  });
+  return cloud;
+}
+
+Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
+                                         double full_scale) const {
+  constexpr double step = 1e-6;  // of y: 1e-3 mm in depth, where the point is a straight line of it
+  const double grey_level = full_scale / 255;
+  const double noise_variance = cue_settings(setup_).noise_variance;
+  Uncertainty sigma(cloud.size());
+  for_each_row(cloud.size().height, [&](int row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      if (cloud.validity(column, row) != Validity::valid) continue;
+      const double modulation = maps.modulation(column, row) / grey_level;
+      const double sigma_y =
+          std::sqrt(coordinate_variance(decode_.layout(), modulation, noise_variance));
+      const double y = maps.coordinate(column, row);
+      const Eigen::Vector3d sigma_point =
+          (triangulate_(column, row, y + step) - triangulate_(column, row, y - step)).cwiseAbs() *
+          (sigma_y / (2 * step));
+      sigma.coordinate(column, row) = static_cast<float>(sigma_y);
+      sigma.x(column, row) = static_cast<float>(sigma_point.x());
+      sigma.y(column, row) = static_cast<float>(sigma_point.y());
+      sigma.z(column, row) = static_cast<float>(sigma_point.z());
+    }
+  });
+  return sigma;
+}
+
+Validity ReferenceEngine::validity_of(double coordinate, const Eigen::Vector3d& point) const {
+  if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
+  const auto& [scanner, sequence, settings] = setup_;
+  const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
+  if (in_projector.z() <= 0) return Validity::no_point;
+  const double end = farthest_past_field(projector_length(setup_));
+  if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
+
+  const Axis across = sequence.axis == Axis::x ? Axis::y : Axis::x;
+  const double place =
+      coordinate_along(across, project(scanner.projector, in_projector), scanner.projector.size);
+  if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin)) {
+    return Validity::outside_field;
+  }
+  const bool in_range = point.z() >= settings.nearest && point.z() <= settings.farthest;
+  return in_range ? Validity::valid : Validity::out_of_range;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,121 @@
+#include "slipstream/reconstruct/engine.h"
+
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "slipstream/error/error.h"
+#include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
+
+namespace slipstream {
+/// What copies of an engine share.
+struct Engine::Tables {
+  explicit Tables(const EngineSetup& of) : setup(of), corrections(phase_corrections(of)) {
+    if (setup.settings.engine != EngineKind::reference) {
+      fused = FusedEngine::make(setup, corrections);
+    }
+    if (!fused) static_cast<void>(reference());
+  }
+
+  /// Its tables take long to build: they are when they are first wanted.
+  const ReferenceEngine& reference() {
+    std::call_once(once, [this] { built.emplace(setup, corrections); });
+    return *built;
+  }
+  [[nodiscard]] bool is_fused(const FrameViews& frames) const {
+    return fused && frames.quantised();
+  }
+
+  EngineSetup setup;
+  PhaseCorrections corrections;
+  std::optional<FusedEngine> fused;
+  std::once_flag once;
+  std::optional<ReferenceEngine> built;
+};
+
+struct Engine::Memory {
+  FusedMemory fused;
+};
+
+Engine::Engine(const EngineSetup& setup) : memory_(std::make_unique<Memory>()) {
+  require_reconstructible(setup);
+  tables_ = std::make_shared<Tables>(setup);
+}
+
+Engine::Engine(const Scanner& scanner, const Sequence& sequence,
+               const ReconstructSettings& settings)
+    : Engine(EngineSetup{scanner, sequence, settings}) {}
+
+Engine::Engine(const Engine& other) : tables_(other.tables_), memory_(std::make_unique<Memory>()) {}
+
+Engine::Engine(Engine&& other) noexcept = default;
+
+Engine& Engine::operator=(Engine other) noexcept {
+  std::swap(tables_, other.tables_);
+  std::swap(memory_, other.memory_);
+  return *this;
+}
+
+Engine::~Engine() = default;
+
+const EngineSetup& Engine::setup() const {
+  return tables_->setup;
+}
+
+void Engine::cloud(const FrameViews& frames, Cloud& cloud) {
+  if (tables_->is_fused(frames)) {
+    return (*tables_->fused)(frames, {.cloud = &cloud}, memory_->fused);
+  }
+  convert(tables_->reference()(frames).cloud, cloud);
+}
+
+void Engine::depth(const FrameViews& frames, Depth& depth) {
+  if (tables_->is_fused(frames)) {
+    return (*tables_->fused)(frames, {.depth = &depth}, memory_->fused);
+  }
+  const BasicCloud<double> cloud = tables_->reference()(frames).cloud;
+  convert(cloud.z, depth.z);
+  depth.validity = cloud.validity;
+}
+
+void Engine::maps(const FrameViews& frames, Maps& maps) {
+  if (tables_->is_fused(frames)) {
+    return (*tables_->fused)(frames, {.maps = &maps}, memory_->fused);
+  }
+  convert(tables_->reference().maps(frames), maps);
+}
+
+void Engine::cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps) {
+  if (tables_->is_fused(frames)) {
+    return (*tables_->fused)(frames, {.cloud = &cloud, .maps = &maps}, memory_->fused);
+  }
+  const ReferenceResult result = tables_->reference()(frames);
+  convert(result.cloud, cloud);
+  convert(result.maps, maps);
+}
+
+Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& frames) {
+  return tables_->reference().uncertainty(cloud, maps, frames.full_scale());
+}
+
+std::string Engine::backend_for(const FrameViews& frames) {
+  return tables_->is_fused(frames) ? "fused" : tables_->reference().method_for(frames);
+}
+
+EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings) {
+  if (!scan.scanner) throw Error("the scan has no scanner; a calibration file says one");
+  EngineSetup setup{
+      completed(*scan.scanner, "the scanner", scan.frames.size(), scan.sequence.projector),
+      scan.sequence, settings};
+  require_ambient_known(setup, "the scanner");
+  return setup;
+}
+
+Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings) {
+  Cloud cloud;
+  Engine(setup_for(scan, settings)).cloud(scan.frames, cloud);
+  return cloud;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "slipstream/capture/frame_views.h"
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/maps.h"
+#include "slipstream/cloud/uncertainty.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/scan/scan.h"
+
+namespace slipstream {
+
+/// Frames to cloud and maps, for one scanner and one sequence: the one way there is. Tables are
+/// built once and memory is reused, so that from the second call on nothing is allocated where the
+/// same outputs are handed in. Phases are corrected for the scanner's response where it is known.
+///
+/// One thread uses it at a time. A copy shares the tables and has memory of its own: one for each
+/// thread.
+class Engine {
+ public:
+  /// Throws Error as require_reconstructible.
+  explicit Engine(const EngineSetup& setup);
+  Engine(const Scanner& scanner, const Sequence& sequence,
+         const ReconstructSettings& settings = {});
+  Engine(const Engine& other);
+  Engine(Engine&& other) noexcept;
+  Engine& operator=(Engine other) noexcept;
+  ~Engine();
+
+  [[nodiscard]] const EngineSetup& setup() const;
+
+  // Each throws Error when the frames are not of the camera's size or not as many as the
+  // strategy's. Memory that the output has is used where it is of the size.
+
+  void cloud(const FrameViews& frames, Cloud& cloud);
+  /// Less is computed and written than for a cloud.
+  void depth(const FrameViews& frames, Depth& depth);
+  /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
+  void maps(const FrameViews& frames, Maps& maps);
+  /// Both in one pass.
+  void cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps);
+
+  /// How sure each point of a scan is under noise of the scanner's variance on each frame (1.6
+  /// where it is not known): sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the
+  /// derivative of the point. `frames` are those that cloud and maps were made from.
+  [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
+                                        const FrameViews& frames);
+
+  /// What really reconstructs such frames: "fused", or the methods by which the reference engine
+  /// computes their phases, "lut", "equation", "closed-form".
+  [[nodiscard]] std::string backend_for(const FrameViews& frames);
+
+ private:
+  struct Tables;
+  struct Memory;
+
+  std::shared_ptr<Tables> tables_;
+  std::unique_ptr<Memory> memory_;
+};
+
+/// The cloud of a scan, by an engine made for it alone. Throws Error where the scan has no scanner
+/// or does not fit it.
+Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings = {});
+
+/// What an engine for that scan is made of: its scanner, completed by what the scan says, its
+/// sequence and the settings. Throws Error where the scan has no scanner, does not fit it, or has a
+/// cue that cannot be read without an ambient light that the scanner does not know.
+EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {});
+
+}  // namespace slipstream

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/strategy/sequence.h"
+
+namespace slipstream {
+
+/// Frames, what they show, and what took them: what a folder, a window of a recording or the
+/// virtual scanner gives.
+struct Scan {
+  FrameSet frames{};
+  Sequence sequence{};
+  std::optional<Scanner> scanner{};  ///< where it is known
+  /// What further cameras took at the same time under the same projector, each with the scanner
+  /// that it makes with that. The world is the frame of this scan's camera.
+  std::vector<Scan> further_cameras{};
+  /// What there was to say about the frames as they were read, a line each, for people.
+  std::vector<std::string> warnings{};
+};
+
+}  // namespace slipstream

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/simulate/scene.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+
+/// A scanner, what stands before it, and how light and sensor are.
+struct VirtualWorld {
+  Scanner scanner{};
+  Scene scene{};
+  Photometry photometry{};
+};
+
+/// What a calibration of light and sensor would find, rounding included.
+PhotometricCalibration photometric_truth(const Photometry& photometry);
+
+/// The world's scanner with that.
+Scanner as_calibrated(const VirtualWorld& world);
+
+}  // namespace slipstream

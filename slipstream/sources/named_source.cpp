@@ -1,0 +1,147 @@
+#include "slipstream/sources/named_source.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/camera/open_camera.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/replay_source.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/virtual_camera.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+/// 0 is no rate: as fast as frames are asked for.
+std::optional<double> pace_from(std::optional<double> rate) {
+  return rate == 0.0 ? std::nullopt : rate;
+}
+
+/// Puts the scanner that the request names in place of the source's own.
+void set_scanner(NamedSource& opened, const SourceRequest& request,
+                 const std::optional<Scanner>& otherwise, const std::string& name) {
+  opened.scanner = otherwise;
+  opened.scanner_name = name;
+  if (!request.scanner) return;
+  opened.scanner = read_scanner(*request.scanner);
+  opened.scanner_name = request.scanner->string();
+}
+
+NamedSource open_virtual(const std::string& what, const SourceRequest& request) {
+  /// Frames of the loop at least, and cycles: enough to see the scene move.
+  constexpr int fewest_frames = 32, fewest_cycles = 4;
+  if (!what.empty()) {
+    throw Error(fmt::format("source virtual:{}: virtual takes nothing after it", what));
+  }
+  if (!request.world) throw Error("source virtual: no virtual world is given");
+  const auto& [scanner, scene, photometry] = *request.world;
+  NamedSource opened;
+  opened.sequence = default_sequence(scanner.projector.size, request.sequence);
+  opened.sequence.marker = request.marker;
+  if (opened.sequence.projector != scanner.projector.size) {
+    throw Error(fmt::format("--projector {} is not that of the scanner, {}",
+                            text_of(opened.sequence.projector), text_of(scanner.projector.size)));
+  }
+  const PatternSet patterns = pattern_set(opened.sequence);
+  const int cycles = std::max(fewest_cycles, (fewest_frames - 1) / patterns.count + 1);
+  opened.frames = std::make_unique<VirtualCamera>(
+      virtual_frames(scanner, scene, patterns, photometry, cycles), pace_from(request.rate));
+  opened.scanner = as_calibrated(*request.world);
+  opened.scanner_name = "the virtual scanner";
+  return opened;
+}
+
+NamedSource open_replay(const std::string& path, const SourceRequest& request) {
+  auto replay = std::make_unique<ReplaySource>(
+      path, ReplaySettings{.rate = request.rate, .loop = request.loop});
+  const RecordingHeader& header = replay->header();
+  if (!header.sequence && !request.sequence.strategy) {
+    throw Error(
+        fmt::format("{}: does not say what patterns it shows; say so with --strategy", path));
+  }
+  NamedSource opened;
+  opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
+  opened.sequence.marker = opened.sequence.marker || request.marker;
+  opened.warning = replay->warning();
+  set_scanner(opened, request, header.scanner, path);
+  opened.frames = std::move(replay);
+  return opened;
+}
+
+/// Of a camera, which does not say what is projected.
+NamedSource open_camera_source(const std::string&, const SourceRequest& request) {
+  if (!request.sequence.strategy) {
+    throw Error(fmt::format(
+        "{}: a camera does not say what patterns it sees; say so with --strategy", request.source));
+  }
+  NamedSource opened;
+  opened.sequence = changed({}, request.sequence);
+  opened.sequence.marker = request.marker;
+  CameraSettings settings = request.camera;
+  settings.frame_rate = pace_from(request.rate);
+  settings.cycle = cycle_length(opened.sequence);
+  opened.frames = open_camera(request.source, settings);
+  set_scanner(opened, request, std::nullopt, request.source);
+  return opened;
+}
+
+struct Scheme {
+  std::string_view name;
+  std::string_view form;
+  NamedSource (*open)(const std::string& what, const SourceRequest& request);
+};
+
+constexpr std::array schemes{
+    Scheme{"virtual", "virtual", open_virtual},
+    Scheme{"replay", "replay:PATH", open_replay},
+    Scheme{"aravis", "aravis:NAME", open_camera_source},
+    Scheme{"v4l2", "v4l2:NUMBER", open_camera_source},
+};
+
+}  // namespace
+
+std::string source_forms() {
+  std::vector<std::string_view> forms;
+  for (const Scheme& scheme : schemes) forms.push_back(scheme.form);
+  return fmt::format("{}", fmt::join(forms, ", "));
+}
+
+std::string scheme_of(const std::string& source) {
+  return source.substr(0, source.find(':'));
+}
+
+NamedSource open_source(const SourceRequest& request) {
+  const std::string name = scheme_of(request.source);
+  const std::string what =
+      request.source.size() > name.size() ? request.source.substr(name.size() + 1) : std::string();
+  const auto scheme =
+      std::find_if(schemes.begin(), schemes.end(), [&](const Scheme& s) { return s.name == name; });
+  if (scheme == schemes.end()) {
+    throw Error(fmt::format("source '{}' is unknown; one of {}", request.source, source_forms()));
+  }
+  const double rate = request.rate.value_or(0);
+  if (!(rate == 0 || (rate >= 1e-3 && rate <= 1e6))) {
+    throw Error(
+        fmt::format("--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate));
+  }
+  return scheme->open(what, request);
+}
+
+void require_not_replayed(const SourceRequest& request, const fs::path& file) {
+  constexpr std::string_view scheme = "replay:";
+  if (!request.source.starts_with(scheme)) return;
+  std::error_code unknown;  // where `file` is not there yet
+  if (fs::equivalent(request.source.substr(scheme.size()), file, unknown)) {
+    throw Error(fmt::format("{}: is being replayed; record to another file", file.string()));
+  }
+}
+
+}  // namespace slipstream

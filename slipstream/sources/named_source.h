@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "slipstream/camera/camera_settings.h"
+#include "slipstream/capture/frame_source.h"
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/simulate/virtual_world.h"
+#include "slipstream/strategy/sequence_changes.h"
+
+namespace slipstream {
+
+/// What a source of frames is opened by.
+struct SourceRequest {
+  std::string source = "virtual";  ///< "SCHEME" or "SCHEME:WHAT"
+  std::optional<double> rate{};    ///< Hz; 0: as fast as it goes; none: the source's own
+  bool loop = false;               ///< a recording begins again at its end
+  bool marker = false;             ///< a dark frame ends each cycle, whatever the source says
+  SequenceChanges sequence{};      ///< over what the source says that it sees
+  std::optional<std::filesystem::path> scanner{};  ///< file, over the source's own
+  std::optional<VirtualWorld> world{};             ///< of `virtual`, which needs one
+  CameraSettings camera{};                         ///< of `aravis` and `v4l2`
+};
+
+/// A source, and what is known of what it sees.
+struct NamedSource {
+  std::unique_ptr<FrameSource> frames;
+  Sequence sequence{};
+  std::optional<Scanner> scanner{};
+  std::string scanner_name{};  ///< what a message calls it
+  std::string warning{};       ///< for people; empty where all is well
+};
+
+/// What can be asked for: "virtual, replay:PATH, aravis:NAME, v4l2:NUMBER".
+std::string source_forms();
+
+/// "replay" of "replay:scan.slip".
+std::string scheme_of(const std::string& source);
+
+/// Throws Error for a source that is not known or does not fit the request, WorldError for one that
+/// does not answer.
+NamedSource open_source(const SourceRequest& request);
+
+/// Throws Error where `file`, which is to be written, is what the source replays.
+void require_not_replayed(const SourceRequest& request, const std::filesystem::path& file);
+
+}  // namespace slipstream

@@ -1,0 +1,135 @@
+#include "slipstream/strategy/registry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+/// Calls `visit` with every coding of the registry at its default settings.
+template <class Visit>
+void for_each_coding(const Visit& visit) {
+  [&]<std::size_t... I>(std::index_sequence<I...>) {
+    (visit(std::variant_alternative_t<I, KnownCodings>{}), ...);
+  }
+  (std::make_index_sequence<std::variant_size_v<KnownCodings>>{});
+}
+
+template <class Coding>
+std::string setting_names(const Coding& coding) {
+  std::string names;
+  Coding::for_each_setting(coding, [&](const char* name, const char*, const auto&) {
+    names += names.empty() ? name : fmt::format(", {}", name);
+  });
+  return names;
+}
+
+template <class Value>
+struct NumberOf {
+  using Type = Value;
+};
+template <class Value>
+struct NumberOf<std::optional<Value>> {
+  using Type = Value;
+};
+
+template <class Value>
+void set(Value& target, const std::string& name, double value) {
+  using Number = typename NumberOf<Value>::Type;
+  if (std::is_integral_v<Number> &&
+      (value != std::floor(value) || std::abs(value) > std::numeric_limits<Number>::max())) {
+    throw Error(fmt::format("{} {} is not a whole number", name, value));
+  }
+  target = static_cast<Number>(value);
+}
+
+template <class Coding>
+Strategy configured(Coding coding, const StrategySettings& settings) {
+  for (const auto& [wanted, value] : settings) {
+    bool found = false;
+    Coding::for_each_setting(coding, [&](const char* name, const char*, auto& target) {
+      if (wanted != name) return;
+      set(target, wanted, value);
+      found = true;
+    });
+    if (!found) {
+      throw Error(fmt::format("strategy {} has no setting '{}'; it has {}", Coding::name, wanted,
+                              setting_names(coding)));
+    }
+  }
+  return coding;
+}
+
+}  // namespace
+
+Strategy default_strategy() {
+  return DualFrequency{};
+}
+
+std::vector<Strategy> usual_strategies() {
+  return {DualFrequency{.steps = 3, .high = 16}, DualFrequency{.steps = 4, .high = 32},
+          PhaseMeasuring{.steps = 3}, PhaseMeasuring{.steps = 4}, PhaseMeasuring{.steps = 6}};
+}
+
+std::string label_of(const Strategy& strategy) {
+  std::string label = strategy.name();
+  for (const auto& [name, value] : strategy.settings()) {
+    label += fmt::format(", {} {:g}", name, value);
+  }
+  return label;
+}
+
+std::vector<std::string_view> strategy_names() {
+  std::vector<std::string_view> names;
+  for_each_coding([&](const auto& coding) { names.push_back(coding.name); });
+  return names;
+}
+
+std::vector<std::string_view> names_with_coordinate() {
+  std::vector<std::string_view> names;
+  for_each_coding([&](const auto& coding) {
+    if (has_coordinate(coding.layout())) names.push_back(coding.name);
+  });
+  return names;
+}
+
+std::vector<SettingDescription> strategy_settings() {
+  std::vector<SettingDescription> settings;
+  for_each_coding([&]<class Coding>(const Coding& coding) {
+    const std::string owner(Coding::name);
+    Coding::for_each_setting(coding, [&](const char* name, const char* help, const auto&) {
+      const auto known = std::find_if(settings.begin(), settings.end(),
+                                      [&](const auto& setting) { return setting.name == name; });
+      if (known == settings.end()) {
+        settings.push_back({name, help, owner});
+      } else {
+        known->strategies += ", " + owner;
+      }
+    });
+  });
+  return settings;
+}
+
+Strategy make_strategy(std::string_view name, const StrategySettings& settings) {
+  std::optional<Strategy> made;
+  for_each_coding([&](const auto& coding) {
+    if (coding.name == name) made = configured(coding, settings);
+  });
+  if (!made) {
+    throw Error(fmt::format("strategy '{}' is not known; it is one of: {}", name,
+                            fmt::join(strategy_names(), ", ")));
+  }
+  return *made;
+}
+
+}  // namespace slipstream

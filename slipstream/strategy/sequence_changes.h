@@ -1,0 +1,29 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "slipstream/strategy/sequence.h"
+
+namespace slipstream {
+
+/// What is said of a sequence over what is known of it: flags over a file, or over a default.
+struct SequenceChanges {
+  std::optional<std::string> strategy{};  ///< by name: replaces the one known whole
+  std::map<std::string, std::optional<double>> settings{};  ///< alone they change it
+  std::optional<Axis> axis{};
+  std::optional<double> alpha_p{};
+  std::optional<double> beta_p{};
+  std::optional<Size> projector{};
+};
+
+/// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is
+/// not.
+Sequence changed(const Sequence& known, const SequenceChanges& changes);
+
+/// The default strategy for that projector, with those changes. Throws Error where the projector
+/// cannot show it.
+Sequence default_sequence(Size projector, const SequenceChanges& changes);
+
+}  // namespace slipstream

@@ -1,0 +1,122 @@
+#include "slipstream/unwrap/cue_evidence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/noise/reflectivity.h"
+#include "slipstream/phase/equations.h"
+#include "slipstream/unwrap/temporal_unwrapping.h"
+
+namespace slipstream {
+
+using std::numbers::pi;
+
+CueEvidence::CueEvidence(const Layout& layout, const CueSettings& settings)
+    : settings_(settings),
+      circle_(!layout.cue),
+      f_h_(layout.bands[0].periods),
+      c1_(layout.bands[0].share),
+      component_variance_(component_variance(layout.bands[0], settings.noise_variance)) {
+  if (circle_) {
+    c2_ = layout.bands[1].share;
+    cue_variance_ = component_variance_;
+  } else {
+    reference_ = layout.cue->reference;
+    c2_ = layout.cue->share;
+    dc_ = std::round(layout.cue->dc());
+    cue_variance_ = cue_variance(*layout.cue, settings.noise_variance);
+  }
+}
+
+double CueEvidence::dimmest_lit() const {
+  return 4 * std::sqrt(component_variance_);
+}
+
+bool CueEvidence::lit(const CuePixel& pixel) const {
+  return pixel.modulation * pixel.modulation > 16 * component_variance_ &&
+         pixel.modulation >= settings_.least_modulation;
+}
+
+double CueEvidence::coordinate(const CuePixel& pixel) const {
+  const auto& [alpha_p, beta_p] = settings_.light;
+  const double beta = settings_.ambient;
+  if (circle_) return wrapped_angle(pixel.cue_sine, pixel.cue) / (2 * pi);  // (3.88)
+  const double alpha = reflectivity(pixel.modulation, alpha_p, c1_);        // (3.59)
+  if (!(alpha > 1e-9)) return 0;
+  const double R = (2 * (pixel.cue - dc_ * beta) / (alpha * alpha_p) -
+                    dc_ * (2 * (beta_p + beta) / alpha_p + 1)) /
+                   c2_;  // (3.58), (3.74)
+  return reference_.inverse(R);
+}
+
+double CueEvidence::doubt(const CuePixel& pixel, double y) const {
+  double periods = f_h_ * (coordinate(pixel) - y);
+  if (circle_) periods -= f_h_ * std::round(periods / f_h_);
+  return std::min(std::abs(periods), 0.5);
+}
+
+double CueEvidence::cost(const CuePixel& pixel, double y) const {
+  const double B = pixel.modulation;
+  if (circle_) {
+    // The vector of both modulations against its projection on the direction that y gives it.
+    const double along = pixel.cue * std::cos(2 * pi * y) + pixel.cue_sine * std::sin(2 * pi * y);
+    const double projection = std::max(0.0, c1_ * B + c2_ * along);
+    const double square = B * B + pixel.cue * pixel.cue + pixel.cue_sine * pixel.cue_sine -
+                          projection * projection / (c1_ * c1_ + c2_ * c2_);
+    return square / component_variance_;
+  }
+  const auto& [alpha_p, beta_p] = settings_.light;
+  const double beta = settings_.ambient;
+  // The cue's channel over B at this y, of any reflectivity: (3.56) / (3.57) and (3.73) / (3.72).
+  const double dc = dc_ * (1 + 2 * (beta_p + beta) / alpha_p);
+  const double slope = (dc + c2_ * reference_(y)) / c1_;
+  const double difference = pixel.cue - dc_ * beta - slope * B;
+  // All reflectivities are as likely beforehand; the logarithm is what is left of them.
+  const double spread = 1 + component_variance_ / cue_variance_ * slope * slope;
+  return difference * difference / (cue_variance_ * spread) + std::log(spread);
+}
+
+double CueEvidence::shade(const CuePixel& pixel, double y) const {
+  return dc_ == 0 ? 0 : dc_ * pixel.modulation * c2_ / c1_ * reference_(y);
+}
+
+int CueEvidence::published_order(const CuePixel& pixel) const {
+  const int k = fringe_order(pixel.wrapped_phase, f_h_, coordinate(pixel));
+  return circle_ ? k : std::clamp(k, 0, static_cast<int>(f_h_) - 1);
+}
+
+int CueEvidence::nearest_order(const CuePixel& pixel, int projector_length) const {
+  const int k = published_order(pixel);
+  if (!circle_) return k;
+  const double y = unwrapped_coordinate(pixel.wrapped_phase, k, f_h_);
+  return k +
+         static_cast<int>(std::lround((coordinate_in_field(y, 1, projector_length) - y) * f_h_));
+}
+
+int CueEvidence::likeliest_order(const CuePixel& pixel, int projector_length) const {
+  // On the circle every order has the same noise: the nearest is the likeliest.
+  if (circle_) return nearest_order(pixel, projector_length);
+  const int last = static_cast<int>(f_h_);
+  double least = std::numeric_limits<double>::infinity();
+  int best = 0;
+  for (int k = -1; k <= last; ++k) {
+    const double y = unwrapped_coordinate(pixel.wrapped_phase, k, f_h_);
+    if (!near_field(y, projector_length)) continue;
+    const double here = cost(pixel, y);
+    if (here < least) {
+      least = here;
+      best = k;
+    }
+  }
+  return best;
+}
+
+bool CueEvidence::near_field(double y, int projector_length) const {
+  const double margin = 0.5 / projector_length + 0.1 / f_h_;
+  return y >= -margin && y <= 1 + margin;
+}
+
+}  // namespace slipstream

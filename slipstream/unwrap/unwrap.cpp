@@ -1,0 +1,136 @@
+#include "slipstream/unwrap/unwrap.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "slipstream/image/parallel_rows.h"
+#include "slipstream/unwrap/cue_evidence.h"
+#include "slipstream/unwrap/neighbourhood_fringe_order.h"
+#include "slipstream/unwrap/temporal_unwrapping.h"
+
+namespace slipstream {
+namespace {
+
+/// Calls `body(column, row)` for every pixel.
+template <class Body>
+void for_each_pixel(Size size, const Body& body) {
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) body(column, row);
+  });
+}
+
+UnwrappedPhases unwrap_hierarchically(const Layout& layout, const LayoutPhases& phases,
+                                      int projector_length) {
+  const std::vector<std::size_t> order = coarse_to_fine(layout);
+  const Size size = phases.bands.front().wrapped_phase.size();
+  const double widest = 1 / layout.bands[order.front()].periods;
+  UnwrappedPhases result{.coordinate = Image<double>(size)};
+  if (order.size() > 1) result.doubt = Image<double>(size);
+  for_each_pixel(size, [&](int column, int row) {
+    double y = 0, doubt = 0;
+    for (const std::size_t i : order) {
+      const double phi = phases.bands[i].wrapped_phase(column, row);
+      const double f = layout.bands[i].periods;
+      if (i == order.front()) {
+        y = unwrapped_coordinate(phi, 0, f);
+        continue;
+      }
+      const int k = fringe_order(phi, f, y);
+      doubt = std::max(doubt, std::abs(fringe_order_residual(phi, f, y, k)));
+      y = unwrapped_coordinate(phi, k, f);
+    }
+    result.coordinate(column, row) = coordinate_in_field(y, widest, projector_length);
+    if (!result.doubt.empty()) result.doubt(column, row) = doubt;
+  });
+  return result;
+}
+
+Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
+  const PhaseMaps& band = phases.bands.front();
+  Image<CuePixel> pixels(band.modulation.size());
+  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
+    pixels.begin()[i] = {
+        .modulation = band.modulation.begin()[i] / grey_level,
+        .wrapped_phase = band.wrapped_phase.begin()[i],
+        .cue = phases.cue.begin()[i] / grey_level,
+        .cue_sine = phases.cue_sine.empty() ? 0 : phases.cue_sine.begin()[i] / grey_level};
+  }
+  return pixels;
+}
+
+/// The fringe orders that the neighbours leave standing.
+Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const CueEvidence& cue,
+                        double f_h, int projector_length) {
+  Image<double> wrapped_phase(pixels.size());
+  Image<std::uint8_t> lit(pixels.size());
+  std::transform(pixels.begin(), pixels.end(), wrapped_phase.begin(),
+                 [](const CuePixel& pixel) { return pixel.wrapped_phase; });
+  std::transform(pixels.begin(), pixels.end(), lit.begin(), [&](const CuePixel& pixel) {
+    return static_cast<std::uint8_t>(cue.lit(pixel) ? 1 : 0);
+  });
+  const auto cost = [&](int column, int row, int order) {
+    const CuePixel& pixel = pixels(column, row);
+    const double y = unwrapped_coordinate(pixel.wrapped_phase, order, f_h);
+    return cue.near_field(y, projector_length) ? cue.cost(pixel, y)
+                                               : std::numeric_limits<double>::infinity();
+  };
+  choose_with_neighbours(orders, wrapped_phase, lit, cost);
+  return orders;
+}
+
+/// The fringe order of every pixel by the rule asked for.
+Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, CueRule rule,
+                         double f_h, int projector_length) {
+  Image<int> orders(pixels.size());
+  std::transform(pixels.begin(), pixels.end(), orders.begin(), [&](const CuePixel& pixel) {
+    switch (rule) {
+      case CueRule::published:
+        return cue.published_order(pixel);
+      case CueRule::likelihood:
+        return cue.likeliest_order(pixel, projector_length);
+      case CueRule::consensus:
+        return cue.nearest_order(pixel, projector_length);
+    }
+    return 0;
+  });
+  if (rule != CueRule::consensus) return orders;
+  return voted_orders(std::move(orders), pixels, cue, f_h, projector_length);
+}
+
+UnwrappedPhases unwrap_by_vote(const Layout& layout, const LayoutPhases& phases,
+                               const CueSettings& settings, int projector_length,
+                               double grey_level) {
+  const CueEvidence cue(layout, settings);
+  const double f_h = layout.bands.front().periods;
+  const Image<CuePixel> pixels = cue_pixels(phases, grey_level);
+  const Image<int> orders = chosen_orders(pixels, cue, settings.rule, f_h, projector_length);
+  // The published rule leaves the cue of the DC channel in the texture.
+  const bool shaded = needs_ambient_light(layout) && settings.rule != CueRule::published;
+  const Size size = pixels.size();
+  UnwrappedPhases result{.coordinate = Image<double>(size),
+                         .doubt = Image<double>(size),
+                         .shade = Image<double>(shaded ? size : Size{})};
+  for_each_pixel(size, [&](int column, int row) {
+    const CuePixel& pixel = pixels(column, row);
+    const double y = unwrapped_coordinate(pixel.wrapped_phase, orders(column, row), f_h);
+    result.coordinate(column, row) = y;
+    result.doubt(column, row) = cue.doubt(pixel, y);
+    if (shaded) result.shade(column, row) = grey_level * cue.shade(pixel, y);
+  });
+  return result;
+}
+
+}  // namespace
+
+UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const CueSettings& cue,
+                       int projector_length, double grey_level) {
+  if (!has_coordinate(layout)) return {};
+  if (layout.unwrapping == Unwrapping::vote) {
+    return unwrap_by_vote(layout, phases, cue, projector_length, grey_level);
+  }
+  return unwrap_hierarchically(layout, phases, projector_length);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "slipstream/image/image.h"
+#include "slipstream/pattern/layout.h"
+#include "slipstream/phase/phase_decoder.h"
+#include "slipstream/unwrap/cue_settings.h"
+
+namespace slipstream {
+
+/// What is unwrapped: of every pixel the phase of each band, and what its cue says.
+struct LayoutPhases {
+  std::vector<PhaseMaps> bands{};  ///< in the order of the layout's; grey levels of the frames
+  /// With Unwrapping::vote: the cue's number, or C and S of the second band, grey levels of the
+  /// frames. Else empty.
+  Image<double> cue{};
+  Image<double> cue_sine{};
+};
+
+/// Where every pixel is on the projector's axis.
+struct UnwrappedPhases {
+  Image<double> coordinate{};  ///< y, see BasicMaps; empty where the layout gives none
+  /// How far the bands are apart on the fringe order, the most of all steps from band to band, or
+  /// the cue from the order chosen: see fringe_order_residual. Empty with Unwrapping::none.
+  Image<double> doubt{};
+  Image<double>
+      shade{};  ///< what a cue in the DC channel adds to the mean, grey levels; else empty
+};
+
+/// The coordinate by the layout's rule: Liu 2010, Eq. (1.17) from band to band, or the cue and the
+/// neighbours, Section 3.2. `projector_length`: projector pixels along the axis; `grey_level`: one
+/// of 8 bits in those of the frames.
+UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const CueSettings& cue,
+                       int projector_length, double grey_level);
+
+}  // namespace slipstream

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/view/view_source.h"
+
+namespace slipstream::view {
+
+/// A cloud that stands still.
+ViewSource still_source(Cloud cloud);
+
+/// Frames that are reconstructed anew whenever another setup is asked for; `save` is left to
+/// whoever knows of files. Throws Error as Engine does.
+ViewSource still_source(FrameSet frames, const EngineSetup& setup);
+
+}  // namespace slipstream::view

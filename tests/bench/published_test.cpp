@@ -1,0 +1,63 @@
+// The rows of Table 2.2 compute what they are named for.
+#include "tools/bench/published.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/phase_measuring.h"
+
+namespace slipstream {
+namespace {
+
+class Published : public testing::TestWithParam<int> {};
+
+TEST_P(Published, LoopsGiveThePointsOfTheReferenceEngine) {
+  Scanner scanner = example_scanner({80, 60});
+  scanner.projector.distortion = {};  // as published
+  const Strategy strategy = PhaseMeasuring{.steps = GetParam(), .frequency = 1};
+  const VirtualScan scan =
+      take_scan(scanner, scene_named("statue", scanner), pattern_set(strategy, Axis::x));
+  const ReferenceEngine engine({.scanner = scanner,
+                                .sequence = {.strategy = strategy},
+                                .settings = {.phase_method = PhaseMethod::equation}},
+                               {});
+  const BasicCloud<double> cloud = engine(scan.frames).cloud;
+  scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    if constexpr (sizeof(Pixel) == 1) {
+      PublishedLoops loops(scanner, Axis::x, frames);
+      const auto expect_points = [&](const char* name) {
+        int points = 0;
+        for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+          if (cloud.validity.begin()[i] != Validity::valid) continue;
+          ASSERT_NEAR(loops.z.begin()[i], cloud.z.begin()[i], 1e-6) << name;
+          ASSERT_NEAR(loops.x.begin()[i], cloud.x.begin()[i], 1e-6) << name;
+          ++points;
+        }
+        EXPECT_GT(points, 500);
+      };
+      loops.traditional();
+      expect_points("traditional");
+      loops.lut();
+      expect_points("lut");
+      for (const auto phase :
+           {&PublishedLoops::general, &PublishedLoops::closed_form, &PublishedLoops::mlut_plut}) {
+        (loops.*phase)();
+        for (const auto point : {&PublishedLoops::inverse, &PublishedLoops::form1,
+                                 &PublishedLoops::form2, &PublishedLoops::form3}) {
+          (loops.*point)();
+          expect_points("point form");
+        }
+      }
+    }
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Steps, Published, testing::Values(3, 4, 6));
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,33 @@
+# Hides all packages but those that the decoder needs: a build that asks for another one fails.
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/../../cmake/libraries.cmake)
+set(decoder_packages Eigen3 fmt TBB hwy)
+
+set(without_packages "")
+foreach(package GTest CLI11 nlohmann_json benchmark rapidcheck)
+  list(APPEND without_packages -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+endforeach()
+foreach(line IN LISTS slipstream_libraries)
+  separate_arguments(words UNIX_COMMAND "${line}")
+  list(LENGTH words count)
+  if(count GREATER 2)
+    list(GET words 2 package)
+    if(NOT package IN_LIST decoder_packages)
+      list(APPEND without_packages -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+    endif()
+  endif()
+endforeach()
+list(REMOVE_DUPLICATES without_packages)
+
+# A folder of links stands for all that pkg-config knows.
+function(hide_modules folder)
+  file(REMOVE_RECURSE ${folder})
+  file(MAKE_DIRECTORY ${folder})
+  foreach(module eigen3 fmt tbb libhwy)
+    execute_process(COMMAND pkg-config --variable=pcfiledir ${module}
+                    OUTPUT_VARIABLE found OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+    file(CREATE_LINK ${found}/${module}.pc ${folder}/${module}.pc SYMBOLIC)
+  endforeach()
+  set(ENV{PKG_CONFIG_LIBDIR} ${folder})
+endfunction()

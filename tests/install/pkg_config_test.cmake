@@ -1,0 +1,22 @@
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/bare.cmake)
+file(REMOVE_RECURSE ${WORK_FOLDER})
+file(GLOB_RECURSE modules ${PREFIX}/*/slipstream-*.pc)
+list(GET modules 0 module)
+cmake_path(GET module PARENT_PATH folder)
+set(ENV{PKG_CONFIG_PATH} ${folder})
+foreach(module IN LISTS modules)
+  cmake_path(GET module STEM LAST_ONLY name)
+  run(pkg-config --exists --print-errors ${name})
+endforeach()
+
+hide_modules(${WORK_FOLDER}/modules)
+separate_arguments(FLAGS UNIX_COMMAND "${FLAGS}")
+foreach(static "" --static)
+  execute_process(COMMAND pkg-config ${static} --cflags --libs slipstream-reconstruct
+                  OUTPUT_VARIABLE told OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  separate_arguments(told UNIX_COMMAND "${told}")
+  run(${COMPILER} -std=c++20 ${FLAGS} ${CMAKE_CURRENT_LIST_DIR}/decoder/decoder.cpp
+      -o ${WORK_FOLDER}/decoder${static} ${told})
+  run(${WORK_FOLDER}/decoder${static})
+endforeach()

@@ -1,0 +1,118 @@
+#include "slipstream/io/saved_scan.h"
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/image_file.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/phase_measuring.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+const Scanner scanner = example_scanner({48, 36});
+const Sequence sequence{.strategy = PhaseMeasuring{.steps = 4},
+                        .light = {.alpha_p = 200, .beta_p = 30},
+                        .projector = scanner.projector.size};
+
+VirtualScan some_scan(std::optional<int> bits = 8) {
+  return take_scan(scanner, scene_named("sphere", scanner), pattern_set(sequence), {.bits = bits});
+}
+
+void expect_same_frames(const FrameSet& a, const FrameSet& b) {
+  ASSERT_EQ(a.count(), b.count());
+  ASSERT_EQ(a.bits(), b.bits());
+  const std::vector<double> whole{1, 10, 100, 1000};
+  const Image<double> of_a = weighted_sum(a, whole), of_b = weighted_sum(b, whole);
+  for (std::size_t i = 0; i < of_a.pixel_count(); ++i) {
+    ASSERT_NEAR(of_a.begin()[i], of_b.begin()[i], 1e-2);
+  }
+}
+
+TEST(SavedScan, ComesBackWhole) {
+  for (const std::optional<int> bits :
+       {std::optional(8), std::optional(12), std::optional<int>()}) {
+    const TemporaryFolder folder;
+    const FrameSet frames = some_scan(bits).frames;
+    save_scan(folder.path() / "scan", frames, sequence, scanner);
+    const Scan read = load_scan(folder.path() / "scan");
+    EXPECT_EQ(read.sequence, sequence);
+    EXPECT_EQ(read.scanner, scanner);
+    EXPECT_TRUE(read.further_cameras.empty());
+    expect_same_frames(read.frames, frames);
+    EXPECT_EQ(
+        point_count(reconstruct(read)),
+        point_count(reconstruct({.frames = frames, .sequence = sequence, .scanner = scanner})));
+  }
+}
+
+TEST(SavedScan, MayHaveNoScannerButGivesNoCloudThen) {
+  const TemporaryFolder folder;
+  save_scan(folder.path(), some_scan().frames, sequence, std::nullopt);
+  const Scan read = load_scan(folder.path());
+  EXPECT_FALSE(read.scanner);
+  expect_error([&] { (void)reconstruct(read); }, {"scanner"});
+}
+
+TEST(SavedScan, HasTheSecondCamerasScanWithIt) {
+  const TemporaryFolder folder;
+  const FrameSet frames = some_scan().frames;
+  ScanFiles files = save_scan(folder.path(), frames, sequence, scanner);
+  save_scan(folder.path() / "second", frames, sequence, scanner);
+  files.second_camera = folder.path() / "second";
+  write_scan_files(folder.path() / "scan.yaml", files);
+  const Scan read = load_scan(folder.path());
+  ASSERT_EQ(read.further_cameras.size(), 1U);
+  EXPECT_EQ(read.further_cameras[0].scanner, scanner);
+  expect_same_frames(read.further_cameras[0].frames, frames);
+
+  const Sequence other{.strategy = PhaseMeasuring{.steps = 4, .frequency = 2}};
+  save_scan(folder.path() / "second", frames, other, scanner);
+  expect_error([&] { (void)load_scan(folder.path()); }, {"second", "another strategy"});
+}
+
+TEST(SavedScan, IsRefusedWhereItDoesNotFitTogether) {
+  const TemporaryFolder folder;
+  const FrameSet frames = some_scan().frames;
+  const ScanFiles files = save_scan(folder.path(), frames, sequence, scanner);
+  ScanFiles fewer = files;
+  fewer.frames.pop_back();
+  expect_error([&] { (void)load_scan(fewer); }, {folder.path().string(), "3 frames", "takes 4"});
+  ScanFiles larger = files;
+  larger.sequence.projector = {64, 48};
+  expect_error([&] { (void)load_scan(larger); }, {"scanner.yaml", "64x48"});
+  expect_error([&] { (void)load_scan(folder.path() / "nowhere"); }, {"nowhere"});
+}
+
+TEST(SavedScan, IsComparedWithTheTruthBesideIt) {
+  const TemporaryFolder folder;
+  const VirtualScan scan = some_scan(std::nullopt);
+  save_scan(folder.path(), scan.frames, sequence, scanner);
+  const Cloud cloud = reconstruct(load_scan(folder.path()));
+  EXPECT_FALSE(error_against_truth(folder.path(), cloud));
+  fs::create_directory(folder.path() / "truth");
+  Image<double> depth = scan.depth;
+  for (double& z : depth) z += 0.5;
+  write_map(folder.path() / "truth/depth.tiff", depth);
+  EXPECT_NEAR(error_against_truth(folder.path(), cloud).value(), 0.5, 1e-3);
+  write_map(folder.path() / "truth/depth.tiff", Image<double>({3, 2}, 1));
+  expect_error([&] { (void)error_against_truth(folder.path(), cloud); }, {"3x2", "48x36"});
+}
+
+TEST(PathNamedByTime, IsNoneThatIsThere) {
+  const TemporaryFolder folder;
+  const fs::path first = path_named_by_time(folder.path(), "scan", ".slip");
+  fs::create_directory(first);
+  EXPECT_NE(path_named_by_time(folder.path(), "scan", ".slip"), first);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,249 @@
+// Strategies that are layouts alone, known to no part of the library, through every engine.
+#include "tests/own_strategies.h"
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/kernels/vector_target.h"
+#include "slipstream/noise/phase_noise.h"
+#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/reconstruct/engine.h"
+#include "tests/reconstruct/agreement.h"
+
+namespace slipstream {
+namespace {
+
+std::string text_of(const Strategy& strategy) {
+  std::string text = strategy.name();
+  for (const auto& [name, value] : strategy.settings()) text += " " + std::to_string(value);
+  return text;
+}
+
+TEST(OwnStrategies, ComeOutAtTheirTrueDepth) {
+  const Scanner scanner = example_scanner({160, 120});
+  for (const Strategy& strategy : own_strategies()) {
+    for (const Axis axis : {Axis::x, Axis::y}) {
+      SCOPED_TRACE(text_of(strategy) + ", axis " + std::string(name_of(axis)));
+      const VirtualScan scan = take_scan(scanner, scene_named("boxes", scanner),
+                                         pattern_set(strategy, axis), {.bits = std::nullopt});
+      for (const PhaseMethod method :
+           {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+        const ReferenceEngine reconstruct(
+            setup_of(scanner, strategy, axis, {.phase_method = method}), {});
+        const BasicCloud<double> cloud = reconstruct(scan.frames).cloud;
+        std::size_t points = 0, lit = 0;
+        for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
+          lit += std::isnan(scan.coordinate.begin()[i]) ? 0 : 1;
+          if (std::isnan(cloud.z.begin()[i])) continue;
+          ++points;
+          ASSERT_NEAR(cloud.z.begin()[i], scan.depth.begin()[i], 1e-6);
+        }
+        EXPECT_EQ(points, lit);
+        EXPECT_GT(points, 1500U);
+      }
+    }
+  }
+}
+
+/// To be taken again under other patterns.
+VirtualScan statue_scan(const Scanner& scanner, Axis axis) {
+  return take_scan(scanner, scene_named("statue", scanner), pattern_set(PhaseMeasuring{}, axis));
+}
+
+/// Under noise too: within the noise that is predicted for each pixel, and on the right fringe.
+TEST(OwnStrategies, ComeOutAtTheTruthUnderNoise) {
+  Scanner scanner = example_scanner({640, 480});
+  const Photometry photometry{.ambient = 5, .noise_variance = 1.55};
+  scanner.photometry.noise_variance = photometry.noise_variance + quantisation_variance;
+  const VirtualScan scan = statue_scan(scanner, Axis::x);
+  for (const Strategy& strategy : own_strategies()) {
+    const FrameSet frames = take_again(scan, pattern_set(strategy, Axis::x), photometry);
+    for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
+      SCOPED_TRACE(text_of(strategy) + (kind == EngineKind::fused ? ", fused" : ", reference"));
+      Engine engine(setup_of(scanner, strategy, Axis::x, {.engine = kind}));
+      EXPECT_EQ(engine.backend_for(frames) == "fused", kind == EngineKind::fused);
+      Cloud cloud;
+      Maps maps;
+      engine.cloud_and_maps(frames, cloud, maps);
+      const Uncertainty sigma = engine.uncertainty(cloud, maps, frames);
+      std::size_t points = 0, wrong = 0, far = 0;
+      for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
+        if (cloud.validity.begin()[i] != Validity::valid) continue;
+        ++points;
+        const double error = std::abs(maps.coordinate.begin()[i] - scan.coordinate.begin()[i]);
+        wrong += error < 0.5 / highest_frequency(strategy) ? 0 : 1;
+        far += error < 7 * sigma.coordinate.begin()[i] ? 0 : 1;
+      }
+      EXPECT_GT(points, 240000U);
+      EXPECT_EQ(wrong, 0U);
+      EXPECT_EQ(far, 0U);
+    }
+  }
+}
+
+/// Where noise carries the coarse phases off their fringe, the neighbours and the doubt find it.
+TEST(OwnStrategies, ShowNoPointOfAWrongFringeOrder) {
+  const Scanner scanner = example_scanner({640, 480});
+  const VirtualScan scan = statue_scan(scanner, Axis::x);
+  for (const Strategy& strategy :
+       {Strategy(ThreeFrequencies{}), Strategy(ThreeFrequencies{6, 36, 1})}) {
+    const FrameSet frames =
+        take_again(scan, pattern_set(strategy, Axis::x), {.ambient = 5, .noise_variance = 12});
+    const auto wrong_with = [&](EngineKind kind, const FringeOrderConsensus& consensus) {
+      Engine engine(
+          setup_of(scanner, strategy, Axis::x,
+                   {.engine = kind, .minimum_modulation = 10, .fringe_order = consensus}));
+      Cloud cloud;
+      engine.cloud(frames, cloud);
+      int wrong = 0;
+      for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+        // A fringe is about 55 mm deep here.
+        wrong += std::abs(cloud.z.begin()[i] - scan.depth.begin()[i]) > 27 ? 1 : 0;
+      }
+      return wrong;
+    };
+    for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
+      EXPECT_GT(wrong_with(kind, {.fewest_neighbours = 0, .fewest_if_doubtful = 0}), 20)
+          << "else this shows nothing";
+      EXPECT_EQ(wrong_with(kind, {}), 0);
+    }
+  }
+}
+
+class OwnStrategiesOn : public testing::TestWithParam<std::string> {};
+
+TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
+  const OnlyVectorTarget only(GetParam());
+  for (const int width : {160, 171}) {
+    const Scanner scanner = example_scanner({width, 90});
+    const Axis axis = width == 160 ? Axis::x : Axis::y;
+    const VirtualScan scan = statue_scan(scanner, axis);
+    for (const Strategy& strategy : own_strategies()) {
+      for (const auto& [bits, noise] :
+           {std::pair{8, 0.0}, {8, 1.55}, {8, 6.0}, {12, 1.55}, {16, 0.0}}) {
+        SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width << ", noise "
+                                        << noise << ", bits " << bits);
+        const FrameSet frames = take_again(scan, pattern_set(strategy, axis),
+                                           {.ambient = 5, .noise_variance = noise, .bits = bits});
+        const Agreement agreement = agreement_on(setup_of(scanner, strategy, axis), frames);
+        EXPECT_GT(agreement.points, 2000U);
+        EXPECT_LE(agreement.other_validity, 1U);
+        EXPECT_LE(agreement.other_intensity, 1U);
+        EXPECT_LE(agreement.worst, depth_bound);
+      }
+    }
+  }
+}
+
+TEST_P(OwnStrategiesOn, DecodeToTheMapsOfTheEquations) {
+  const OnlyVectorTarget only(GetParam());
+  for (const int width : {64, 203}) {
+    const Scanner scanner = example_scanner({width, 120});
+    for (const Strategy& strategy : own_strategies()) {
+      SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width);
+      const EngineSetup setup = setup_of(scanner, strategy, Axis::x);
+      const FrameSet frames = statue_frames(scanner, strategy, Axis::x,
+                                            {.ambient = 5, .noise_variance = 1.55, .bits = 12});
+      const BasicMaps<double> exact = by_equations(setup, frames).maps;
+      Maps made;
+      Engine(setup).maps(frames, made);
+      ASSERT_EQ(made.coordinate.size(), exact.coordinate.size());
+      ASSERT_EQ(made.fringe_order_doubt.size(), exact.fringe_order_doubt.size());
+      std::size_t other_order = 0;
+      for (std::size_t i = 0; i < exact.coordinate.pixel_count(); ++i) {
+        ASSERT_NEAR(made.modulation.begin()[i], exact.modulation.begin()[i], 2e-3);
+        ASSERT_NEAR(made.mean.begin()[i], exact.mean.begin()[i], 1e-2);
+        if (exact.modulation.begin()[i] < 16) continue;  // of 4095
+        const double turned = std::remainder(
+            made.wrapped_phase.begin()[i] - exact.wrapped_phase.begin()[i], 2 * std::numbers::pi);
+        ASSERT_NEAR(turned, 0, 2e-6);
+        if (std::abs(made.coordinate.begin()[i] - exact.coordinate.begin()[i]) > 1e-3) {
+          ++other_order;
+          continue;
+        }
+        ASSERT_NEAR(made.coordinate.begin()[i], exact.coordinate.begin()[i], 4e-7);
+        if (exact.fringe_order_doubt.empty()) continue;
+        ASSERT_NEAR(made.fringe_order_doubt.begin()[i], exact.fringe_order_doubt.begin()[i], 1e-3);
+      }
+      EXPECT_LE(other_order, 2U);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(VectorTarget, OwnStrategiesOn, testing::ValuesIn(vector_targets()),
+                         [](const auto& info) { return info.param; });
+
+/// Over the whole field: where C and S have noise in common, single phases have more or less of it.
+TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
+  constexpr int length = 900, rows = 80;
+  constexpr double alpha = 0.6, ambient = 5, noise_variance = 1.55;
+  constexpr PatternLight light{.alpha_p = 200, .beta_p = 20};
+  for (const Strategy& strategy : own_strategies()) {
+    SCOPED_TRACE(text_of(strategy));
+    const PatternSet patterns = pattern_set(strategy, Axis::x, light);
+    std::mt19937_64 random(7);
+    std::normal_distribution<double> w(0, std::sqrt(noise_variance));
+    const auto coordinate = [](int column) { return static_cast<double>(column) / length; };
+    FrameSet::ImagesUnquantised images;
+    for (int n = 0; n < patterns.count; ++n) {
+      Image<double>& image = images.emplace_back(Size{length, rows});
+      for (int row = 0; row < rows; ++row) {
+        for (int i = 0; i < length; ++i) {
+          const double lit = patterns.intensity(n, coordinate(i)) + ambient;
+          image(i, row) = alpha * lit + ambient + w(random);  // (3.2)
+        }
+      }
+    }
+    const Decoder decode(strategy.layout(), length, PhaseMethod::equation);
+    const BasicMaps<double> maps = decode(FrameSet(std::move(images)));
+    const double half = 0.5 / highest_frequency(strategy);
+    double square = 0;
+    for (int row = 0; row < rows; ++row) {
+      for (int i = 0; i < length; ++i) {
+        double error = maps.coordinate(i, row) - coordinate(i);
+        // One period alone cannot tell one end of the field from the other.
+        if (highest_frequency(strategy) <= 1) error = std::remainder(error, 1);
+        ASSERT_LT(std::abs(error), half) << "column " << i;
+        square += error * error;
+      }
+    }
+    const double predicted =
+        coordinate_variance(strategy.layout(), alpha * light.alpha_p / 2, noise_variance);
+    EXPECT_NEAR(square / (length * rows) / predicted, 1, 0.05);
+  }
+}
+
+/// Tables of N steps and their corrections serve a layout whose bands are runs of steps.
+TEST(OwnStrategies, AreCorrectedForTheResponseWhereTheyAreRunsOfSteps) {
+  Scanner scanner = example_scanner({160, 120});
+  const Strategy strategy = ThreeFrequencies{};
+  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
+                                     pattern_set(strategy, Axis::x), {.gamma = 1.6, .bits = 16});
+  const auto rms_depth_error = [&](EngineKind kind) {
+    Cloud cloud;
+    Engine(setup_of(scanner, strategy, Axis::x, {.engine = kind})).cloud(scan.frames, cloud);
+    double sum = 0, points = 0;
+    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+      const double error = cloud.z.begin()[i] - scan.depth.begin()[i];
+      if (!std::isfinite(error)) continue;
+      sum += error * error;
+      ++points;
+    }
+    EXPECT_GT(points, 10000);
+    return std::sqrt(sum / points);
+  };
+  for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
+    scanner.photometry.response.reset();
+    EXPECT_GT(rms_depth_error(kind), 0.5);
+    scanner.photometry.response = MeasuredResponse{.response = PowerLaw{1.6}, .gamma = 1.6};
+    EXPECT_LT(rms_depth_error(kind), 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

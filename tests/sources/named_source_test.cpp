@@ -1,0 +1,72 @@
+#include "slipstream/sources/named_source.h"
+
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/phase_measuring.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+
+VirtualWorld some_world() {
+  VirtualWorld world{.scanner = example_scanner({48, 36})};
+  world.scene = scene_named("sphere", world.scanner);
+  world.photometry = {.ambient = 5, .noise_variance = 1};
+  return world;
+}
+
+const Strategy four_steps = PhaseMeasuring{.steps = 4};
+
+TEST(OpenSource, VirtualKnowsItsScannerAndWhatIsShown) {
+  SourceRequest request{.rate = 0, .world = some_world()};
+  request.sequence.strategy = "pmp";
+  request.sequence.settings = {{"steps", 4}};
+  NamedSource source = open_source(request);
+  EXPECT_EQ(source.sequence.strategy, four_steps);
+  EXPECT_EQ(source.scanner, as_calibrated(some_world()));
+  EXPECT_EQ(source.scanner->photometry.ambient, 5);
+  EXPECT_EQ(source.frames->format(), (FrameFormat{{48, 36}, 8}));
+  source.frames->start();
+  Frame frame(source.frames->format());
+  EXPECT_EQ(source.frames->next(frame, 1000ms), Arrival::frame);
+  expect_error([] { (void)open_source({.source = "virtual"}); }, {"virtual"});
+}
+
+TEST(OpenSource, ReplayedFolderSaysWhatItShowsUnlessToldOtherwise) {
+  const TemporaryFolder folder;
+  const VirtualWorld world = some_world();
+  const Sequence sequence{.strategy = four_steps, .projector = world.scanner.projector.size};
+  save_scan(folder.path(), take_scan(world.scanner, world.scene, pattern_set(sequence)).frames,
+            sequence, world.scanner);
+  SourceRequest request{.source = "replay:" + folder.path().string()};
+  EXPECT_EQ(open_source(request).sequence, sequence);
+  EXPECT_EQ(open_source(request).scanner, world.scanner);
+  expect_error([&] { require_not_replayed(request, folder.path()); }, {"is being replayed"});
+  EXPECT_NO_THROW(require_not_replayed(request, folder.path() / "other.slip"));
+
+  Scanner other = world.scanner;
+  other.translation.x() += 1;
+  write_scanner(folder.path() / "other.yaml", other);
+  request.scanner = folder.path() / "other.yaml";
+  request.sequence.axis = Axis::y;
+  EXPECT_EQ(open_source(request).scanner, other);
+  EXPECT_EQ(open_source(request).sequence.axis, Axis::y);
+}
+
+TEST(OpenSource, NamesWhatThereIs) {
+  for (const char* const scheme : {"virtual", "replay:", "v4l2:"}) {
+    EXPECT_NE(source_forms().find(scheme), std::string::npos) << scheme;
+  }
+  EXPECT_EQ(scheme_of("replay:scan.slip"), "replay");
+  expect_error([] { (void)open_source({.source = "telepathy:now"}); }, {"telepathy", "replay"});
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,121 @@
+// What stands still in the viewer: a cloud from a file, and frames that are reconstructed anew.
+#include "slipstream/view/still_source.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/opengl/off_screen.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/view/cloud_screen.h"
+#include "slipstream/view/pictures.h"
+#include "slipstream/view/viewer.h"
+#include "tests/io/temporary_folder.h"
+#include "tests/view/made_up_cloud.h"
+
+namespace slipstream::view {
+namespace {
+
+EngineSetup statue_setup() {
+  return {.scanner = example_scanner({160, 120}),
+          .sequence = {.strategy = DualFrequency{.steps = 4, .high = 16}, .axis = Axis::x}};
+}
+
+FrameSet statue_frames(const EngineSetup& setup) {
+  return take_scan(setup.scanner, scene_named("statue", setup.scanner), pattern_set(setup.sequence),
+                   {.ambient = 5, .noise_variance = 1})
+      .frames;
+}
+
+int coloured_pixels(const Image<Colour>& picture) {
+  return static_cast<int>(std::count_if(picture.begin(), picture.end(), [](const Colour& c) {
+    return std::max({c.red, c.green, c.blue}) - std::min({c.red, c.green, c.blue}) > 60;
+  }));
+}
+
+TEST(StillSource, ShowsACloudFromAFileThatHasNoFrames) {
+  const TemporaryFolder folder;
+  write_cloud(folder.path() / "wall.ply", cloud_of(wall({160, 120}, 600)));
+  const ViewSource source = still_source(read_cloud(folder.path() / "wall.ply"));
+  EXPECT_EQ(source.newest().frames.count(), 0);
+  EXPECT_TRUE(source.newest().is(source.newest()));
+  EXPECT_FALSE(source.change) << "there is nothing to make another cloud of";
+  const ViewSettings settings{.colour = PointColour::modulation};  // which is not known of it
+  try {
+    const Image<Colour> bare = render_screen(source, settings, {900, 500}, Surround::nothing);
+    const Image<Colour> whole = render_screen(source, settings, {900, 500}, Surround::panel);
+    EXPECT_GT(std::count_if(bare.begin(), bare.end(), [](Colour c) { return c.green > 150; }),
+              5000);
+    EXPECT_NE(bare(20, 20), whole(20, 20)) << "the panel lies at the left";
+    EXPECT_EQ(bare(880, 20), whole(880, 20)) << "no pictures at the right";
+  } catch (const WorldError& error) {
+    GTEST_SKIP() << error.what();
+  }
+}
+
+TEST(StillSource, ReconstructsItsFramesAnewForAnotherSetup) {
+  EngineSetup setup = statue_setup();
+  const ViewSource source = still_source(statue_frames(setup), setup);
+  const ShownCloud first = source.newest();
+  EXPECT_GT(point_count(*first.cloud), 3000U);
+  EXPECT_EQ(first.frames.count(), 8);
+  EXPECT_TRUE(source.newest().is(first));
+
+  setup.settings.minimum_modulation = 60;
+  source.change(setup);
+  const ShownCloud second = source.newest();
+  EXPECT_FALSE(second.is(first));
+  EXPECT_LT(point_count(*second.cloud), point_count(*first.cloud));
+
+  setup.settings.nearest = -1;
+  EXPECT_THROW(source.change(setup), Error);
+  EXPECT_TRUE(source.newest().is(second)) << "what cannot be changed stays as it was";
+}
+
+TEST(StillSource, KeepsTheFramesOfACloudThatIsHeld) {
+  ShownCloud held;
+  {
+    const EngineSetup setup = statue_setup();
+    held = still_source(statue_frames(setup), setup).newest();
+  }
+  EXPECT_EQ(camera_picture(held.frames, 80).size(), (Size{80, 60}));
+}
+
+TEST(StillSource, HasThePicturesOfItsFramesBesideTheCloud) {
+  const EngineSetup setup = statue_setup();
+  const ViewSource source = still_source(statue_frames(setup), setup);
+  try {
+    const Image<Colour> bare = render_screen(source, {}, {900, 700}, Surround::nothing);
+    const Image<Colour> whole = render_screen(source, {}, {900, 700}, Surround::panel);
+    EXPECT_GT(coloured_pixels(whole), coloured_pixels(bare) + 1000) << "phases have hues";
+  } catch (const WorldError& error) {
+    GTEST_SKIP() << error.what();
+  }
+}
+
+TEST(CameraPicture, ShowsFramesOfAnyDepthAndWhereTheyAreSaturated) {
+  const auto picture_of = [](auto top, const auto& views_of) {
+    using Pixel = decltype(top);
+    Image<Pixel> dark({4, 4}), bright({4, 4});
+    bright(1, 2) = top;
+    return camera_picture(views_of(Frames<Pixel>{dark, bright}), 4);
+  };
+  const Colour red{235, 40, 40}, black{0, 0, 0};
+  const Image<Colour> of_8 = picture_of(std::uint8_t{255}, [](auto v) { return FrameViews(v); });
+  const Image<Colour> of_12 =
+      picture_of(std::uint16_t{4095}, [](auto v) { return FrameViews(v, 12); });
+  const Image<Colour> unquantised = picture_of(255.0, [](auto v) { return FrameViews(v); });
+  EXPECT_EQ(of_8(1, 2), red);
+  EXPECT_EQ(of_12(1, 2), red);
+  EXPECT_EQ(unquantised(1, 2), black);
+  EXPECT_EQ(of_8(0, 0), black);
+  EXPECT_TRUE(camera_picture({}, 4).empty());
+}
+
+}  // namespace
+}  // namespace slipstream::view

@@ -1,0 +1,220 @@
+#include "tools/bench/bench_rows.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/strategy/registry.h"
+#include "tools/bench/bench_scan.h"
+#include "tools/bench/opencv_peers.h"
+#include "tools/bench/published.h"
+
+namespace slipstream {
+namespace {
+
+using SharedScan = std::shared_ptr<const Scan>;
+
+constexpr double cloud_bytes = 4 * sizeof(float) + 1;  ///< x, y, z, intensity, validity
+/// The blocks' share in a pixel; those of the rows between two knots are the same.
+constexpr double block_bytes =
+    static_cast<double>(sizeof(RayBlocks::Block)) / (RayBlocks::width * RayBlocks::spacing);
+constexpr double published_cloud_bytes = 4 * sizeof(double);
+
+Frames<std::uint8_t> bytes_of(const FrameSet& frames) {
+  return frames.visit([]<class Pixel>(const Frames<Pixel>& views) -> Frames<std::uint8_t> {
+    if constexpr (sizeof(Pixel) == 1) return views;
+    return {};
+  });
+}
+
+BenchRow row_for(const Scan& scan, std::string name, int steps, double bytes,
+                 std::function<void()> run) {
+  const Size size = scan.frames.size();
+  return {.name = std::move(name),
+          .steps = steps,
+          .width = size.width,
+          .height = size.height,
+          .bytes_per_pixel = bytes,
+          .run = std::move(run)};
+}
+
+void add_published(std::vector<BenchRow>& rows, const SharedScan& scan, int steps) {
+  const auto loops =
+      std::make_shared<PublishedLoops>(*scan->scanner, Axis::x, bytes_of(scan->frames));
+  loops->general();  // the phase that the rows of points start from
+  const auto add = [&](const char* name, double bytes, void (PublishedLoops::*loop)()) {
+    rows.push_back(row_for(*scan, name, steps, bytes, [scan, loops, loop] { ((*loops).*loop)(); }));
+  };
+  constexpr double number = sizeof(double);
+  const double N = steps;
+  add("general", N + 2 * number, &PublishedLoops::general);
+  add("closed-form", N + 2 * number, &PublishedLoops::closed_form);
+  add("mlut", N + number, &PublishedLoops::mlut);
+  add("plut", N + number, &PublishedLoops::plut);
+  add("mlut+plut", N + 2 * number, &PublishedLoops::mlut_plut);
+  add("inverse", sizeof(PixelPosition) + 4 * number, &PublishedLoops::inverse);
+  add("form1", sizeof(PointForm1) + 4 * number, &PublishedLoops::form1);
+  add("form2", sizeof(PointForm2) + 4 * number, &PublishedLoops::form2);
+  add("form3", sizeof(PointForm3) + 4 * number, &PublishedLoops::form3);
+  add("traditional", N + sizeof(PixelPosition) + published_cloud_bytes,
+      &PublishedLoops::traditional);
+  add("lut", N + sizeof(PointForm3) + published_cloud_bytes, &PublishedLoops::lut);
+}
+
+/// The kernels of the fused pass, but each over the whole picture before the next, with images of
+/// phase and flags between them.
+class StageByStage {
+ public:
+  explicit StageByStage(const Scan& scan)
+      : frames_(bytes_of(scan.frames)),
+        stages_(fused_stages(setup_for(scan), {}).value()),
+        sinusoid_(stages_.bands.front().sinusoid),
+        limits_(sinusoid_limits(sinusoid_, {}, 255, 1)),
+        turn_(scan.frames.size()),
+        mean_(turn_.size()),
+        x_(turn_.size()),
+        y_(turn_.size()),
+        z_(turn_.size()),
+        flags_(turn_.size()),
+        validity_(turn_.size()),
+        frame_rows_(frames_.size()) {}
+
+  void operator()() {
+    const int width = turn_.width();
+    for (int row = 0; row < turn_.height(); ++row) {
+      for (std::size_t n = 0; n < frames_.size(); ++n) frame_rows_[n] = frames_[n].row(row);
+      decode_row(sinusoid_, limits_, frame_rows_.data(),
+                 {.width = width,
+                  .turn = turn_.row(row),
+                  .mean = mean_.row(row),
+                  .flags = flags_.row(row),
+                  .nan_if_flagged = true});
+    }
+    for (int row = 0; row < turn_.height(); ++row) {
+      point_row(stages_.point, stages_.coordinate,
+                {.width = width,
+                 .E_x = stages_.rays.E_x.row(row),
+                 .E_y = stages_.rays.E_y.row(row),
+                 .blocks = stages_.blocks ? stages_.blocks->at(row) : RayBlocks::Row{},
+                 .flags = flags_.row(row),
+                 .coordinate = turn_.row(row),
+                 .x = x_.row(row),
+                 .y = y_.row(row),
+                 .z = z_.row(row),
+                 .validity = validity_.row(row)});
+    }
+  }
+
+ private:
+  Frames<std::uint8_t> frames_;
+  FusedStages stages_;
+  SinusoidStage sinusoid_;
+  SinusoidLimits limits_;
+  Image<float> turn_, mean_, x_, y_, z_;
+  Image<std::int32_t> flags_;
+  Image<Validity> validity_;
+  std::vector<const std::uint8_t*> frame_rows_;
+};
+
+/// The fused pass itself.
+BenchRow fused_row(const SharedScan& scan, std::string name, int steps) {
+  struct Work {
+    FusedEngine engine;
+    FrameViews frames;
+    Cloud cloud;
+    FusedMemory memory;
+  };
+  const EngineSetup setup = setup_for(*scan);
+  const auto work =
+      std::make_shared<Work>(Work{FusedEngine::make(setup, phase_corrections(setup)).value(),
+                                  scan->frames, Cloud(), FusedMemory()});
+  const double bytes = scan->frames.count() + block_bytes + cloud_bytes;
+  return row_for(*scan, std::move(name), steps, bytes, [scan, work] {
+    work->engine(work->frames, {.cloud = &work->cloud}, work->memory);
+  });
+}
+
+/// The same through the call that everybody makes.
+BenchRow engine_row(const SharedScan& scan, int steps) {
+  struct Work {
+    Engine engine;
+    FrameViews frames;
+    Cloud cloud;
+  };
+  const auto work = std::make_shared<Work>(Work{Engine(setup_for(*scan)), scan->frames, Cloud()});
+  const double bytes = scan->frames.count() + block_bytes + cloud_bytes;
+  return row_for(*scan, "engine", steps, bytes,
+                 [scan, work] { work->engine.cloud(work->frames, work->cloud); });
+}
+
+/// The scan with a response to correct for.
+SharedScan with_gamma(const Scan& scan, double gamma) {
+  Scan bent = scan;
+  bent.scanner->photometry.response = {.response = PowerLaw{gamma}, .gamma = gamma};
+  return std::make_shared<const Scan>(std::move(bent));
+}
+
+/// The rows of one N at 640x480.
+void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
+  const Frames<std::uint8_t> frames = bytes_of(scan->frames);
+  add_published(rows, scan, steps);
+  const auto staged = std::make_shared<StageByStage>(*scan);
+  const double between = 2 * (sizeof(float) + sizeof(std::int32_t));
+  rows.push_back(row_for(*scan, "simd", steps, steps + between + block_bytes + cloud_bytes,
+                         [scan, staged] { (*staged)(); }));
+  rows.push_back(row_for(*scan, "tables", steps, 0, [scan, setup = setup_for(*scan)] {
+    static_cast<void>(fused_stages(setup, {}));
+  }));
+  rows.push_back(fused_row(scan, "fused", steps));
+  rows.push_back(engine_row(scan, steps));
+  rows.push_back(fused_row(with_gamma(*scan, 2.2), "fused-corrected", steps));
+  if (steps == 3) {
+    if (auto psp = opencv_psp(frames)) {
+      rows.push_back(row_for(*scan, "opencv-psp", steps, 0, [scan, psp] { psp(); }));
+    }
+  }
+  rows.push_back(
+      row_for(*scan, "opencv-hand", steps, 0,
+              [scan, hand = opencv_by_hand(frames, *scan->scanner, Axis::x)] { hand(); }));
+}
+
+SharedScan scan_of(const Strategy& strategy) {
+  return std::make_shared<const Scan>(bench_scan(strategy));
+}
+
+SharedScan scan_of(int steps) {
+  return scan_of(PhaseMeasuring{.steps = steps, .frequency = 1});
+}
+
+}  // namespace
+
+std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
+  std::vector<BenchRow> rows;
+  const SharedScan three_steps = scan_of(3);
+  for (const int steps : settings.steps) {
+    add_steps(rows, steps, steps == 3 ? three_steps : scan_of(steps));
+  }
+  for (const int steps : settings.steps) {
+    const DualFrequency dual{.steps = steps, .low_steps = {}, .high = 16, .low = 1};
+    rows.push_back(fused_row(scan_of(dual), "fused-dual", steps));
+  }
+  for (const int steps : {3, 4, 5}) {
+    const SharedScan scan = scan_of(make_strategy("pcmp", {{"steps", steps}}));
+    rows.push_back(fused_row(scan, "pcmp-" + std::to_string(steps), steps));
+  }
+  for (const int k : settings.enlargements) {
+    const SharedScan scan =
+        k == 1 ? three_steps : std::make_shared<const Scan>(enlarged(*three_steps, k));
+    BenchRow row = fused_row(scan, "fused", 3);
+    if (k > 1) rows.push_back(row);
+    if (settings.most_threads == 1) continue;
+    row.threads = settings.most_threads;
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "tools/bench/timing.h"
+
+namespace slipstream {
+
+struct BenchSettings {
+  std::vector<int> steps{3, 4, 6};            ///< of the rows of Table 2.2
+  std::vector<int> enlargements{1, 2, 4, 8};  ///< of 640x480: 0.3 to 20 megapixels
+  int most_threads = 1;
+};
+
+/// Every row of `slipstream bench`, ready to run: Table 2.2 for each N, the fused pass alone and
+/// as everybody calls it, with a phase correction, for two frequencies and for PCMP, its sizes on
+/// one thread and on all, and OpenCV.
+/// What they need is built here; a row keeps alive what it shares with others.
+std::vector<BenchRow> bench_rows(const BenchSettings& settings);
+
+}  // namespace slipstream

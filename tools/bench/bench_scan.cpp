@@ -1,0 +1,51 @@
+#include "tools/bench/bench_scan.h"
+
+#include <cstddef>
+#include <utility>
+
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+namespace {
+
+Image<std::uint8_t> enlarged(const ImageView<const std::uint8_t>& image, int k) {
+  Image<std::uint8_t> large({image.width() * k, image.height() * k});
+  for (int row = 0; row < large.height(); ++row) {
+    for (int column = 0; column < large.width(); ++column) {
+      large(column, row) = image(column / k, row / k);
+    }
+  }
+  return large;
+}
+
+}  // namespace
+
+Scan bench_scan(const Strategy& strategy) {
+  constexpr double ambient = 5;
+  Scan scan{.sequence = {.strategy = strategy}, .scanner = example_scanner({640, 480})};
+  scan.scanner->photometry.ambient = ambient;
+  scan.sequence.projector = scan.scanner->projector.size;
+  const Scene statue = scene_named("statue", *scan.scanner);
+  scan.frames = take_scan(*scan.scanner, statue, pattern_set(scan.sequence),
+                          {.ambient = ambient, .noise_variance = 1.55, .bits = 8})
+                    .frames;
+  return scan;
+}
+
+Scan enlarged(const Scan& scan, int k) {
+  const Size size = scan.frames.size();
+  Scan large = scan;
+  large.scanner = example_scanner({size.width * k, size.height * k});
+  large.scanner->photometry = scan.scanner->photometry;
+  FrameSet::Images8 frames;
+  scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (sizeof(Pixel) == 1) {
+      for (const auto& view : views) frames.push_back(enlarged(view, k));
+    }
+  });
+  large.frames = FrameSet(std::move(frames));
+  return large;
+}
+
+}  // namespace slipstream

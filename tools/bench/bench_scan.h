@@ -1,0 +1,15 @@
+#pragma once
+
+#include "slipstream/scan/scan.h"
+
+namespace slipstream {
+
+/// What the virtual scanner sees of a statue before a wall, 640x480, 8 bits, with noise and an
+/// ambient light that it knows, stripes along x.
+Scan bench_scan(const Strategy& strategy);
+
+/// Each pixel k x k pixels of a camera of k times the width and height: the same scene and geometry
+/// without hours of rendering.
+Scan enlarged(const Scan& scan, int k);
+
+}  // namespace slipstream

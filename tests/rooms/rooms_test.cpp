@@ -176,6 +176,33 @@ TEST(Rooms, AnInnerIncludeIsFound) {
       (std::vector<std::string>{"slipstream/phase/detail/fold.h", "slipstream/kernels/rows.h"}));
 }
 
+/// The rooms in the table of docs/architecture.md and what they use beside `error` and `image`.
+Uses uses_in_docs(const std::string& text) {
+  static const std::regex row("\\| `([a-z]+)` \\|[^|\n]*\\| ?([a-z, ]*) ?\\|");
+  static const std::regex word("[a-z]+");
+  Uses uses;
+  for (std::sregex_iterator match(text.begin(), text.end(), row), end; match != end; ++match) {
+    const std::string used = (*match)[2];
+    std::set<std::string>& rooms = uses[(*match)[1]];
+    for (std::sregex_iterator name(used.begin(), used.end(), word); name != end; ++name) {
+      rooms.insert(name->str());
+    }
+  }
+  return uses;
+}
+
+TEST(Rooms, AreInTheDocsAsTheyAre) {
+  const Uses told =
+      uses_in_docs(contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "architecture.md"));
+  for (auto [room, used] : read_rooms().uses) {
+    if (room == "error" || room == "image") continue;
+    used.erase("error");
+    used.erase("image");
+    ASSERT_TRUE(told.contains(room)) << room << " is not in docs/architecture.md";
+    EXPECT_EQ(told.at(room), used) << room;
+  }
+}
+
 TEST(Rooms, DependOnNoRoomThatDependsOnThem) {
   const Uses uses = read_rooms().uses;
   for (const auto& [room, used] : uses) {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/geometry/projection.h"
+#include "slipstream/geometry/projection_matrices.h"
 
 namespace slipstream {
 

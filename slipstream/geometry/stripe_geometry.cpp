@@ -10,7 +10,7 @@
 #include <Eigen/LU>
 
 #include "slipstream/geometry/chebyshev.h"
-#include "slipstream/geometry/projection.h"
+#include "slipstream/geometry/projection_matrices.h"
 
 namespace slipstream {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/geometry/projection.h"
+#include "slipstream/geometry/projection_matrices.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/simulate/named_scenes.h"

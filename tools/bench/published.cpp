@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "slipstream/geometry/projection.h"
+#include "slipstream/geometry/projection_matrices.h"
 
 namespace slipstream {
 namespace {

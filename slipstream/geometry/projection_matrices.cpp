@@ -1,4 +1,4 @@
-#include "slipstream/geometry/projection.h"
+#include "slipstream/geometry/projection_matrices.h"
 
 #include <Eigen/LU>
 

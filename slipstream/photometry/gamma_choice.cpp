@@ -43,7 +43,10 @@ GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
                                         found.gamma, found.standard_error, found.pixels);
   GammaChoice choice{.source = "blind", .gamma = found.gamma, .blind = found};
   if (found.accepted()) {
-    choice.response = MeasuredResponse{PowerLaw{found.gamma}, found.gamma, found.standard_error};
+    MeasuredResponse& measured = choice.response.emplace();
+    measured.response = PowerLaw{found.gamma};
+    measured.gamma = found.gamma;
+    measured.standard_error = found.standard_error;
     choice.sentence = fmt::format("phase corrected blind: {}", value);
   } else {
     choice.sentence =

@@ -1,4 +1,4 @@
-// How far the fused pass and the double-precision path agree on a scan.
+// How far the fused pass and the reference engine agree on a scan.
 #pragma once
 
 #include <algorithm>

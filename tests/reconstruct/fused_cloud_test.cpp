@@ -1,4 +1,4 @@
-// The fused pass gives the points of the double-precision path, and leaves out the same pixels.
+// The fused pass gives the points of the reference engine, and leaves out the same pixels.
 #include <cmath>
 #include <random>
 #include <string>

@@ -1,4 +1,4 @@
-// PCMP through the fused pass: the points, reasons and images of the double-precision path.
+// PCMP through the fused pass: the points, reasons and images of the reference engine.
 #include <algorithm>
 #include <cmath>
 #include <random>

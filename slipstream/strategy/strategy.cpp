@@ -13,10 +13,6 @@ std::string_view name_of(const Strategy& strategy) {
   return strategy.name();
 }
 
-const StrategySettings& settings_of(const Strategy& strategy) {
-  return strategy.settings();
-}
-
 int frame_count(const Strategy& strategy) {
   return strategy.layout().frames;
 }

@@ -63,7 +63,6 @@ class Strategy {
 };
 
 std::string_view name_of(const Strategy& strategy);
-const StrategySettings& settings_of(const Strategy& strategy);
 
 /// Frames of one scan.
 int frame_count(const Strategy& strategy);

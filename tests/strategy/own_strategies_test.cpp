@@ -45,7 +45,7 @@ TEST(OwnStrategy, SaysWhatItsStructSays) {
   EXPECT_EQ(plain.name(), "adjustable");
   EXPECT_EQ(name_of(plain), "adjustable");
   EXPECT_EQ(plain.settings(), (StrategySettings{{"steps", 4}}));
-  EXPECT_EQ(settings_of(fine), (StrategySettings{{"steps", 5}, {"periods", 7}}));
+  EXPECT_EQ(fine.settings(), (StrategySettings{{"steps", 5}, {"periods", 7}}));
   EXPECT_EQ(frame_count(fine), 5);
   EXPECT_EQ(step_counts(fine), std::vector{5});
   EXPECT_EQ(highest_frequency(fine), 7);

@@ -18,7 +18,7 @@ TEST(Strategy, IsMadeFromItsNameAndSettings) {
   EXPECT_EQ(highest_frequency(made), 8);
   EXPECT_EQ(frame_count(made), 7);
   EXPECT_EQ(name_of(made), "dual-frequency");
-  EXPECT_EQ(settings_of(make_strategy(name_of(made), settings_of(made))), settings_of(made));
+  EXPECT_EQ(make_strategy(name_of(made), made.settings()).settings(), made.settings());
 }
 
 TEST(Strategy, RefusesWhatItDoesNotKnow) {

@@ -43,6 +43,12 @@ void require_valid(const Scanner& scanner) {
         "the translation");
   }
   require_valid(scanner.photometry);
+  if (const auto& depths = scanner.calibrated_depths) {
+    if (!(depths->nearest >= 0 && depths->nearest < depths->farthest)) {
+      throw Error(fmt::format("calibrated_depths {} to {} are out of range; 0 or more, rising",
+                              depths->nearest, depths->farthest));
+    }
+  }
 }
 
 void require_valid(const PhotometricCalibration& photometry) {

@@ -22,6 +22,14 @@ struct PhotometricCalibration {
   friend bool operator==(const PhotometricCalibration&, const PhotometricCalibration&) = default;
 };
 
+/// Depths, mm, nearest first.
+struct DepthRange {
+  double nearest = 0;
+  double farthest = 0;
+
+  friend bool operator==(const DepthRange&, const DepthRange&) = default;
+};
+
 /// All that calibration knows of a camera and a projector. The world is the camera's frame:
 /// millimetres, X to the right and Y down in the picture, Z forward. A point X in it is at rotation
 /// X + translation in the projector's frame.
@@ -31,13 +39,15 @@ struct Scanner {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();  ///< mm
   PhotometricCalibration photometry{};
+  /// Between which the boards stood that it was calibrated with; none where not known.
+  std::optional<DepthRange> calibrated_depths{};
   std::string measured{};  ///< how and when, for people; empty where not known
 
   friend bool operator==(const Scanner&, const Scanner&) = default;
 };
 
 /// Throws Error unless both lenses are valid with a size, the rotation is one (to 1e-4), the
-/// baseline is finite and not zero, and the photometry is in range.
+/// baseline is finite and not zero, photometry and depths are in range.
 void require_valid(const Scanner& scanner);
 
 /// Throws Error for ambient light or noise out of range, or a gamma that is.

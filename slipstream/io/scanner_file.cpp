@@ -35,6 +35,7 @@ constexpr std::array<Layout, 3> layouts{{
 }};
 
 constexpr const char* measured_entry = "measured";
+constexpr const char* depths_entry = "calibrated_depths";
 
 /// The named entries of one scanner file, with errors that name file and entry.
 class ScannerFile {
@@ -147,6 +148,9 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
                 cv::Mat((cv::Mat_<double>(3, 1) << scanner.translation.x(), scanner.translation.y(),
                          scanner.translation.z())));
   std::map<std::string, StoredMatrix> more = entries_of(scanner.photometry);
+  if (const auto& depths = scanner.calibrated_depths) {
+    more[depths_entry] = {1, 2, {depths->nearest, depths->farthest}};
+  }
   if (!scanner.measured.empty()) more[measured_entry] = {.text = scanner.measured};
   std::erase_if(more, [](const auto& entry) { return entry.second.empty(); });
   return with_entries(storage.releaseAndGetString(), more, path.string());
@@ -173,7 +177,8 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
     return {};  // something else, which is written over as by write_scanner
   }
   std::erase_if(entries, [](const auto& entry) {
-    return names_geometry(entry.first) || entry.first == measured_entry || entry.second.empty();
+    return names_geometry(entry.first) || entry.first == measured_entry ||
+           entry.first == depths_entry || entry.second.empty();
   });
   return entries;
 }
@@ -192,6 +197,10 @@ Scanner scanner_of(const ScannerFile& file) {
   scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
   scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
   scanner.photometry = photometric_calibration_of(file.entries(), file.name());
+  if (file.entries().contains(depths_entry)) {
+    const std::vector<double> depths = file.matrix(depths_entry, 1, 2);
+    scanner.calibrated_depths = {depths[0], depths[1]};
+  }
   const auto measured = file.entries().find(measured_entry);
   if (measured != file.entries().end()) scanner.measured = measured->second.text;
   return scanner;

@@ -58,6 +58,7 @@ TEST(ScannerFile, ComesBackAsItWasWritten) {
     scanner.photometry = {.ambient = -3.25,
                           .noise_variance = 1.0 / 7,
                           .response = MeasuredResponse{PowerLaw{2.2}, 2.2, 0.01}};
+    scanner.calibrated_depths = {412.5, 1.0 / 3 + 800};
     write_scanner(folder.path() / name, scanner);
     EXPECT_EQ(read_scanner(folder.path() / name), scanner);
   }

@@ -24,10 +24,10 @@ struct Evidence {
 /// checks, told by the program.
 struct Finding {
   Gravity gravity = Gravity::doubtful;
-  std::string what;  ///< what was seen: "the bands disagree about the phase"
-  std::vector<Evidence> evidence;
-  std::string likely;  ///< the cause that fits best: "frames 0 to 2 are rotated by one"
-  std::string advice;  ///< what to do about it: "try --order 2,0,1,3,4,5"
+  std::string what{};  ///< what was seen: "the bands disagree about the phase"
+  std::vector<Evidence> evidence{};
+  std::string likely{};  ///< the cause that fits best: "frames 0 to 2 are rotated by one"
+  std::string advice{};  ///< what to do about it: "try --order 2,0,1,3,4,5"
 
   friend bool operator==(const Finding&, const Finding&) = default;
 };

@@ -1,0 +1,342 @@
+#include "slipstream/check/explanations.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/check/fit.h"
+#include "slipstream/check/frame_faults.h"
+#include "slipstream/check/mistaken_orders.h"
+#include "slipstream/error/error.h"
+#include "slipstream/strategy/registry.h"
+
+namespace slipstream {
+namespace {
+
+/// A mistake without which all would fit.
+struct Explanation {
+  double misfit = 0;
+  std::string likely{}, advice{};
+  Gravity gravity = Gravity::wrong;
+  FrameOrder order{};  ///< where the cycle has slipped
+};
+
+class Search {
+ public:
+  explicit Search(const JudgedScan& scan)
+      : scan_(scan), as_given_(fit(scan.model, scan.model.identity())) {}
+
+  [[nodiscard]] const Fit& as_given() const { return as_given_; }
+
+  /// The likeliest; where others fit about as well their words with its own.
+  [[nodiscard]] std::optional<Explanation> best() {
+    const bool frames_fit =
+        as_given_.bands_agree() && as_given_.patterns_made() && as_given_.no_seam();
+    if (!frames_fit) try_gamma();
+    try_periods();
+    try_orders();
+    if (scan_.scanner != nullptr && frames_fit) {
+      try_axis();
+      try_turned_pictures();
+      try_scanners();
+    }
+    if (explanations_.empty()) return std::nullopt;
+    // The simplest were tried first and stay before others that fit alike.
+    constexpr double nearly = 1.2;
+    constexpr std::size_t most_named = 3;
+    std::stable_sort(explanations_.begin(), explanations_.end(), [](const auto& a, const auto& b) {
+      constexpr double alike = 0.3;
+      return std::floor(a.misfit / alike) < std::floor(b.misfit / alike);
+    });
+    Explanation best = explanations_.front();
+    std::vector<std::string> named{best.likely};
+    for (const Explanation& other : explanations_) {
+      const bool known = std::find(named.begin(), named.end(), other.likely) != named.end();
+      if (known || other.misfit > best.misfit + nearly || named.size() == most_named) continue;
+      named.push_back(other.likely);
+      best.likely += ", or " + other.likely;
+      best.advice += ", or " + other.advice;
+      best.order.clear();  // nothing is set right that may be right
+    }
+    return best;
+  }
+
+ private:
+  [[nodiscard]] Fit fit(const FrameModel& model, const FrameOrder& order) const {
+    Fit result{.frames = model.evidence(scan_.samples, order)};
+    if (scan_.scanner != nullptr && has_coordinate(model.layout())) {
+      result.geometry =
+          geometry_evidence(model, scan_.samples, *scan_.scanner, scan_.sequence.axis, order);
+    }
+    return result;
+  }
+
+  void keep(const Fit& fit, Explanation explanation) {
+    if (!fit.all()) return;
+    explanation.misfit = fit.misfit();
+    explanations_.push_back(std::move(explanation));
+  }
+
+  void try_gamma() {
+    if (scan_.photometry.response) return;
+    Explanation best{.misfit = as_given_.misfit()};
+    for (double gamma = 1.3; gamma < 3.05; gamma += 0.1) {
+      PhotometricCalibration corrected = scan_.photometry;
+      corrected.response = MeasuredResponse{PowerLaw{gamma}, gamma};
+      const Fit with = fit(FrameModel(scan_.sequence, corrected), scan_.model.identity());
+      // A camera's own curve leaves something of its harmonics.
+      const bool fits = with.bands_agree() && with.no_seam() && with.geometry_fits() &&
+                        with.depths_fit() && with.frames.residual <= as_given_.frames.residual;
+      if (!fits || with.misfit() >= best.misfit) continue;
+      best = {
+          with.misfit(), fmt::format("the projector's gamma of about {:.1f}, not corrected", gamma),
+          "measure it with slipstream calibrate gamma, or try --gamma blind", Gravity::doubtful};
+    }
+    if (!best.likely.empty()) explanations_.push_back(best);
+  }
+
+  void try_periods() {
+    const std::size_t relations = as_given_.frames.relations.size();
+    for (std::size_t i = 0; i < relations; ++i) {
+      const auto periods = scan_.model.periods_that_agree(scan_.samples, i, scan_.model.identity());
+      if (!periods) continue;
+      const std::vector<std::size_t> bands = coarse_to_fine(scan_.model.layout());
+      const double said = scan_.model.layout().bands[bands[i + bands.size() - relations]].periods;
+      try_setting(said, *periods);
+    }
+  }
+
+  /// The strategy with `periods` in place of those said, by whichever setting says them.
+  void try_setting(double said, double periods) {
+    const Strategy& strategy = scan_.sequence.strategy;
+    for (const auto& [name, value] : strategy.settings()) {
+      if (value != said) continue;
+      StrategySettings settings = strategy.settings();
+      settings[name] = periods;
+      try {
+        Sequence sequence = scan_.sequence;
+        sequence.strategy = make_strategy(strategy.name(), settings);
+        keep(fit(FrameModel(sequence, scan_.photometry), scan_.model.identity()),
+             {.likely = fmt::format("patterns of {:g} periods where {:g} are said", periods, said),
+              .advice = fmt::format("try --{} {:g}", name, periods)});
+      } catch (const Error&) {
+        continue;  // no strategy of the registry's has such periods
+      }
+    }
+  }
+
+  void try_orders() {
+    for (MistakenOrder& mistake : mistaken_orders(scan_.model.layout())) {
+      const std::string advice = mistake.slipped
+                                     ? "they are taken in the order " + text_of(mistake.order)
+                                     : "try --order " + text_of(mistake.order);
+      keep(fit(scan_.model, mistake.order),
+           {.likely = std::move(mistake.words),
+            .advice = advice,
+            .gravity = mistake.slipped ? Gravity::doubtful : Gravity::wrong,
+            .order = mistake.slipped ? mistake.order : FrameOrder{}});
+    }
+  }
+
+  void try_geometry(const Scanner& scanner, Axis axis, const PictureTurn& turn,
+                    Explanation explanation) {
+    Fit with{.frames = as_given_.frames};
+    with.geometry =
+        geometry_evidence(scan_.model, scan_.samples, scanner, axis, scan_.model.identity(), turn);
+    keep(with, std::move(explanation));
+  }
+
+  void try_axis() {
+    const Axis other = scan_.sequence.axis == Axis::x ? Axis::y : Axis::x;
+    try_geometry(*scan_.scanner, other, {},
+                 {.likely = fmt::format("patterns that vary along {}, not {}", name_of(other),
+                                        name_of(scan_.sequence.axis)),
+                  .advice = fmt::format("try --axis {}", name_of(other))});
+  }
+
+  void try_turned_pictures() {
+    const Scanner& scanner = *scan_.scanner;
+    const Axis axis = scan_.sequence.axis;
+    try_geometry(scanner, axis, {.columns = true, .rows = true},
+                 {.likely = "pictures turned upside down since the calibration",
+                  .advice = "turn them by 180 degrees, or calibrate with pictures as these"});
+    try_geometry(scanner, axis, {.columns = true},
+                 {.likely = "pictures mirrored left to right since the calibration",
+                  .advice = "mirror them back"});
+    try_geometry(scanner, axis, {.rows = true},
+                 {.likely = "pictures mirrored top to bottom since the calibration",
+                  .advice = "mirror them back"});
+  }
+
+  void try_scanners() {
+    const Scanner& given = *scan_.scanner;
+    const Axis axis = scan_.sequence.axis;
+    Scanner other = given;
+    other.rotation = given.rotation.transpose();
+    other.translation = -other.rotation * given.translation;
+    try_geometry(other, axis, {},
+                 {.likely = "a scanner file whose rotation and translation go from the projector "
+                            "to the camera",
+                  .advice = "invert them: they go from the camera's frame to the projector's"});
+    other = given;
+    other.rotation = given.rotation.transpose();
+    try_geometry(other, axis, {},
+                 {.likely = "a scanner file whose rotation is inverted",
+                  .advice = "transpose it: it goes from the camera's frame to the projector's"});
+    other = given;
+    other.translation = -given.translation;
+    try_geometry(other, axis, {},
+                 {.likely = "a scanner file whose translation has the wrong sign",
+                  .advice = "turn its sign: it is the camera's place in the projector's frame"});
+    other = given;
+    std::swap(other.camera.intrinsic, other.projector.intrinsic);
+    std::swap(other.camera.distortion, other.projector.distortion);
+    try_geometry(other, axis, {},
+                 {.likely = "a scanner file with camera and projector swapped",
+                  .advice = "swap their matrices"});
+    other.rotation = given.rotation.transpose();
+    other.translation = -other.rotation * given.translation;
+    try_geometry(other, axis, {},
+                 {.likely = "a scanner file with camera and projector swapped",
+                  .advice = "swap their matrices, and invert rotation and translation"});
+    for (const double scale : {0.5, 2.0}) try_scaled(scale);
+  }
+
+  void try_scaled(double scale) {
+    const Axis axis = scan_.sequence.axis;
+    const char* const words = scale < 1 ? "twice" : "half";
+    Scanner other = *scan_.scanner;
+    other.camera.intrinsic.topRows<2>() *= scale;
+    try_geometry(other, axis, {},
+                 {.likely = fmt::format("a scanner file for camera pictures {} as large", words),
+                  .advice = "use pictures of the size that was calibrated"});
+    other = *scan_.scanner;
+    other.projector.intrinsic.topRows<2>() *= scale;
+    try_geometry(other, axis, {},
+                 {.likely = fmt::format("a scanner file for projector pictures {} as large", words),
+                  .advice = "give the projector's size that was calibrated with --projector"});
+  }
+
+  JudgedScan scan_;
+  Fit as_given_;
+  std::vector<Explanation> explanations_;
+};
+
+std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
+  const auto worst = std::min_element(
+      frames.relations.begin(), frames.relations.end(), [](const auto& a, const auto& b) {
+        return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
+      });
+  if (worst == frames.relations.end()) return {};
+  return {{"agreement, at most 1", worst->agreement}, {"offset in periods", worst->offset}};
+}
+
+/// What of it does not fit, the clearest first.
+Finding seen(const Fit& fit) {
+  Finding finding{.gravity = Gravity::wrong};
+  const auto& geometry = fit.geometry;
+  if (!fit.patterns_made()) {
+    finding.what = "the frames are not what these patterns make";
+    finding.evidence = {{"left over, share of their variation", fit.frames.residual}};
+  } else if (!fit.bands_agree()) {
+    finding.what = "the frames disagree about the fringe order";
+    finding.evidence = relation_evidence(fit.frames);
+  } else if (!fit.no_seam()) {
+    finding.what = "the coordinate leaps from one end of the field to the other in the light";
+    finding.evidence = {{"share of the pixels near it", fit.frames.seams}};
+  } else if (!fit.geometry_fits()) {
+    finding.what = "frames and scanner do not fit together";
+    finding.evidence = {{"slope of the coordinate, 1 is right", geometry->slope},
+                        {"share outside the projector's light", geometry->outside},
+                        {"share without a point", geometry->without_point}};
+  } else {
+    finding.what = "most points lie outside of the depths that were calibrated";
+    finding.evidence = {{"share", geometry->out_of_range},
+                        {"median depth, mm", geometry->median_depth}};
+  }
+  return finding;
+}
+
+/// Where no usual mistake explains it.
+void name_broadly(const Fit& fit, Finding& finding) {
+  const auto& geometry = fit.geometry;
+  // So few pixels are right then that none can be told from the wrong ones.
+  constexpr double hopeless_agreement = 0.35, hopeless_outside = 0.6;
+  finding.gravity = Gravity::doubtful;
+  if (!fit.patterns_made() || !fit.bands_agree() || !fit.no_seam()) {
+    for (const BandRelation& relation : fit.frames.relations) {
+      if (relation.agreement < hopeless_agreement) finding.gravity = Gravity::wrong;
+    }
+    finding.likely = "other patterns than said, frames lost or mixed up, or something moved";
+    finding.advice = "compare the pictures with those of slipstream patterns";
+  } else if (!fit.geometry_fits()) {
+    if (geometry->outside + geometry->without_point > hopeless_outside)
+      finding.gravity = Gravity::wrong;
+    finding.likely =
+        "a scanner file of another rig, pictures cropped or of another size, or a camera or "
+        "projector that moved since the calibration";
+    finding.advice = "check the file, and calibrate again where the rig was touched";
+  } else {
+    finding.likely =
+        "something nearer or farther than the boards were, or a scanner file of another rig";
+    finding.advice = "calibrate with boards at those depths, or check the order of the frames";
+  }
+}
+
+/// Light that changed between frames.
+std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
+  // Right scans leave more at times, a real skull 0.0085, but then no gains explain it: at most
+  // 0.62 of it, and by half a percent.
+  constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
+  if (fit.frames.residual < least_residual) return std::nullopt;
+  const FrameModel::Gains gains = scan.model.gains(scan.samples);
+  const auto odd = std::max_element(gains.gains.begin(), gains.gains.end(),
+                                    [](double a, double b) { return std::abs(a) < std::abs(b); });
+  if (gains.explained < least_explained || std::abs(*odd) < least_gain) return std::nullopt;
+  const auto frame = odd - gains.gains.begin();
+  return Finding{
+      .what = "frames are brighter or darker than the patterns make them",
+      .evidence = {{fmt::format("frame {}, percent", frame), 100 * *odd}},
+      .likely = "light that flickers, or an exposure or gain that changed between frames",
+      .advice =
+          "fix exposure and gain, and expose for whole periods of the mains and the projector"};
+}
+
+}  // namespace
+
+Explained explain(const JudgedScan& scan) {
+  constexpr std::size_t fewest_groups = 64;
+  if (scan.samples.groups() < fewest_groups) return {};
+  Explained result;
+  Search search(scan);
+  const Fit& fit = search.as_given();
+  auto flickering = flicker(scan, fit);
+  if (fit.all()) {
+    // Where frames say something of each other a dark one would not have fitted.
+    if (!scan.model.has_redundancy()) result.findings = dark_frames(scan.samples);
+    if (flickering && result.findings.empty()) result.findings.push_back(std::move(*flickering));
+    return result;
+  }
+  Finding finding = seen(fit);
+  if (auto explanation = search.best()) {
+    finding.likely = std::move(explanation->likely);
+    finding.advice = std::move(explanation->advice);
+    finding.gravity = explanation->gravity;
+    result.order = std::move(explanation->order);
+  } else if (std::vector<Finding> faults = dark_frames(scan.samples); !faults.empty()) {
+    result.findings = std::move(faults);
+    return result;
+  } else if (flickering) {
+    finding = std::move(*flickering);
+  } else {
+    name_broadly(fit, finding);
+  }
+  result.findings.push_back(std::move(finding));
+  return result;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,259 @@
+#include "slipstream/check/frame_faults.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "slipstream/image/quantile.h"
+
+namespace slipstream {
+namespace {
+
+/// Fewer lit pixels than these tell nothing.
+constexpr std::size_t fewest_groups = 64;
+
+using Places = std::vector<std::size_t>;  ///< groups, from the top of the picture to its bottom
+
+Places from_top(const ScanSamples& samples) {
+  Places places(samples.groups());
+  std::iota(places.begin(), places.end(), std::size_t{0});
+  std::sort(places.begin(), places.end(),
+            [&](std::size_t a, std::size_t b) { return samples.row(a) < samples.row(b); });
+  return places;
+}
+
+float level(const ScanSamples& samples, std::size_t group, int frame) {
+  return samples.levels(group, ScanSamples::middle)[frame];
+}
+
+struct Stretch {
+  std::size_t length = 0, end = 0;  ///< in the order of the places
+};
+
+/// The longest stretch of lit pixels, from top to bottom, all of which have a property.
+template <class Has>
+Stretch longest_stretch(const Places& places, const Has& has) {
+  Stretch longest;
+  std::size_t length = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    length = has(places[i]) ? length + 1 : 0;
+    if (length > longest.length) longest = {length, i + 1};
+  }
+  return longest;
+}
+
+double share_of(const Stretch& stretch, const Places& places) {
+  return static_cast<double>(stretch.length) / static_cast<double>(places.size());
+}
+
+std::string rows_of(const Stretch& stretch, const Places& places, const ScanSamples& samples) {
+  return fmt::format("rows {} to {}", samples.row(places[stretch.end - stretch.length]),
+                     samples.row(places[stretch.end - 1]));
+}
+
+/// Two frames of one pattern each are alike where their sinusoids cross, never all over.
+std::optional<Finding> same_picture(const ScanSamples& samples, const Places& places, int n,
+                                    int m) {
+  constexpr double part = 0.12;
+  constexpr double all = 0.97;
+  // As far apart as rounding may put equal intensities.
+  constexpr float rounding = 1e-3F;
+  const Stretch alike = longest_stretch(places, [&](std::size_t group) {
+    return std::abs(level(samples, group, n) - level(samples, group, m)) < rounding;
+  });
+  const double share = share_of(alike, places);
+  if (share < part) return std::nullopt;
+  Finding finding{.gravity = Gravity::wrong, .evidence = {{"share of the lit pixels", share}}};
+  if (share > all) {
+    finding.what = fmt::format("frames {} and {} are the same picture", n, m);
+    finding.likely = fmt::format("a frame saved twice, in place of frame {} or {}", n, m);
+    finding.advice = "take the scan again";
+  } else {
+    finding.gravity = Gravity::doubtful;
+    finding.what =
+        fmt::format("frames {} and {} are the same in {}", n, m, rows_of(alike, places, samples));
+    finding.likely =
+        fmt::format("part of a frame lost, {} or {}, and the one before it left standing", n, m);
+    finding.advice = "take the scan again; look for lost packets of the camera";
+  }
+  return finding;
+}
+
+/// Rows in which a frame is black from one row to the next: a pattern's dark end comes by degrees.
+std::optional<Finding> lost_part(const ScanSamples& samples, const Places& places, int n) {
+  constexpr double part = 0.12;
+  constexpr double all = 0.97;
+  constexpr float black = 0.5F;
+  // Grey levels of the pixels next to what is lost; a pattern that is dark there has less.
+  constexpr float sharp = 12;
+  const Stretch lost =
+      longest_stretch(places, [&](std::size_t group) { return level(samples, group, n) <= black; });
+  const double share = share_of(lost, places);
+  if (share < part || share > all) return std::nullopt;
+  std::vector<float> beside;
+  const std::size_t first = lost.end - lost.length, near = places.size() / 20 + 1;
+  for (std::size_t i = first - std::min(first, near); i < std::min(places.size(), lost.end + near);
+       ++i) {
+    if (i < first || i >= lost.end) beside.push_back(level(samples, places[i], n));
+  }
+  if (beside.empty() || quantile(beside, 0.5) < sharp) return std::nullopt;
+  return Finding{.what = fmt::format("frame {} is black in {}", n, rows_of(lost, places, samples)),
+                 .evidence = {{"share of the lit pixels", share}},
+                 .likely = fmt::format("part of frame {} was lost on its way", n),
+                 .advice = "take the scan again; look for lost packets of the camera"};
+}
+
+/// A frame that shows the room's light alone: flat but for what is seen in it, and no brighter than
+/// the darkest of the others nearly everywhere.
+std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
+  constexpr double nearly_all = 0.97;
+  std::vector<float> levels, ranges;
+  std::size_t darkest = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    std::vector<float> others(samples.levels(g, ScanSamples::middle),
+                              samples.levels(g, ScanSamples::middle) + samples.frames());
+    const float own = others[static_cast<std::size_t>(n)];
+    others.erase(others.begin() + n);
+    const auto [least, greatest] = std::minmax_element(others.begin(), others.end());
+    if (own <= *least + 1) ++darkest;
+    levels.push_back(own);
+    ranges.push_back(*greatest - *least);
+  }
+  const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
+  const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
+  const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
+  if (share < nearly_all || spread > 0.08F * range + 2) return std::nullopt;
+  return Finding{.gravity = Gravity::wrong,
+                 .what = fmt::format("frame {} shows no pattern", n),
+                 .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
+                 .likely = fmt::format("frame {} is black: taken while the projector was dark", n),
+                 .advice = "take the scan again; check the trigger, or leave out the marker frame"};
+}
+
+/// Bits that would do for what is in the pictures.
+int bits_used(double brightest, int bits) {
+  const double largest = brightest / 255 * ((1 << bits) - 1);
+  int used = 8;
+  while (used < bits && largest > (1 << used) - 1) ++used;
+  return used;
+}
+
+/// Pixels that stand at the same top in two frames and more, as a share of those lit; 0 where so
+/// many are as a sinusoid's crest makes: a few of those that reach the top at all.
+double flat_topped(const ScanSamples& samples) {
+  constexpr double fewest_of_top = 0.25;
+  float top = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    for (int n = 0; n < samples.frames(); ++n) top = std::max(top, level(samples, g, n));
+  }
+  std::size_t once = 0, flat = 0;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels = samples.levels(g, ScanSamples::middle);
+    const auto count = std::count(levels, levels + samples.frames(), top);
+    if (count >= 1) ++once;
+    if (count >= 2) ++flat;
+  }
+  if (static_cast<double>(flat) < fewest_of_top * static_cast<double>(once)) return 0;
+  return static_cast<double>(flat) / static_cast<double>(samples.groups());
+}
+
+Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
+  Finding finding{.gravity = samples.groups() == 0 ? Gravity::wrong : Gravity::doubtful,
+                  .what = samples.groups() == 0
+                              ? "no pixel sees enough of the patterns to become a point"
+                              : "hardly a pixel sees enough of the patterns to become a point",
+                  .evidence = {{"brightest grey level of 255", samples.brightest()},
+                               {"largest change between frames", samples.largest_range()},
+                               {"least modulation", light.least_modulation}}};
+  const int used = bits_used(samples.brightest(), light.bits);
+  if (light.bits > 8 && used <= light.bits - 2) {
+    finding.likely = fmt::format("pictures of {} bits in files of {}", used, light.bits);
+    finding.advice = fmt::format("try --bits {}", used);
+  } else if (samples.saturated() > 0) {
+    finding.likely = "pictures saturated all over: far too much light";
+    finding.advice = "expose shorter or close the iris";
+  } else if (samples.largest_range() < 4) {
+    finding.likely = "no pattern in the pictures: the projector was dark or not in view";
+    finding.advice = "look at the pictures";
+  } else {
+    finding.likely = "far too little light for this surface";
+    finding.advice =
+        "expose longer, open the iris or darken the room; --min-modulation takes "
+        "darker pixels";
+  }
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> damaged_frames(const ScanSamples& samples) {
+  std::vector<Finding> findings;
+  if (samples.groups() < fewest_groups) return findings;
+  const Places places = from_top(samples);
+  const auto add = [&](std::optional<Finding> finding) {
+    if (finding) findings.push_back(std::move(*finding));
+  };
+  for (int n = 0; n < samples.frames(); ++n) {
+    add(lost_part(samples, places, n));
+    for (int m = n + 1; m < samples.frames(); ++m) add(same_picture(samples, places, n, m));
+  }
+  return findings;
+}
+
+std::vector<Finding> dark_frames(const ScanSamples& samples) {
+  std::vector<Finding> findings;
+  if (samples.groups() < fewest_groups) return findings;
+  for (int n = 0; n < samples.frames(); ++n) {
+    if (auto finding = without_pattern(samples, n)) findings.push_back(std::move(*finding));
+  }
+  return findings;
+}
+
+std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidence& light) {
+  // Shares of the lit pixels.
+  constexpr double most_saturated = 0.2, most_flat = 0.015;
+  // Room light that is so much stronger than the patterns leaves few grey levels for them.
+  constexpr double most_ambient = 5;
+  // Of all pixels: a needle's share.
+  constexpr double least_lit = 0.003;
+  std::vector<Finding> findings;
+  const auto lit = static_cast<double>(samples.groups()) + samples.saturated();
+  if (samples.groups() < fewest_groups && samples.lit_share() < least_lit) {
+    return {too_dark(samples, light)};
+  }
+  const int used = bits_used(samples.brightest(), light.bits);
+  if (light.bits > 8 && used <= light.bits - 3) {
+    findings.push_back(
+        {.what = fmt::format("only {} of {} bits are used", used, light.bits),
+         .evidence = {{"brightest grey level of 255", samples.brightest()}},
+         .likely = fmt::format("pictures of {} bits in files of {}", used, light.bits),
+         .advice = fmt::format("try --bits {}", used)});
+  }
+  if (samples.saturated() > most_saturated * lit) {
+    findings.push_back({.what = "many lit pixels are saturated and become no points",
+                        .evidence = {{"share of the lit pixels", samples.saturated() / lit}},
+                        .likely = "too much light: the camera clips",
+                        .advice = "expose shorter or close the iris"});
+  }
+  if (const double flat = flat_topped(samples); flat > most_flat) {
+    findings.push_back(
+        {.what = "the brightest pixels all stand at one grey level below the largest",
+         .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
+         .likely = "intensities clipped before they were saved",
+         .advice = "expose shorter; save the frames as the camera gives them"});
+  }
+  if (light.mean > most_ambient * light.modulation) {
+    findings.push_back(
+        {.what = "the patterns are weak beside the light around them",
+         .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
+         .likely = "ambient light stronger than the projector's, or a black level far off",
+         .advice = "darken the room, or use more of the projector's light"});
+  }
+  return findings;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,83 @@
+#include "slipstream/check/scan_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace slipstream {
+
+ScanSamples::ScanSamples(Size size, int frames)
+    : size_(size),
+      frames_(frames),
+      far_(std::max(3, std::max(size.width, size.height) / 64)),
+      one_(static_cast<std::size_t>(frames)),
+      sums_(static_cast<std::size_t>(frames)) {}
+
+ScanSamples::Pixel ScanSamples::pixel(int i) const {
+  // Steps of the inverses of 1.3247..., the root of x^3 = x + 1, and of its square spread points
+  // over a square evenly and without a grid that stripes could fall in step with.
+  constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
+  const auto place = [&](double part, int length) {
+    return static_cast<int>(part * std::max(1, length - far_));
+  };
+  return {place(std::fmod(0.5 + i * step_x, 1.0), size_.width),
+          place(std::fmod(0.5 + i * step_y, 1.0), size_.height)};
+}
+
+double ScanSamples::range(const float* levels) const {
+  const auto [least, greatest] = std::minmax_element(levels, levels + frames_);
+  return static_cast<double>(*greatest) - *least;
+}
+
+bool ScanSamples::lit(std::size_t group, Place place) const {
+  return range(levels(group, place)) >= least_range_;
+}
+
+double ScanSamples::lit_share() const {
+  return looked_ == 0
+             ? 0
+             : static_cast<double>(groups() + static_cast<std::size_t>(saturated_)) / looked_;
+}
+
+void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
+  least_range_ = effort.least_range;
+  lit_.clear();
+  levels_.clear();
+  looked_ = saturated_ = 0;
+  brightest_ = largest_range_ = 0;
+  std::fill(sums_.begin(), sums_.end(), 0.0);
+  const double grey_level = frames.full_scale() / 255;
+  const bool saturates = frames.quantised();
+  frames.visit([&](const auto& views) {
+    const auto read = [&](int column, int row) {
+      column = std::min(column, size_.width - 1);
+      row = std::min(row, size_.height - 1);
+      for (std::size_t n = 0; n < one_.size(); ++n) {
+        one_[n] = static_cast<float>(static_cast<double>(views[n](column, row)) / grey_level);
+      }
+    };
+    while (looked_ < effort.most_looked &&
+           (looked_ < effort.fewest_looked || static_cast<int>(lit_.size()) < effort.lit_wanted)) {
+      const Pixel at = pixel(looked_++);
+      read(at.column, at.row);
+      for (std::size_t n = 0; n < one_.size(); ++n) sums_[n] += one_[n];
+      const double greatest = *std::max_element(one_.begin(), one_.end());
+      brightest_ = std::max(brightest_, greatest);
+      largest_range_ = std::max(largest_range_, range(one_.data()));
+      if (range(one_.data()) < least_range_) continue;
+      if (saturates && greatest >= 255) {
+        ++saturated_;
+        continue;
+      }
+      lit_.push_back(at);
+      constexpr std::array<std::array<int, 2>, places> steps{
+          {{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
+      for (const auto& [dx, dy] : steps) {
+        read(at.column + (dx < 0 ? far_ : dx), at.row + (dy < 0 ? far_ : dy));
+        levels_.insert(levels_.end(), one_.begin(), one_.end());
+      }
+    }
+  });
+}
+
+}  // namespace slipstream

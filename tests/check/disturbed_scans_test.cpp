@@ -1,0 +1,107 @@
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/check/scan_check.h"
+#include "slipstream/reconstruct/engine.h"
+#include "tests/check/mistakes.h"
+#include "tests/check/random_scans.h"
+
+namespace slipstream {
+namespace {
+
+/// What goes wrong while a scan is taken, for one of so many frames.
+std::vector<Mistake> disturbances(const Scan& scan, int frame) {
+  const int count = scan.frames.count();
+  const int next = (frame + 1) % count, before = (frame + count - 1) % count;
+  std::vector<int> swapped = all_frames(count);
+  std::swap(swapped[static_cast<std::size_t>(frame)], swapped[static_cast<std::size_t>(next)]);
+  const int half = scan.frames.size().height / 2;
+  std::vector<Mistake> list{
+      {"swapped", taken_in_order(swapped), {}},
+      {"repeated", copied(frame, next), {}},
+      {"black", pixels({frame}, [](double, int, int) { return 0; }), {}},
+      {"half lost",
+       pixels({frame}, [half](double level, int, int row) { return row < half ? level : 0; }),
+       {}},
+      {"half stale", copied(before, frame, 0.5), {}},
+      {"flicker", pixels({frame}, [](double level, int, int) { return 1.05 * level; }), {}},
+      {"other axis",
+       [](Scan& s) { s.sequence.axis = s.sequence.axis == Axis::x ? Axis::y : Axis::x; },
+       {}}};
+  if (scan.sequence.strategy.settings().contains("high")) {
+    const double high = scan.sequence.strategy.settings().at("high");
+    const double step = scan.sequence.strategy.layout().unwrapping == Unwrapping::hierarchical
+                            ? scan.sequence.strategy.settings().at("low")
+                            : 1;
+    list.push_back({"wrong --high", with_setting("high", high + step), {}});
+  }
+  return list;
+}
+
+struct Shown {
+  std::size_t points = 0, wrong = 0;
+};
+
+/// Points of the cloud that are off by more than five standard deviations and 1 mm.
+Shown shown_points(const Scan& scan, const Image<double>& truth) {
+  Engine engine(setup_for(scan));
+  Cloud cloud;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, cloud, maps);
+  const Uncertainty uncertainty = engine.uncertainty(cloud, maps, scan.frames);
+  Shown shown;
+  for (std::size_t i = 0; i < truth.pixel_count(); ++i) {
+    if (cloud.validity.begin()[i] != Validity::valid) continue;
+    ++shown.points;
+    const double error = std::abs(static_cast<double>(cloud.z.begin()[i]) - truth.begin()[i]);
+    if (!(error <= 1) && !(error <= 5 * static_cast<double>(uncertainty.z.begin()[i])))
+      ++shown.wrong;
+  }
+  return shown;
+}
+
+/// Whether the frames of a scan say nothing of each other: three unknowns in three frames, so that
+/// a frame brighter by 5 percent makes the frames of another place. docs/trust.md says so.
+bool is_without_redundancy(const Scan& scan) {
+  return scan.frames.count() == 3 && scan.sequence.strategy.layout().unwrapping == Unwrapping::none;
+}
+
+TEST(DisturbedScans, ShowHardlyAWrongPointWithoutAFinding) {
+  RandomScans scans(42, {8});
+  std::map<std::string, Shown> by_disturbance;
+  Shown all, untellable;
+  int disturbed = 0, silent = 0;
+  for (int i = 0; i < 60; ++i) {
+    const RandomScan right = scans.next();
+    for (const Mistake& disturbance : disturbances(right.scan, i % right.scan.frames.count())) {
+      Scan scan = right.scan;
+      disturbance.make(scan);
+      ++disturbed;
+      if (!check_scan(scan).findings.empty()) continue;
+      ++silent;
+      const Shown shown = shown_points(scan, right.truth.depth);
+      if (disturbance.name == "flicker" && is_without_redundancy(scan)) {
+        untellable.points += shown.points;
+        untellable.wrong += shown.wrong;
+        continue;
+      }
+      by_disturbance[disturbance.name].points += shown.points;
+      by_disturbance[disturbance.name].wrong += shown.wrong;
+      all.points += shown.points;
+      all.wrong += shown.wrong;
+    }
+  }
+  for (const auto& [name, shown] : by_disturbance) {
+    fmt::print("{}: {} points without a finding, {} wrong\n", name, shown.points, shown.wrong);
+  }
+  fmt::print("{} disturbed scans, {} without a finding, {} of {} points wrong\n", disturbed, silent,
+             all.wrong, all.points);
+  fmt::print("flicker in three frames without redundancy: {} of {} points wrong\n",
+             untellable.wrong, untellable.points);
+  EXPECT_LE(1000 * all.wrong, all.points);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,0 +1,69 @@
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/check/scan_check.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/scanner_file.h"
+#include "tests/check/random_scans.h"
+#include "tests/shared_data.h"
+
+namespace slipstream {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string told(const ScanFindings& found) {
+  std::string text;
+  for (const Finding& finding : found.findings) text += text_of(finding) + "\n";
+  return text;
+}
+
+// Of 2000 at most 10 may be told; none of the first 60 is.
+TEST(RightScans, AreLeftInPeace) {
+  constexpr int count = 600;
+  RandomScans scans(2026);
+  int warned = 0;
+  for (int i = 0; i < count; ++i) {
+    const RandomScan right = scans.next();
+    const ScanFindings found = check_scan(right.scan);
+    EXPECT_TRUE(found.order.empty());
+    if (found.findings.empty()) continue;
+    ++warned;
+    if (i < 60) ADD_FAILURE() << right.name << ": " << told(found);
+  }
+  EXPECT_LE(warned, count / 200);
+}
+
+TEST(RightScans, OfARealCameraAreLeftInPeace) {
+  const fs::path folder = shared_data() / "skull";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const Sequence dual{make_strategy("dual-frequency", {{"steps", 3}, {"high", 16}, {"low", 1}}),
+                      Axis::x,
+                      {},
+                      {1824, 1140}};
+  const Scanner scanner = read_scanner(folder / "calibration.xml");
+  const auto check = [&](const std::string& pictures, int first, Sequence sequence) {
+    std::vector<fs::path> frames;
+    for (int n = 0; n < frame_count(sequence.strategy); ++n) {
+      frames.push_back(folder / fmt::format("{}_{:02}.png", pictures, first + n));
+    }
+    Scan scan{.frames = read_frames(frames).frames, .sequence = std::move(sequence)};
+    scan.scanner = completed(scanner, "calibration.xml", scan.frames.size(), {1824, 1140});
+    EXPECT_EQ(told(check_scan(scan)), "") << pictures << " from " << first;
+    scan.scanner.reset();
+    EXPECT_EQ(told(check_scan(scan)), "") << pictures << " from " << first << ", no scanner";
+  };
+  check("dual-frequency/frameSeq", 0, dual);
+  check("pmp/frameSeq", 0, {make_strategy("pmp", {{"steps", 3}}), Axis::x, {}, {1824, 1140}});
+  Sequence along_y = dual;
+  along_y.axis = Axis::y;
+  for (int board = 1; board <= 6; ++board) {
+    check(fmt::format("calibration/board{}/frameSeq", board), 0, dual);
+    check(fmt::format("calibration/board{}/frameSeq", board), 6, along_y);
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

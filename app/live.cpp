@@ -210,7 +210,7 @@ void add_live(CLI::App& program, Command& chosen) {
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif
-  add_scan_flags(command.app, flags.source.scan);
+  add_pattern_flags(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner, "--virtual-gamma");
   add_camera_flags(command.app, flags.source.camera);
   command.app.footer(

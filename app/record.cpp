@@ -86,7 +86,7 @@ void add_record(CLI::App& program, Command& chosen) {
   command.add("--loop", flags.source.loop, "a replay begins again at its end");
   command.add("--scanner", flags.source.scanner, "scanner file, which is kept in the recording");
   add_camera_flags(command.app, flags.source.camera);
-  add_scan_flags(command.app, flags.source.scan);
+  add_pattern_flags(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner);
   command.app.footer(
       "Example:\n  slipstream record --source aravis: -o scan.slip --frames 1000 --strategy pmp "

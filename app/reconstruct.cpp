@@ -150,7 +150,6 @@ CheckedScan checked_for(const ReconstructFlags& flags, Scan& scan, const std::st
                         Output& output) {
   CheckedScan checked =
       check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
-  if (!scan.further_cameras.empty()) checked.findings = without_gamma(std::move(checked.findings));
   refuse_or_warn(checked, folder, flags.anyway, output);
   return checked;
 }

@@ -40,6 +40,7 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
   for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
     check_camera(scan.further_cameras[i], settings, fmt::format("camera {}: ", i + 2), checked);
   }
+  if (!scan.further_cameras.empty()) checked.findings = without_gamma(std::move(checked.findings));
   return checked;
 }
 

@@ -21,7 +21,8 @@ struct CheckedScan {
 };
 
 /// Asks check_scan of each of the scan's cameras; what is told of a further one says so. The frames
-/// of a camera that have slipped are put in the order that was found.
+/// of a camera that have slipped are put in the order that was found. Of several cameras nothing is
+/// told of gamma: they match whatever phase the projector shows.
 CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
 
 /// Those that do not blame the projector's response: what measures the response, or does not

@@ -9,14 +9,13 @@ namespace slipstream::app {
 void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
                Output& output) {
   for (const LiveFinding& now : findings) {
-    const auto& [finding, begin, end] = now;
     const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
-      return other.begin == begin && other.finding.what == finding.what;
+      return other.begin == now.begin && other.finding.what == now.finding.what;
     });
-    if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(finding)));
-    if (end && (before == told.end() || !before->end)) {
-      output.say("frames: {}: this has ended, {} frames after it began", finding.what,
-                 *end - begin);
+    if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
+    if (now.end && (before == told.end() || !before->end)) {
+      output.say("frames: {}: this has ended, {} frames after it began", now.finding.what,
+                 *now.end - now.begin);
     }
   }
   told = findings;

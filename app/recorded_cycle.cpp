@@ -19,6 +19,7 @@ FrameSet frames_of(const std::vector<Pooled<Frame>>& window) {
   return std::visit(
       [&]<class Pixel>(const Image<Pixel>&) {
         std::vector<Image<Pixel>> images;
+        images.reserve(window.size());
         for (const Pooled<Frame>& frame : window) {
           images.push_back(std::get<Image<Pixel>>(frame->pixels));
         }

@@ -51,6 +51,7 @@ std::vector<std::filesystem::path> in_order(const std::vector<std::filesystem::p
                     folder.string(), text, pictures.size(), pictures.size() - 1));
   }
   std::vector<std::filesystem::path> ordered;
+  ordered.reserve(order.size());
   for (const int place : order) ordered.push_back(pictures[static_cast<std::size_t>(place)]);
   return ordered;
 }

@@ -180,5 +180,19 @@ TEST_F(CheckProgram, DISABLED_CalibrationsAndTheViewerRefuseItToo) {
   expect_one_line(run_program(view), {path("scan")});
 }
 
+TEST_F(CheckProgram, DISABLED_ARecordingOfOtherPatternsIsKeptWithAWarning) {
+  const std::string six = path("six.slip"), claimed = path("claimed.slip");
+  ASSERT_EQ(run_program({"record", "--source", "virtual", "-o", six, "--camera", "160x120",
+                         "--frames", "24", "--strategy", "pmp", "--steps", "6"})
+                .exit_code,
+            0);
+  const ProgramRun run =
+      run_program({"record", "--source", "replay:" + six, "-o", claimed, "--rate", "0",
+                   "--strategy", "dual-frequency", "--steps", "3", "--high", "16", "--low", "1"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(says(run.err, "warning: ")) << run.err;
+  EXPECT_TRUE(fs::exists(claimed));
+}
+
 }  // namespace
 }  // namespace slipstream

@@ -1,8 +1,11 @@
 #include "app/calibration_files.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "app/progress.h"
+#include "app/scan_findings.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/saved_scan.h"
@@ -16,14 +19,22 @@ void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
   command.add_option("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
 }
 
-void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
-                   CalibrationFiles& files, Output& output,
-                   const std::function<void(const Scan& scan, const std::string& folder)>& take) {
+namespace {
+
+using TakeScan = std::function<void(const Scan& scan, const std::string& folder)>;
+
+/// As for_each_scan; where `of_gamma`, the scans are there to measure the response, which nothing
+/// is then corrected for: that it shows is no news.
+void check_and_take(const std::vector<std::string>& folders, const ScanFlags& flags,
+                    CalibrationFiles& files, bool of_gamma, Output& output, const TakeScan& take) {
   Progress progress("scans", static_cast<int>(folders.size()));
   for (const std::string& folder : folders) {
     const ScanFiles described = describe(folder, flags);
-    const Scan scan = load_frames(described);
+    Scan scan = load_frames(described);
     for (const std::string& warning : scan.warnings) output.warn(warning);
+    CheckedScan checked = check_and_repair(scan);
+    if (of_gamma) checked.findings = without_gamma(std::move(checked.findings));
+    refuse_or_warn(checked, folder, false, output);
     if (!files.scanner && described.scanner) files.scanner = described.scanner->string();
     try {
       take(scan, folder);
@@ -35,11 +46,18 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& fla
   }
 }
 
+}  // namespace
+
+void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
+                   CalibrationFiles& files, Output& output, const TakeScan& take) {
+  check_and_take(folders, flags, files, false, output, take);
+}
+
 ScanAverage averaged_scans(const std::vector<std::string>& folders, const ScanFlags& flags,
                            CalibrationFiles& files, Output& output) {
   ScanAverage average;
-  for_each_scan(folders, flags, files, output,
-                [&](const Scan& scan, const std::string& folder) { average.add(scan, folder); });
+  check_and_take(folders, flags, files, true, output,
+                 [&](const Scan& scan, const std::string& folder) { average.add(scan, folder); });
   return average;
 }
 

@@ -27,12 +27,14 @@ struct CalibrationFiles {
 void add_calibration_files(CLI::App& command, CalibrationFiles& files);
 
 /// Calls `take` with the frames of each folder and what they show, as scan.yaml and the flags say
-/// it. Where `files` names no scanner, the first scan's is the one to add to.
+/// it, once they are checked: it warns of what is doubtful and throws Error for what is wrong.
+/// Where `files` names no scanner, the first scan's is the one to add to.
 void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
                    CalibrationFiles& files, Output& output,
                    const std::function<void(const Scan& scan, const std::string& folder)>& take);
 
-/// The mean of the scans in those folders.
+/// The mean of the scans in those folders, to measure the projector's response by: what their check
+/// says of that is left out.
 ScanAverage averaged_scans(const std::vector<std::string>& folders, const ScanFlags& flags,
                            CalibrationFiles& files, Output& output);
 

@@ -83,7 +83,7 @@ void add_camera_serve(CLI::App& camera, Command& chosen) {
               "scanner file to imitate; an example where not given");
   command.add("--write-scanner", flags.write_scanner, "scanner file to write, to reconstruct with");
   add_virtual_flags(command.app, flags.scene);
-  add_scan_flags(command.app, flags.scan);
+  add_pattern_flags(command.app, flags.scan);
   command.app.footer(
       "Example:\n  slipstream camera serve --strategy pmp --steps 4 --rate 150 --motion 0.2 0 0");
 }

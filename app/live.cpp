@@ -3,12 +3,15 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "app/commands.h"
+#include "app/live_findings.h"
 #include "app/live_session.h"
+#include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
@@ -80,11 +83,12 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"stages", std::move(stages)}};
 }
 
-/// Tells meanwhile whatever the source has to say, once.
-void wait_until_over(LiveSession& session, Output& output) {
+/// Tells meanwhile whatever the source and the check have to say, once.
+void wait_until_over(LiveSession& session, std::vector<LiveFinding>& findings, Output& output) {
   std::string told;
   while (!session.is_over()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    tell_news(session.pipeline.findings(), findings, output);
     const std::string state = session.recorder.state();
     if (state == told) continue;
     if (state.empty()) {
@@ -108,14 +112,15 @@ void require_good(const LiveFlags& flags) {
 }
 
 /// Runs the session to its end; what a stage threw comes out here.
-void run_session(LiveSession& session, [[maybe_unused]] bool headless, Output& output) {
+void run_session(LiveSession& session, [[maybe_unused]] bool headless,
+                 std::vector<LiveFinding>& findings, Output& output) {
 #ifdef SLIPSTREAM_VIEW
   if (!headless) {
     show_in_window(session, output);
     return;
   }
 #endif
-  wait_until_over(session, output);
+  wait_until_over(session, findings, output);
 }
 
 /// What the session measured, and what is to be kept of its last cloud.
@@ -123,13 +128,14 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   const LiveStatistics statistics = session.pipeline.statistics();
   output.say("{}", text_of(statistics));
   output.document.update(json_of(statistics));
+  output.document["findings"] = app::json_of(session.pipeline.findings());
   output.document["source"] = flags.source.source;
   if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline.newest();
     if (!last)
       throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
-    write_cloud(flags.output, last->cloud);
+    write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
     output.document["files"]["cloud"] = flags.output;
   }
 #ifdef SLIPSTREAM_VIEW
@@ -174,8 +180,10 @@ void live(const LiveFlags& flags, Output& output) {
                       scheme != "virtual" && scheme != "replay",
                       flags.view};
   output.document["files"] = nlohmann::json::object();
-  run_session(session, flags.headless, output);
+  std::vector<LiveFinding> findings;
+  run_session(session, flags.headless, findings, output);
   pipeline.stop();
+  tell_news(pipeline.findings(), findings, output);
 
   write_results(session, flags, output);
   recorder.finish_recording();  // one that was begun in the window too
@@ -210,7 +218,7 @@ void add_live(CLI::App& program, Command& chosen) {
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif
-  add_scan_flags(command.app, flags.source.scan);
+  add_pattern_flags(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner, "--virtual-gamma");
   add_camera_flags(command.app, flags.source.camera);
   command.app.footer(

@@ -14,7 +14,6 @@
 namespace slipstream::app {
 namespace {
 
-constexpr int success = 0;
 constexpr int failure_of_the_world = 1;
 constexpr int bad_input = 2;
 
@@ -43,7 +42,8 @@ int fail(int code, std::string message) {
   return code;
 }
 
-void run(const Command& command, const SharedFlags& shared) {
+/// Returns the exit code.
+int run(const Command& command, const SharedFlags& shared) {
   if (shared.threads < 0) {
     throw Error(fmt::format("--threads {} is out of range; 0 (all cores) or more", shared.threads));
   }
@@ -55,6 +55,7 @@ void run(const Command& command, const SharedFlags& shared) {
   Output output(shared.json);
   command(output);
   output.finish();
+  return output.exit_code;
 }
 
 int run_program(int argc, char** argv) {
@@ -67,6 +68,7 @@ int run_program(int argc, char** argv) {
   add_calibrate(program, chosen);
   add_design(program, chosen);
   add_reconstruct(program, chosen);
+  add_check(program, chosen);
   add_live(program, chosen);
 #ifdef SLIPSTREAM_VIEW
   add_project(program, chosen);
@@ -85,8 +87,7 @@ int run_program(int argc, char** argv) {
     if (error.get_exit_code() == 0) return program.exit(error);
     return fail(bad_input, fmt::format("{}; see --help", error.what()));
   }
-  run(chosen, shared);
-  return success;
+  return run(chosen, shared);
 }
 
 }  // namespace

@@ -27,6 +27,9 @@ class Output {
   /// The document that `--json` prints.
   nlohmann::json document;
 
+  /// What the program ends with once all is said: 2 where what it was to judge is bad.
+  int exit_code = 0;
+
   /// Prints the document if it is wanted. Throws WorldError when stdout does not take it.
   void finish();
 

@@ -76,7 +76,7 @@ void add_patterns(CLI::App& program, Command& chosen) {
       add_command(program, chosen, write_asked, "patterns",
                   "write a strategy's patterns as images for any projector");
   command.add("folder", flags.folder, "where the pictures and scan.yaml go")->required();
-  add_scan_flags(command.app, flags.scan);
+  add_pattern_flags(command.app, flags.scan);
   CLI::Option* const bits =
       command.add("--bits", flags.bits, "grey levels of the projector: 8 to 16 bits");
   CLI::Option* const precompensate =

@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
+#include "app/finding_output.h"
 #include "app/progress.h"
+#include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/stopwatch.h"
 #include "slipstream/cloud/normals.h"
@@ -27,6 +29,7 @@ struct ReconstructFlags {
   std::string backend = "fused";
   std::string unwrapping = "consensus";
   bool one_camera = false;
+  bool anyway = false;
   PhaseMatchSettings match;
   ReconstructSettings settings;
   bool normals = false;
@@ -43,18 +46,20 @@ struct ReconstructedScan {
   std::string backend;
   GammaChoice gamma;
   std::vector<std::string> warnings;
-  ResultFiles files;                                                     ///< written
-  std::optional<double> rms, median_sigma;                               ///< mm
-  double read = 0, choosing = 0, tables = 0, computed = 0, written = 0;  ///< s
+  CheckedScan checked;
+  ResultFiles files;                                                                   ///< written
+  std::optional<double> rms, median_sigma;                                             ///< mm
+  double read = 0, choosing = 0, checking = 0, tables = 0, computed = 0, written = 0;  ///< s
 };
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
-  nlohmann::json counts, files = nlohmann::json::object();
+  nlohmann::json counts, files = nlohmann::json::object(), findings = nlohmann::json::array();
   const auto by_validity = count_by_validity(scan.cloud);
   for (std::size_t i = 0; i < validity_count; ++i) {
     counts[std::string(name_of(static_cast<Validity>(i)))] = by_validity[i];
   }
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
+  for (const Finding& finding : scan.checked.findings) findings.push_back(app::json_of(finding));
   nlohmann::json told = {{"scan", scan.folder},
                          {"points", point_count(scan.cloud)},
                          {"pixels", scan.cloud.z.pixel_count()},
@@ -63,12 +68,17 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                          {"gamma", json_of(scan.gamma)},
                          {"files", std::move(files)},
                          {"warnings", scan.warnings},
+                         {"findings", std::move(findings)},
+                         {"repairs", scan.checked.repairs},
                          {"seconds",
                           {{"read", scan.read},
                            {"gamma", scan.choosing},
+                           {"check", scan.checking},
                            {"tables", scan.tables},
                            {"reconstruct", scan.computed},
                            {"write", scan.written}}}};
+  // Only what --anyway went on with is wrong and was reconstructed.
+  if (any_wrong(scan.checked.findings)) told["doubted"] = true;
   if (scan.median_sigma) told["median_sigma_z_mm"] = *scan.median_sigma;
   if (scan.rms) told["rms_mm"] = *scan.rms;
   return told;
@@ -87,10 +97,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }
   output.say(
-      "  time: {:.0f} ms to read, {:.0f} for gamma, {:.0f} for tables, {:.0f} to reconstruct, "
-      "{:.0f} to write",
-      1e3 * scan.read, 1e3 * scan.choosing, 1e3 * scan.tables, 1e3 * scan.computed,
-      1e3 * scan.written);
+      "  time: {:.0f} ms to read, {:.0f} for gamma, {:.0f} to check, {:.0f} for tables, {:.0f} to "
+      "reconstruct, {:.0f} to write",
+      1e3 * scan.read, 1e3 * scan.choosing, 1e3 * scan.checking, 1e3 * scan.tables,
+      1e3 * scan.computed, 1e3 * scan.written);
   for (const auto& [name, path] : scan.files.named()) output.say("  {}: {}", name, path);
 }
 
@@ -107,10 +117,10 @@ void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSet
   }
 }
 
-void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine, bool two_cameras,
+void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
              ReconstructedScan& result) {
   const EngineSetup& setup = engine.setup();
-  if (two_cameras) {
+  if (!scan.further_cameras.empty()) {
     const Scan& second = scan.further_cameras.front();
     const PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence,
                              setup.settings, flags.match);
@@ -128,30 +138,52 @@ void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine, bo
   }
 }
 
+/// Puts into the scan the response that its phases are corrected for, both in the check and in the
+/// cloud. Two cameras under one projector match whatever phase it shows.
+GammaChoice gamma_of(Scan& scan, const ReconstructFlags& flags) {
+  GammaChoice choice = choose_response(scan, flags.input);
+  if (scan.further_cameras.empty()) return choice;
+  return {.source = "two cameras", .sentence = "two cameras, free of gamma"};
+}
+
+CheckedScan checked_for(const ReconstructFlags& flags, Scan& scan, const std::string& folder,
+                        Output& output) {
+  CheckedScan checked =
+      check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
+  refuse_or_warn(checked, folder, flags.anyway, output);
+  return checked;
+}
+
+/// What the scan is reconstructed by, once it is found sound.
+EngineSetup setup_of_sound(const ReconstructFlags& flags, Scan& scan, ReconstructedScan& result,
+                           Stopwatch& watch, Output& output) {
+  result.gamma = gamma_of(scan, flags);
+  EngineSetup setup = setup_for(scan, flags.settings);
+  result.choosing = watch.lap();
+  require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
+  require_reconstructible(setup);
+  result.checked = checked_for(flags, scan, result.folder, output);
+  if (!result.checked.repairs.empty()) result.gamma = gamma_of(scan, flags);  // it may be another
+  setup.scanner.photometry.response = result.gamma.response;
+  result.checking = watch.lap();
+  return setup;
+}
+
 ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
                                    std::optional<Engine>& engine, Output& output) {
   Stopwatch watch;
   ReconstructedScan result;
   result.folder = folder.string();
-  const Scan scan = load(folder, flags.input, !flags.one_camera, output);
+  Scan scan = load(folder, flags.input, !flags.one_camera, output);
   result.warnings = scan.warnings;
   result.read = watch.lap();
-  EngineSetup setup = setup_for(scan, flags.settings);
-  const bool two_cameras = !scan.further_cameras.empty();
-  std::optional<MeasuredResponse>& response = setup.scanner.photometry.response;
-  result.gamma =
-      two_cameras ? GammaChoice{.source = "two cameras", .sentence = "two cameras, free of gamma"}
-                  : choose_gamma(flags.input.gamma, response, setup.sequence.strategy.layout(),
-                                 scan.frames);
-  response = result.gamma.response;
-  result.choosing = watch.lap();
-  require_uncertainty_possible(flags, setup, two_cameras);
+  const EngineSetup setup = setup_of_sound(flags, scan, result, watch, output);
   if (!engine || engine->setup() != setup) engine.emplace(setup);  // else its tables serve again
   result.tables = watch.lap();
   if (!result.gamma.sentence.empty()) {
     output.say("{}: {}", folder.string(), result.gamma.sentence);
   }
-  compute(flags, scan, *engine, two_cameras, result);
+  compute(flags, scan, *engine, result);
   result.computed = watch.lap();
   if (flags.uncertainty) {
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
@@ -163,7 +195,8 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
                                              : std::nullopt;
   write_results(result.files, result.cloud, result.maps,
                 {.normals = normals ? &*normals : nullptr,
-                 .uncertainty = result.uncertainty ? &*result.uncertainty : nullptr});
+                 .uncertainty = result.uncertainty ? &*result.uncertainty : nullptr,
+                 .remarks = doubts(result.checked.findings)});
   result.rms = error_against_truth(folder, result.cloud);
   result.written = watch.lap();
   return result;
@@ -219,6 +252,7 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
               "use the first camera alone where the scan has two");
   command.add("--match-window", flags.match.window,
               "two cameras: half the width of the window whose plane gives the depth, pixels");
+  add_anyway_flag(command.app, flags.anyway);
   add_output_flags(command.app, flags);
   add_point_flags(command.app, flags.settings);
   add_scan_input_flags(command.app, flags.input);

@@ -1,13 +1,18 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/commands.h"
+#include "app/finding_output.h"
 #include "app/progress.h"
+#include "app/recorded_cycle.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
+#include "slipstream/check/scan_check.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/recorder.h"
 
@@ -26,6 +31,21 @@ void require_valid(const RecordFlags& flags) {
     throw Error(fmt::format("--frames {} is out of range; at least 1", *flags.frames));
   }
   require_duration(flags.duration);
+}
+
+/// What is amiss with the first whole cycle of what was recorded. It is told and no more: the
+/// recording stays, for there may be no second one.
+std::vector<Finding> findings_of_recording(const std::string& file, Output& output) {
+  std::vector<Finding> findings;
+  try {
+    if (const std::optional<Scan> cycle = first_cycle(file)) {
+      findings = check_scan(*cycle).findings;
+    }
+  } catch (const Error& error) {
+    output.warn(fmt::format("what was recorded cannot be checked: {}", error.what()));
+  }
+  warn_of(findings, output);
+  return findings;
 }
 
 void record(const RecordFlags& flags, Output& output) {
@@ -62,13 +82,14 @@ void record(const RecordFlags& flags, Output& output) {
   if (counts.lost > 0) {
     output.warn(fmt::format("{} frames came faster than the disk took them", counts.lost));
   }
-  output.document = {{"recording", flags.file},
-                     {"frames", counts.written},
-                     {"lost", counters.lost},
-                     {"not_written", counts.lost},
-                     {"resent_packets", counters.resent},
-                     {"reconnects", counters.reconnects},
-                     {"seconds", seconds},
+  nlohmann::json findings = nlohmann::json::array();
+  for (const Finding& finding : findings_of_recording(flags.file, output)) {
+    findings.push_back(app::json_of(finding));
+  }
+  output.document = {{"recording", flags.file},           {"findings", std::move(findings)},
+                     {"frames", counts.written},          {"lost", counters.lost},
+                     {"not_written", counts.lost},        {"resent_packets", counters.resent},
+                     {"reconnects", counters.reconnects}, {"seconds", seconds},
                      {"frames_per_second", rate}};
 }
 
@@ -86,7 +107,7 @@ void add_record(CLI::App& program, Command& chosen) {
   command.add("--loop", flags.source.loop, "a replay begins again at its end");
   command.add("--scanner", flags.source.scanner, "scanner file, which is kept in the recording");
   add_camera_flags(command.app, flags.source.camera);
-  add_scan_flags(command.app, flags.source.scan);
+  add_pattern_flags(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner);
   command.app.footer(
       "Example:\n  slipstream record --source aravis: -o scan.slip --frames 1000 --strategy pmp "

@@ -1,12 +1,16 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <string_view>
+#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/size_text.h"
 #include "slipstream/strategy/registry.h"
@@ -20,9 +24,41 @@ std::string flag_of(std::string setting) {
   return "--" + setting;
 }
 
+/// The numbers of "2,0,1"; empty where it is anything else.
+std::vector<int> numbers_of(std::string_view text) {
+  std::vector<int> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (true) {
+    int number = 0;
+    const auto [after, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return {};
+    numbers.push_back(number);
+    if (after == end) return numbers;
+    if (*after != ',') return {};
+    at = after + 1;
+  }
+}
+
+std::vector<std::filesystem::path> in_order(const std::vector<std::filesystem::path>& pictures,
+                                            const std::string& text,
+                                            const std::filesystem::path& folder) {
+  const std::vector<int> order = numbers_of(text);
+  if (!is_order_of(order, static_cast<int>(pictures.size()))) {
+    throw Error(
+        fmt::format("{}: --order {} is no order of its {} pictures; name each of 0 to {} "
+                    "once, with commas between",
+                    folder.string(), text, pictures.size(), pictures.size() - 1));
+  }
+  std::vector<std::filesystem::path> ordered;
+  ordered.reserve(order.size());
+  for (const int place : order) ordered.push_back(pictures[static_cast<std::size_t>(place)]);
+  return ordered;
+}
+
 }  // namespace
 
-void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
+void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
   const FlagGroup group{subcommand, "What the patterns are"};
   group.add("--strategy", flags.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
   for (const SettingDescription& setting : strategy_settings()) {
@@ -33,6 +69,13 @@ void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
   group.add("--projector", flags.projector, "projector pixels, as 1824x1140");
   group.add("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", flags.beta_p, "darkest grey level of the patterns");
+}
+
+void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
+  add_pattern_flags(subcommand, flags);
+  const FlagGroup group{subcommand, "What the patterns are"};
+  group.add("--order", flags.order,
+            "which picture shows each pattern, counted from 0, as 2,0,1; else as they are named");
 }
 
 SequenceChanges changes_from(const ScanFlags& flags) {
@@ -51,6 +94,7 @@ void amend(ScanFiles& files, const std::filesystem::path& folder, const ScanFlag
                             folder.string()));
   }
   files.sequence = changed(files.sequence, changes_from(flags));
+  if (flags.order) files.frames = in_order(files.frames, *flags.order, folder);
 }
 
 ScanFiles describe(const std::filesystem::path& folder, const ScanFlags& flags) {

@@ -20,17 +20,22 @@ struct ScanFlags {
   std::optional<std::string> projector;  ///< "1824x1140"
   std::optional<double> alpha_p;
   std::optional<double> beta_p;
+  std::optional<std::string> order;  ///< of pictures: "2,0,1"
 };
 
 /// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p and
 /// --beta-p.
+void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags);
+
+/// Adds these and --order, for what reads the pictures of scans.
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// What they say, by the library's words. Throws Error for an axis or a size that is none.
 SequenceChanges changes_from(const ScanFlags& flags);
 
-/// Puts what the flags say in place of what `files` do. Throws Error where neither says what the
-/// pictures in `folder` are.
+/// Puts what the flags say in place of what `files` do, and the pictures in the order that they
+/// say. Throws Error where neither says what the pictures in `folder` are, or where that is no
+/// order of as many pictures.
 void amend(ScanFiles& files, const std::filesystem::path& folder, const ScanFlags& flags);
 
 /// The scan in a folder, as scan.yaml and the flags say it.

@@ -36,29 +36,63 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   group.add("--farthest", settings.farthest, "largest depth, mm")->default_str("");
 }
 
-Scan load(const fs::path& folder, const ScanInputFlags& flags, bool all_cameras, Output& output) {
+namespace {
+
+/// The files of a scan, as scan.yaml and the flags say it.
+ScanFiles files_from(const fs::path& folder, const ScanInputFlags& flags) {
   ScanFiles files = describe(folder, flags.scan);
   files.bits = flags.bits.value_or(files.bits);
   if (files.bits != 0 && (files.bits < 8 || files.bits > 16)) {
     throw Error(fmt::format("--bits {} is out of range; 8 to 16", files.bits));
   }
   if (flags.scanner) files.scanner = *flags.scanner;
-  if (!files.scanner) {
-    throw Error(fmt::format("{}: no scanner; name its file with --scanner or in scan.yaml",
-                            folder.string()));
-  }
+  return files;
+}
+
+Scan load(const ScanFiles& files, const ScanInputFlags& flags, bool all_cameras, Output& output) {
   Scan scan = load_scan(files);
   if (all_cameras && files.second_camera) {
     add_camera(scan, describe(*files.second_camera, flags.scan));
   }
-  PhotometricCalibration& known = scan.scanner->photometry;
-  if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
-  if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
+  if (scan.scanner) {
+    PhotometricCalibration& known = scan.scanner->photometry;
+    if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
+    if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
+  }
   for (const std::string& warning : scan.warnings) output.warn(warning);
   for (const Scan& further : scan.further_cameras) {
     for (const std::string& warning : further.warnings) output.warn(warning);
   }
   return scan;
+}
+
+GammaChoice choose_response_of_camera(Scan& scan, const std::string& how) {
+  std::optional<MeasuredResponse> known;
+  if (scan.scanner) known = scan.scanner->photometry.response;
+  GammaChoice choice = choose_gamma(how, known, scan.sequence.strategy.layout(), scan.frames);
+  if (scan.scanner) scan.scanner->photometry.response = choice.response;
+  return choice;
+}
+
+}  // namespace
+
+Scan load(const fs::path& folder, const ScanInputFlags& flags, bool all_cameras, Output& output) {
+  const ScanFiles files = files_from(folder, flags);
+  if (!files.scanner) {
+    throw Error(fmt::format("{}: no scanner; name its file with --scanner or in scan.yaml",
+                            folder.string()));
+  }
+  return load(files, flags, all_cameras, output);
+}
+
+Scan load_checkable(const fs::path& folder, const ScanInputFlags& flags, bool all_cameras,
+                    Output& output) {
+  return load(files_from(folder, flags), flags, all_cameras, output);
+}
+
+GammaChoice choose_response(Scan& scan, const ScanInputFlags& flags) {
+  for (Scan& further : scan.further_cameras) choose_response_of_camera(further, flags.gamma);
+  return choose_response_of_camera(scan, flags.gamma);
 }
 
 nlohmann::json json_of(const GammaChoice& choice) {

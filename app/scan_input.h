@@ -35,6 +35,14 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
 Scan load(const std::filesystem::path& folder, const ScanInputFlags& flags, bool all_cameras,
           Output& output);
 
+/// The same of a scan whose scanner need not be known.
+Scan load_checkable(const std::filesystem::path& folder, const ScanInputFlags& flags,
+                    bool all_cameras, Output& output);
+
+/// Puts the response that --gamma chooses into the scanner of each camera that is known, so that
+/// what looks at the scan next corrects phases for it. Returns that of the first camera.
+GammaChoice choose_response(Scan& scan, const ScanInputFlags& flags);
+
 /// As the JSON document says it: `source`, and where there is one `gamma`, `standard_error`,
 /// `pixels`, `refused`.
 nlohmann::json json_of(const GammaChoice& choice);

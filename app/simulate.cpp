@@ -84,7 +84,7 @@ void add_simulate(CLI::App& program, Command& chosen) {
   command.add("folder", flags.folder, "where the scan goes")->required();
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
-  add_scan_flags(command.app, flags.scan);
+  add_pattern_flags(command.app, flags.scan);
   add_simulate_boards_flags(command.app, flags.boards);
   command.app.footer(
       "Example:\n  slipstream simulate scan --scene statue --strategy dual-frequency --steps 3 "

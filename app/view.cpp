@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
+#include "app/finding_output.h"
+#include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
@@ -23,6 +25,7 @@ namespace {
 struct ViewPathFlags {
   std::string path;
   ScanInputFlags input;
+  bool anyway = false;
   std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
   ViewFlags view;
 };
@@ -31,12 +34,17 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
   Scan scan = load(flags.path, flags.input, false, output);
   EngineSetup setup = setup_for(scan);
   const std::optional<MeasuredResponse> of_scanner = setup.scanner.photometry.response;
+  choose_response(scan, flags.input);
+  require_reconstructible(setup);
+  CheckedScan checked = check_and_repair(scan);
+  refuse_or_warn(checked, flags.path, flags.anyway, output);
   const auto response_by = [&](const std::string& how) {
     return choose_gamma(how, of_scanner, setup.sequence.strategy.layout(), scan.frames).response;
   };
   const auto given = response_by(flags.input.gamma), blind = response_by("blind");
   setup.scanner.photometry.response = given;
   view::ViewSource source = view::still_source(std::move(scan.frames), setup);
+  source.findings = std::move(checked.findings);
   source.gammas = {{"as given", given}, {"none", std::nullopt}, {"blind", blind}};
   source.save = [view = flags.view](const view::ShownCloud& cloud, const EngineSetup& used) {
     return save_in_new_folder(cloud, used, view);
@@ -55,6 +63,10 @@ void view_path(const ViewPathFlags& flags, Output& output) {
       folder ? source_of_scan(flags, output) : view::still_source(read_cloud(flags.path));
   source.title = flags.path;
   output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
+  if (folder) {
+    nlohmann::json& findings = output.document["findings"] = nlohmann::json::array();
+    for (const Finding& finding : source.findings) findings.push_back(app::json_of(finding));
+  }
   write_snapshot(source, flags.view, output);
   write_screenshot(source, flags.view, output);
   if (output.document["files"].empty()) {
@@ -72,6 +84,7 @@ void add_view(CLI::App& program, Command& chosen) {
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.input);
+  add_anyway_flag(command.app, flags.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
   command.app.footer(

@@ -1,5 +1,11 @@
 #include "slipstream/capture/frame_set.h"
 
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
 namespace slipstream {
 namespace {
 
@@ -44,6 +50,33 @@ int FrameSet::count() const {
 Size FrameSet::size() const {
   return std::visit(
       [](const auto& images) { return images.empty() ? Size{} : images.front().size(); }, images_);
+}
+
+bool is_order_of(const std::vector<int>& order, int count) {
+  std::vector<int> sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t n = 0; n < sorted.size(); ++n) {
+    if (sorted[n] != static_cast<int>(n)) return false;
+  }
+  return static_cast<int>(sorted.size()) == count;
+}
+
+FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
+  if (!is_order_of(order, frames.count())) {
+    throw Error(fmt::format("an order of {} frames has each of 0 to {} in it once", frames.count(),
+                            frames.count() - 1));
+  }
+  std::visit(
+      [&](auto& images) {
+        std::remove_cvref_t<decltype(images)> ordered;
+        ordered.reserve(images.size());
+        for (const int place : order) {
+          ordered.push_back(std::move(images[static_cast<std::size_t>(place)]));
+        }
+        images = std::move(ordered);
+      },
+      frames.images_);
+  return frames;
 }
 
 }  // namespace slipstream

@@ -42,9 +42,18 @@ class FrameSet {
     return views().visit(std::forward<Visitor>(visitor));
   }
 
+  friend FrameSet reordered(FrameSet frames, const std::vector<int>& order);
+
  private:
   std::variant<Images8, Images16, ImagesUnquantised> images_;
   int bits_ = 8;
 };
+
+/// Whether it has each of 0 to `count` - 1 in it, once.
+bool is_order_of(const std::vector<int>& order, int count);
+
+/// The same frames, of which frame n is the one that was at place `order[n]`. No pixel is copied.
+/// Throws Error unless it is an order of so many.
+FrameSet reordered(FrameSet frames, const std::vector<int>& order);
 
 }  // namespace slipstream

@@ -1,5 +1,6 @@
 #include "slipstream/io/cloud_file.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <iterator>
@@ -48,6 +49,17 @@ std::vector<Extra> extras_of(const CloudExtras& extras) {
   return all;
 }
 
+/// The remarks as comments of a header, a line each.
+std::string comments_of(const std::vector<std::string>& remarks, std::string_view mark) {
+  std::string lines;
+  for (std::string remark : remarks) {
+    std::replace_if(
+        remark.begin(), remark.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    lines += fmt::format("{} {}\n", mark, remark);
+  }
+  return lines;
+}
+
 /// x y z intensity and the extras of one pixel, as 32-bit floats.
 void append_point(std::string& bytes, const Cloud& cloud, const std::vector<Extra>& extras,
                   int column, int row) {
@@ -72,11 +84,12 @@ void for_each_point(const Cloud& cloud, const Visit& visit) {
   });
 }
 
-std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras) {
+std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
+                     const std::vector<std::string>& remarks) {
   std::string file = fmt::format(
-      "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n"
+      "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n{}"
       "obj_info num_cols {}\nobj_info num_rows {}\nelement vertex {}\n",
-      cloud.size().width, cloud.size().height, point_count(cloud));
+      comments_of(remarks, "comment"), cloud.size().width, cloud.size().height, point_count(cloud));
   file += "property float x\nproperty float y\nproperty float z\nproperty float intensity\n";
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "end_header\n";
@@ -85,7 +98,8 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras) {
   return file;
 }
 
-std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras) {
+std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
+                     const std::vector<std::string>& remarks) {
   std::string fields, sizes, types, counts;
   for (const Extra& extra : extras) {
     fields += fmt::format(" {}", extra.pcd_name);
@@ -94,10 +108,11 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras) {
     counts += " 1";
   }
   std::string file = fmt::format(
-      "# .PCD v0.7 - slipstream, camera frame, mm\nVERSION 0.7\nFIELDS x y z intensity{}\n"
+      "# .PCD v0.7 - slipstream, camera frame, mm\n{}VERSION 0.7\nFIELDS x y z intensity{}\n"
       "SIZE 4 4 4 4{}\nTYPE F F F F{}\nCOUNT 1 1 1 1{}\nWIDTH {}\nHEIGHT {}\n"
       "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
-      fields, sizes, types, counts, cloud.size().width, cloud.size().height, cloud.z.pixel_count());
+      comments_of(remarks, "#"), fields, sizes, types, counts, cloud.size().width,
+      cloud.size().height, cloud.z.pixel_count());
   for_each_pixel(cloud,
                  [&](int column, int row) { append_point(file, cloud, extras, column, row); });
   return file;
@@ -207,9 +222,9 @@ void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& ex
   require_cloud_ending(path);
   const std::string extension = lower_case_extension(path);
   if (extension == ".ply") {
-    write_file(path, ply_file(cloud, extras_of(extras)));
+    write_file(path, ply_file(cloud, extras_of(extras), extras.remarks));
   } else if (extension == ".pcd") {
-    write_file(path, pcd_file(cloud, extras_of(extras)));
+    write_file(path, pcd_file(cloud, extras_of(extras), extras.remarks));
   } else {
     write_file(path, xyz_file(cloud));
   }

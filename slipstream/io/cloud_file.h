@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/normals.h"
@@ -12,6 +14,8 @@ namespace slipstream {
 struct CloudExtras {
   const Normals* normals = nullptr;
   const Uncertainty* uncertainty = nullptr;
+  /// Lines for people: comments of the file's header.
+  std::vector<std::string> remarks{};
 };
 
 /// Throws Error unless the file's ending is one that write_cloud knows.
@@ -23,8 +27,8 @@ void require_cloud_ending(const std::filesystem::path& path);
 ///         size stands in obj_info num_cols, num_rows;
 ///   .pcd  binary PCD 0.7, organised: every pixel of the picture, NaN where there is no point;
 ///   .xyz  text: x y z intensity, a point a line, the valid points.
-/// The extras are not written to .xyz. Throws Error for another ending, WorldError
-/// when it cannot be written; never leaves half a file.
+/// The extras are not written to .xyz, which has no header. Throws Error for another ending,
+/// WorldError when it cannot be written; never leaves half a file.
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
                  const CloudExtras& extras = {});
 

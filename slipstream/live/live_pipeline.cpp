@@ -49,7 +49,7 @@ std::shared_ptr<const LivePlan> LivePipeline::plan_for(const EngineSetup& setup)
     throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
                             format_.size.width, format_.size.height, camera.width, camera.height));
   }
-  auto reconstruct = std::make_shared<WindowEngine>(Engine(setup));
+  auto reconstruct = std::make_shared<WindowEngine>(setup, settings_);
   const std::size_t needed = frames_needed(settings_, setup.sequence.strategy);
   if (needed > frame_count_) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
@@ -105,6 +105,11 @@ void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
 LiveStatistics LivePipeline::statistics() const {
   const auto current = run();
   return current ? current->statistics() : LiveStatistics();
+}
+
+std::vector<LiveFinding> LivePipeline::findings() const {
+  const auto current = run();
+  return current ? current->findings() : std::vector<LiveFinding>();
 }
 
 }  // namespace slipstream

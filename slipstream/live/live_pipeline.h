@@ -4,8 +4,10 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <vector>
 
 #include "slipstream/capture/frame_source.h"
+#include "slipstream/live/finding_log.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/live/live_settings.h"
 #include "slipstream/live/live_statistics.h"
@@ -54,6 +56,9 @@ class LivePipeline {
   void shown(std::chrono::steady_clock::time_point captured);
 
   [[nodiscard]] LiveStatistics statistics() const;
+  /// What was found amiss with the frames since the start, and when; see LiveStatistics for what is
+  /// amiss now. The check looks at one window of each cycle, before it becomes a cloud.
+  [[nodiscard]] std::vector<LiveFinding> findings() const;
 
  private:
   [[nodiscard]] std::shared_ptr<const LivePlan> plan_for(const EngineSetup& setup);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "slipstream/live/live_check.h"
+
 namespace slipstream {
 namespace {
 using namespace std::chrono_literals;
@@ -22,7 +24,31 @@ const Sequence& sequence_of(const LivePlan& plan) {
   return plan.reconstruct->engine.setup().sequence;
 }
 
+/// LiveCheck as a function that can be copied.
+std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
+  const auto check =
+      std::make_shared<LiveCheck>(setup.sequence, setup.scanner, setup.scanner.camera.size);
+  return [check](const FrameViews& window) { return check->look(window); };
+}
+
 }  // namespace
+
+WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
+    : engine(setup), check(settings.check ? settings.check : live_check(setup)) {}
+
+bool WindowEngine::is_due(const LiveCloud& window) const {
+  const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
+  if (!looked || newest < *looked) return true;  // the first, or the source counts anew
+  // Where frames are lost the window that ends a cycle may never come: another has to do then.
+  const bool ends_cycle = window.frames.back()->stamp.sequence == newest;
+  return newest - *looked >= (ends_cycle ? cycle : cycle + cycle / 2);
+}
+
+std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
+  looked = window.newest.sequence;
+  view_window(window.frames, views);
+  return check(views);
+}
 
 LiveRun::LiveRun(FrameSource& source, const LiveSettings& settings,
                  std::shared_ptr<Pool<LiveCloud>> clouds, std::shared_ptr<const LivePlan> plan)
@@ -224,6 +250,7 @@ void LiveRun::make_windows() {
 void LiveRun::reconstruct() {
   while (auto window = windows_.pop()) {
     LiveCloud& cloud = window->cloud.fill();
+    look(*window->reconstruct, cloud);
     window->reconstruct->cloud(cloud.frames, cloud.cloud);
     cloud.finished = Clock::now();
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
@@ -231,6 +258,13 @@ void LiveRun::reconstruct() {
     finished_.push_when_room(std::move(window->cloud));
   }
   finished_.close();
+}
+
+void LiveRun::look(WindowEngine& engine, const LiveCloud& window) {
+  if (!engine.is_due(window)) return;
+  std::vector<Finding> findings = engine.look(window);
+  const std::lock_guard lock(mutex_);
+  findings_.replace(std::move(findings), window.newest.sequence);
 }
 
 void LiveRun::show() {
@@ -276,7 +310,14 @@ LiveStatistics LiveRun::statistics() const {
   add("reconstruct", reconstruct_meter_, windows_.waiting(), windows_.capacity());
   add("show", show_meter_, finished_.waiting(), finished_.capacity());
   statistics.source_state = source_.state();
+  const std::lock_guard lock(mutex_);
+  statistics.findings = findings_.current();
   return statistics;
+}
+
+std::vector<LiveFinding> LiveRun::findings() const {
+  const std::lock_guard lock(mutex_);
+  return findings_.told();
 }
 
 }  // namespace slipstream

@@ -3,14 +3,18 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
 
 #include "slipstream/live/bounded_queue.h"
+#include "slipstream/live/finding_log.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/live/pattern_windows.h"
 #include "slipstream/live/sequence_watch.h"
@@ -20,17 +24,23 @@
 
 namespace slipstream {
 
-/// An engine and the views of a window's frames, in memory that is kept from one to the next.
+/// What a window's frames are checked and reconstructed by, and their views, in memory that is kept
+/// from one to the next.
 struct WindowEngine {
-  explicit WindowEngine(Engine of) : engine(std::move(of)) {}
+  WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
   void cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
     view_window(window, views);
     engine.cloud(views, cloud);
   }
+  /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
+  [[nodiscard]] bool is_due(const LiveCloud& window) const;
+  std::vector<Finding> look(const LiveCloud& window);
 
   Engine engine;
   FrameViews views;
+  std::function<std::vector<Finding>(const FrameViews&)> check;
+  std::optional<std::uint64_t> looked;  ///< sequence of the newest frame that was looked at
 };
 
 /// By what windows are made and reconstructed from now on, and the memory that takes.
@@ -60,6 +70,7 @@ class LiveRun {
   [[nodiscard]] Pooled<LiveCloud> newest() const;
   void shown(std::chrono::steady_clock::time_point captured);
   [[nodiscard]] LiveStatistics statistics() const;
+  [[nodiscard]] std::vector<LiveFinding> findings() const;
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -76,6 +87,7 @@ class LiveRun {
   void capture();
   void make_windows();
   void reconstruct();
+  void look(WindowEngine& engine, const LiveCloud& window);
   void show();
 
   /// Runs a stage; what it throws ends the whole run.
@@ -102,7 +114,8 @@ class LiveRun {
   const Clock::time_point start_ = Clock::now();
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
-  mutable std::mutex mutex_;  ///< of the four that follow
+  mutable std::mutex mutex_;  ///< of the five that follow
+  FindingLog findings_;
   std::shared_ptr<const LivePlan> plan_;
   Pooled<LiveCloud> newest_;
   std::exception_ptr failure_;

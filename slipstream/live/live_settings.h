@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "slipstream/capture/frame.h"
+#include "slipstream/capture/frame_views.h"
 #include "slipstream/capture/pool.h"
+#include "slipstream/check/finding.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
@@ -39,6 +41,9 @@ struct LiveSettings {
   /// Called for every cloud, in order, in the thread of the show stage; while it takes its time
   /// clouds and frames queue up before it. What it throws ends the pipeline.
   std::function<void(const Pooled<LiveCloud>&)> on_cloud = {};
+  /// What looks at a window of each cycle, in pattern order, and says what is amiss; LiveCheck
+  /// where it is empty. Called in the thread of the reconstruct stage, which waits for it.
+  std::function<std::vector<Finding>(const FrameViews& window)> check = {};
 };
 
 }  // namespace slipstream

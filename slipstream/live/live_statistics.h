@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "slipstream/check/finding.h"
+
 namespace slipstream {
 
 /// How long things took, ms; 0 where nothing has been measured yet.
@@ -41,6 +43,8 @@ struct LiveStatistics {
   Latency screen_latency;                ///< from capture to screen; zeros without one
   std::vector<StageStatistics> stages;
   std::string source_state;  ///< FrameSource::state
+  std::vector<Finding>
+      findings;  ///< about the newest cycle that was looked at; empty: all is right
 };
 
 /// Three lines for people: frames, clouds, latency.

@@ -11,7 +11,7 @@ namespace slipstream::view {
 namespace {
 
 const ImVec4 quiet(0.62F, 0.66F, 0.72F, 1), bad(1.0F, 0.50F, 0.42F, 1),
-    good(0.50F, 0.85F, 0.55F, 1);
+    doubtful(1.0F, 0.78F, 0.36F, 1), good(0.50F, 0.85F, 0.55F, 1);
 constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar;
 
@@ -100,9 +100,19 @@ void draw_stages(const LiveStatistics& statistics) {
   ImGui::TreePop();
 }
 
+/// What is amiss and why, a short line each; the numbers are told elsewhere.
+void draw_findings(const std::vector<Finding>& findings) {
+  for (const Finding& finding : findings) {
+    const ImVec4& colour = finding.gravity == Gravity::wrong ? bad : doubtful;
+    say(colour, "{}{}{}", finding.what, finding.likely.empty() ? "" : ": ", finding.likely);
+  }
+}
+
 void draw_status(const PanelState& state, const ViewSource& source,
                  const LiveStatistics& statistics) {
   if (!statistics.source_state.empty()) say(bad, "{}", statistics.source_state);
+  draw_findings(source.findings);
+  draw_findings(statistics.findings);
   if (source.statistics && section("Rates")) {
     draw_rates(state, statistics);
     draw_latencies(statistics);

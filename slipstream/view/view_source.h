@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "slipstream/check/finding.h"
 #include "slipstream/gamma/response.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
@@ -27,6 +28,9 @@ struct ViewSource {
   /// The setup that clouds are made with at first. None for clouds that come without frames: no
   /// pictures stand beside them then, and nothing can be changed or saved.
   std::optional<EngineSetup> setup{};
+  /// What is amiss with the frames, where they do not come through a pipeline, whose statistics say
+  /// that.
+  std::vector<Finding> findings{};
   double full_scale = 255;  ///< the largest grey level of the frames
   /// Makes clouds with another setup from now on. May throw: the viewer then shows the reason and
   /// keeps the old setup.

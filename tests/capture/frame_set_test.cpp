@@ -1,5 +1,7 @@
 #include "slipstream/capture/frame_set.h"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
@@ -38,6 +40,34 @@ TEST(FrameSet, KnowsFullScaleAndSaturation) {
   const FrameSet unquantised(FrameSet::ImagesUnquantised{Image<double>({2, 2}, 300.0)});
   EXPECT_FALSE(unquantised.quantised());
   EXPECT_EQ(saturation_mask(unquantised)(0, 0), 0);
+}
+
+TEST(FrameSet, IsReorderedWithoutACopy) {
+  FrameSet::Images16 images;
+  for (std::uint16_t n = 0; n < 3; ++n) images.emplace_back(Size{2, 1}, n);
+  FrameSet frames(images, 12);
+  const auto pixels_of = [](const FrameSet& set, std::size_t n) -> const void* {
+    return set.visit([n](const auto& views) -> const void* { return &views[n](0, 0); });
+  };
+  const void* const first = pixels_of(frames, 0);
+  const FrameSet ordered = reordered(std::move(frames), {2, 0, 1});
+  EXPECT_EQ(ordered.bits(), 12);
+  EXPECT_EQ(pixels_of(ordered, 1), first);
+  ordered.visit([](const auto& views) {
+    ASSERT_EQ(views.size(), 3U);
+    EXPECT_EQ(views[0](0, 0), 2);
+    EXPECT_EQ(views[1](0, 0), 0);
+    EXPECT_EQ(views[2](1, 0), 1);
+  });
+}
+
+TEST(FrameSet, RefusesWhatIsNoOrder) {
+  const FrameSet frames(FrameSet::Images8(3, Image<std::uint8_t>({2, 1})));
+  for (const std::vector<int>& order :
+       std::vector<std::vector<int>>{{}, {0, 1}, {0, 1, 1}, {0, 1, 3}, {-1, 0, 1}, {0, 1, 2, 3}}) {
+    EXPECT_THROW((void)reordered(frames, order), Error);
+  }
+  EXPECT_EQ(reordered(frames, {0, 1, 2}).count(), 3);
 }
 
 }  // namespace

@@ -121,6 +121,22 @@ TEST(CloudFile, PlyAndPcdTakeUncertainty) {
   EXPECT_EQ(points.size(), 48U);
 }
 
+TEST(CloudFile, RemarksAreCommentsOfTheHeader) {
+  const TemporaryFolder folder;
+  const CloudExtras remarked{.remarks = {"doubted: {frames}\nswapped", "b"}};
+  write_cloud(folder.path() / "cloud.ply", small_cloud(), remarked);
+  EXPECT_NE(parse(folder.path() / "cloud.ply", "end_header\n")
+                .header.find("\ncomment doubted: {frames} swapped\ncomment b\n"),
+            std::string::npos);
+  EXPECT_EQ(point_count(read_cloud(folder.path() / "cloud.ply")), 3U);
+  write_cloud(folder.path() / "cloud.pcd", small_cloud(), remarked);
+  const auto [header, floats] = parse(folder.path() / "cloud.pcd", "DATA binary\n");
+  EXPECT_TRUE(header.starts_with("# .PCD v0.7"));
+  EXPECT_NE(header.find("\n# doubted: {frames} swapped\n# b\nVERSION 0.7\n"), std::string::npos);
+  EXPECT_EQ(floats.size(), 24U);
+  write_cloud(folder.path() / "cloud.xyz", small_cloud(), remarked);
+}
+
 TEST(CloudFile, PcdIsOrganised) {
   const TemporaryFolder folder;
   write_cloud(folder.path() / "cloud.pcd", small_cloud());

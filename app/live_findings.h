@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "app/output.h"
+#include "slipstream/live/finding_log.h"
+
+namespace slipstream::app {
+
+/// Warns of each finding that has begun since `told`, and says which of them have ended; they are
+/// told then.
+void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
+               Output& output);
+
+/// As a finding of a scan, with `begin` and `end`: sequence of the frames at which it was first
+/// told and first gone; null where it lasts.
+nlohmann::json json_of(const std::vector<LiveFinding>& findings);
+
+}  // namespace slipstream::app

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "app/output.h"
+#include "slipstream/check/scan_check.h"
+
+namespace slipstream::app {
+
+/// Adds --anyway.
+void add_anyway_flag(CLI::App& subcommand, bool& anyway);
+
+/// What is amiss with a scan, and what was done about it.
+struct CheckedScan {
+  std::vector<Finding> findings;
+  std::vector<std::string> repairs;  ///< a line each, for people
+};
+
+/// Asks check_scan of each of the scan's cameras; what is told of a further one says so. The frames
+/// of a camera that have slipped are put in the order that was found. Of several cameras nothing is
+/// told of gamma: they match whatever phase the projector shows.
+CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
+
+/// Those that do not blame the projector's response: what measures the response, or does not
+/// depend on it, has no use for the others.
+std::vector<Finding> without_gamma(std::vector<Finding> findings);
+
+/// Warns of all that is doubtful and says what was repaired. Throws Error, naming the scan, for all
+/// that is wrong; with `anyway` it warns of that too.
+void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
+                    Output& output);
+
+/// What is wrong with the scan that a cloud was made of all the same, for the header of its file.
+std::vector<std::string> doubts(const std::vector<Finding>& findings);
+
+}  // namespace slipstream::app

@@ -1,0 +1,103 @@
+// What the program does about findings, whoever found them.
+#include "app/scan_findings.h"
+
+#include <gtest/gtest.h>
+
+#include "app/finding_output.h"
+#include "app/live_findings.h"
+#include "slipstream/error/error.h"
+
+namespace slipstream::app {
+namespace {
+
+const Finding dim{.what = "the frames are dim"};
+const Finding rotated{.gravity = Gravity::wrong,
+                      .what = "the bands disagree",
+                      .evidence = {{"agreement", 0.25}},
+                      .likely = "frames 0 to 2 are rotated by one",
+                      .advice = "try --order 2,0,1,3,4,5"};
+const Finding dark{.gravity = Gravity::wrong, .what = "no frame has light in it"};
+
+std::string refusal_of(const std::vector<Finding>& findings, bool anyway = false) {
+  Output output(false);
+  try {
+    refuse_or_warn({.findings = findings}, "scan", anyway, output);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ScanFindings, AllThatIsWrongIsRefusedInOneLine) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refusal_of({dim, rotated, dark}),
+            "scan: the bands disagree (agreement 0.25); likely frames 0 to 2 are rotated by one; "
+            "try --order 2,0,1,3,4,5 | no frame has light in it");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(ScanFindings, WhatIsDoubtfulIsWarnedOfAndAnywayAllIs) {
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refusal_of({dim}), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "warning: scan: the frames are dim\n");
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(refusal_of({dim, dark}, true), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "warning: scan: the frames are dim\nwarning: scan: no frame has light in it\n");
+  EXPECT_EQ(refusal_of({}), "");
+}
+
+TEST(ScanFindings, RepairsAreSaid) {
+  testing::internal::CaptureStdout();
+  Output output(false);
+  refuse_or_warn({.repairs = {"frames put in the order 1,2,0"}}, "scan", false, output);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "scan: frames put in the order 1,2,0\n");
+}
+
+TEST(ScanFindings, OnlyWhatIsWrongMakesACloudDoubted) {
+  EXPECT_EQ(doubts({dim, dark}), (std::vector<std::string>{"doubted: no frame has light in it"}));
+  EXPECT_TRUE(doubts({dim}).empty());
+}
+
+TEST(ScanFindings, GammaIsLeftOutWhereItIsMeasured) {
+  const Finding gamma{.what = "ripples", .likely = "the projector's gamma is not corrected"};
+  EXPECT_EQ(without_gamma({dim, gamma, dark}), (std::vector<Finding>{dim, dark}));
+}
+
+TEST(ScanFindings, JsonHasAllOfAFinding) {
+  EXPECT_EQ(json_of(rotated), (nlohmann::json{{"what", "the bands disagree"},
+                                              {"evidence", {{"agreement", 0.25}}},
+                                              {"likely", "frames 0 to 2 are rotated by one"},
+                                              {"try", "try --order 2,0,1,3,4,5"},
+                                              {"refused", true}}));
+  const nlohmann::json none = json_of(dim);
+  EXPECT_EQ(none["refused"], false);
+  EXPECT_TRUE(none["evidence"].is_object());
+}
+
+TEST(LiveFindings, EachIsToldOnceWhenItBeginsAndWhenItEnds) {
+  std::vector<LiveFinding> told;
+  Output output(true);  // all words to stderr
+  const auto news = [&](const std::vector<LiveFinding>& findings) {
+    testing::internal::CaptureStderr();
+    tell_news(findings, told, output);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(news({}), "");
+  EXPECT_EQ(news({{dim, 7, {}}}), "warning: frames: the frames are dim\n");
+  EXPECT_EQ(news({{dim, 7, {}}}), "");
+  EXPECT_EQ(news({{dim, 7, 19}}),
+            "frames: the frames are dim: this has ended, 12 frames after it began\n");
+  EXPECT_EQ(news({{dim, 7, 19}}), "");
+  // Both between two looks.
+  EXPECT_EQ(news({{dim, 7, 19}, {dim, 30, 34}}),
+            "warning: frames: the frames are dim\n"
+            "frames: the frames are dim: this has ended, 4 frames after it began\n");
+  const nlohmann::json listed = json_of({{dim, 7, 19}, {dim, 30, {}}});
+  EXPECT_EQ(listed[0]["begin"], 7);
+  EXPECT_EQ(listed[0]["end"], 19);
+  EXPECT_TRUE(listed[1]["end"].is_null());
+}
+
+}  // namespace
+}  // namespace slipstream::app

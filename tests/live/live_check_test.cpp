@@ -1,0 +1,108 @@
+// The frames of a live scan are looked at as they come, whoever looks.
+#include "slipstream/live/live_check.h"
+
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/live/live_pipeline.h"
+#include "tests/live/scripted_source.h"
+#include "tests/live/virtual_loop.h"
+
+namespace slipstream {
+namespace {
+
+constexpr Size size{64, 48};
+constexpr int steps = 4;
+const Strategy strategy = PhaseMeasuring{.steps = steps, .frequency = 1};
+const EngineSetup setup{.scanner = example_scanner(size), .sequence = {.strategy = strategy}};
+
+/// Frames that are as they should be but for the cycles [first, last], whose third is dark.
+std::unique_ptr<ScriptedSource> disturbed(int cycles, int first, int last) {
+  std::vector<Frame> pictures = frames_of(strategy, {.size = size, .cycles = 1});
+  pictures.push_back(Frame(pictures.front().format()));
+  std::vector<ScriptedStep> script;
+  for (int n = 0; n < cycles * steps; ++n) {
+    const int cycle = n / steps, pattern = n % steps;
+    const bool dark = pattern == 2 && cycle >= first && cycle <= last;
+    script.push_back({.frame = dark ? steps : pattern,
+                      .sequence = static_cast<std::uint64_t>(n),
+                      .pattern_index = pattern});
+  }
+  return std::make_unique<ScriptedSource>(std::move(pictures), std::move(script));
+}
+
+/// Finds a frame dark in its middle.
+std::vector<Finding> look_for_darkness(const FrameViews& window) {
+  return window.visit([](const auto& frames) {
+    std::vector<Finding> findings;
+    for (const auto& frame : frames) {
+      double brightest = 0;
+      for (int row = 0; row < size.height; ++row) {
+        for (int column = 0; column < size.width; ++column) {
+          brightest = std::max(brightest, static_cast<double>(frame(column, row)));
+        }
+      }
+      if (brightest < 1) findings.push_back({.what = "a frame is dark"});
+    }
+    return findings;
+  });
+}
+
+void run_to_its_end(LivePipeline& pipeline) {
+  pipeline.start();
+  while (pipeline.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  pipeline.stop();
+}
+
+TEST(LiveCheck, ADisturbanceIsToldWithinTwoCyclesAndSoIsItsEnd) {
+  // PatternWindows leaves a single frame out that is like no other; it settles for a row of them.
+  LivePipeline pipeline(disturbed(30, 10, 19), setup, {.check = look_for_darkness});
+  run_to_its_end(pipeline);
+  const std::vector<LiveFinding> told = pipeline.findings();
+  ASSERT_EQ(told.size(), 1U);
+  EXPECT_EQ(told[0].finding.what, "a frame is dark");
+  EXPECT_GE(told[0].begin, 10U * steps);
+  EXPECT_LE(told[0].begin, 12U * steps);
+  ASSERT_TRUE(told[0].end.has_value());
+  EXPECT_GT(*told[0].end, 20U * steps);
+  EXPECT_LE(*told[0].end, 22U * steps);
+  EXPECT_TRUE(pipeline.statistics().findings.empty());
+}
+
+TEST(LiveCheck, TheNewestLookSaysWhatIsAmissNow) {
+  LivePipeline pipeline(disturbed(20, 5, 19), setup, {.check = look_for_darkness});
+  run_to_its_end(pipeline);
+  ASSERT_EQ(pipeline.statistics().findings.size(), 1U);
+  EXPECT_EQ(pipeline.statistics().findings[0].what, "a frame is dark");
+  EXPECT_FALSE(pipeline.findings().at(0).end.has_value());
+}
+
+TEST(LiveCheck, OneWindowOfEachCycleIsLookedAt) {
+  int looks = 0;
+  LivePipeline pipeline(disturbed(50, 99, 99), setup, {.check = [&looks](const FrameViews& window) {
+                          EXPECT_EQ(window.count(), steps);
+                          ++looks;
+                          return std::vector<Finding>();
+                        }});
+  run_to_its_end(pipeline);
+  EXPECT_EQ(looks, 50);
+}
+
+TEST(LiveCheck, WhatItThrowsEndsThePipeline) {
+  LivePipeline pipeline(
+      disturbed(5, 9, 9), setup,
+      {.check = [](const FrameViews&) -> std::vector<Finding> { throw std::runtime_error("no"); }});
+  run_to_its_end(pipeline);
+  EXPECT_NE(pipeline.failure(), nullptr);
+}
+
+TEST(LiveCheck, FindsNothingInGoodFrames) {
+  LivePipeline pipeline(disturbed(20, 99, 99), setup);
+  run_to_its_end(pipeline);
+  EXPECT_TRUE(pipeline.findings().empty());
+}
+
+}  // namespace
+}  // namespace slipstream

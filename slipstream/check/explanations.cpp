@@ -23,6 +23,7 @@ struct Explanation {
   std::string likely{}, advice{};
   Gravity gravity = Gravity::wrong;
   FrameOrder order{};  ///< where the cycle has slipped
+  bool far_fetched = false;
 };
 
 class Search {
@@ -45,29 +46,12 @@ class Search {
       try_scanners();
     }
     if (explanations_.empty()) return std::nullopt;
-    // The simplest were tried first and stay before others that fit alike.
-    constexpr double nearly = 1.2;
-    constexpr std::size_t most_named = 3;
-    std::stable_sort(explanations_.begin(), explanations_.end(), [](const auto& a, const auto& b) {
-      constexpr double alike = 0.3;
-      return std::floor(a.misfit / alike) < std::floor(b.misfit / alike);
-    });
-    Explanation best = explanations_.front();
-    std::vector<std::string> named{best.likely};
-    for (const Explanation& other : explanations_) {
-      const bool known = std::find(named.begin(), named.end(), other.likely) != named.end();
-      if (known || other.misfit > best.misfit + nearly || named.size() == most_named) continue;
-      named.push_back(other.likely);
-      best.likely += ", or " + other.likely;
-      best.advice += ", or " + other.advice;
-      best.order.clear();  // nothing is set right that may be right
-    }
-    return best;
+    return likeliest();
   }
 
  private:
   [[nodiscard]] Fit fit(const FrameModel& model, const FrameOrder& order) const {
-    Fit result{.frames = model.evidence(scan_.samples, order)};
+    Fit result{.frames = FrameJudge(model)(scan_.samples, order), .moving = scan_.moving};
     if (scan_.scanner != nullptr && has_coordinate(model.layout())) {
       result.geometry =
           geometry_evidence(model, scan_.samples, *scan_.scanner, scan_.sequence.axis, order);
@@ -102,9 +86,9 @@ class Search {
   void try_periods() {
     const std::size_t relations = as_given_.frames.relations.size();
     for (std::size_t i = 0; i < relations; ++i) {
-      const auto periods = scan_.model.periods_that_agree(scan_.samples, i, scan_.model.identity());
+      const auto periods = periods_that_agree(scan_.model, scan_.samples, i);
       if (!periods) continue;
-      const std::vector<std::size_t> bands = coarse_to_fine(scan_.model.layout());
+      const std::vector<std::size_t>& bands = scan_.model.bands();
       const double said = scan_.model.layout().bands[bands[i + bands.size() - relations]].periods;
       try_setting(said, *periods);
     }
@@ -131,20 +115,17 @@ class Search {
 
   void try_orders() {
     for (MistakenOrder& mistake : mistaken_orders(scan_.model.layout())) {
-      const std::string advice = mistake.slipped
-                                     ? "they are taken in the order " + text_of(mistake.order)
-                                     : "try --order " + text_of(mistake.order);
       keep(fit(scan_.model, mistake.order),
            {.likely = std::move(mistake.words),
-            .advice = advice,
-            .gravity = mistake.slipped ? Gravity::doubtful : Gravity::wrong,
-            .order = mistake.slipped ? mistake.order : FrameOrder{}});
+            .advice = "try --order " + text_of(mistake.order),
+            .order = mistake.kind == MistakenOrder::Kind::slipped ? mistake.order : FrameOrder{},
+            .far_fetched = mistake.kind == MistakenOrder::Kind::far_fetched});
     }
   }
 
   void try_geometry(const Scanner& scanner, Axis axis, const PictureTurn& turn,
                     Explanation explanation) {
-    Fit with{.frames = as_given_.frames};
+    Fit with{.frames = as_given_.frames, .moving = scan_.moving};
     with.geometry =
         geometry_evidence(scan_.model, scan_.samples, scanner, axis, scan_.model.identity(), turn);
     keep(with, std::move(explanation));
@@ -221,6 +202,39 @@ class Search {
                   .advice = "give the projector's size that was calibrated with --projector"});
   }
 
+  [[nodiscard]] Explanation likeliest() {
+    // Of those that fit about as well the simplest comes first; an order that takes more than one
+    // slip of the hand is named only where nothing else fits.
+    constexpr double nearly = 1.2;
+    constexpr std::size_t most_named = 3;
+    std::stable_sort(explanations_.begin(), explanations_.end(), [](const auto& a, const auto& b) {
+      constexpr double alike = 0.3;
+      return std::floor(a.misfit / alike) < std::floor(b.misfit / alike);
+    });
+    const auto usual = std::find_if(explanations_.begin(), explanations_.end(),
+                                    [](const Explanation& one) { return !one.far_fetched; });
+    const bool is_usual =
+        usual != explanations_.end() && usual->misfit <= explanations_.front().misfit + nearly;
+    Explanation best = is_usual ? *usual : explanations_.front();
+    std::vector<std::string> named{best.likely};
+    for (const Explanation& other : explanations_) {
+      const bool known = std::find(named.begin(), named.end(), other.likely) != named.end();
+      const bool too_far = other.misfit > best.misfit + nearly || (is_usual && other.far_fetched);
+      if (known || too_far || named.size() == most_named) continue;
+      named.push_back(other.likely);
+      best.likely += ", or " + other.likely;
+      best.advice += ", or " + other.advice;
+    }
+    // Nothing is set right that may be wrong then.
+    if (named.size() == 1 && !best.order.empty()) {
+      best.gravity = Gravity::doubtful;
+      best.advice = "they are taken in the order " + text_of(best.order);
+    } else {
+      best.order.clear();
+    }
+    return best;
+  }
+
   JudgedScan scan_;
   Fit as_given_;
   std::vector<Explanation> explanations_;
@@ -293,7 +307,7 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   // 0.62 of it, and by half a percent.
   constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
   if (fit.frames.residual < least_residual) return std::nullopt;
-  const FrameModel::Gains gains = scan.model.gains(scan.samples);
+  const FrameGains gains = frame_gains(scan.model, scan.samples);
   const auto odd = std::max_element(gains.gains.begin(), gains.gains.end(),
                                     [](double a, double b) { return std::abs(a) < std::abs(b); });
   if (gains.explained < least_explained || std::abs(*odd) < least_gain) return std::nullopt;

@@ -14,6 +14,7 @@ struct JudgedScan {
   const Sequence& sequence;
   const Scanner* scanner;  ///< null where it is not known, or cannot be right
   const PhotometricCalibration& photometry;
+  bool moving = false;  ///< CheckSettings::moving
 };
 
 struct Explained {

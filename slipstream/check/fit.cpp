@@ -13,6 +13,8 @@ constexpr double least_agreement = 0.6, most_offset = 0.1;
 constexpr double least_noise = 0.3;
 // Right scans leave 0.014; two frames in each other's place 0.4.
 constexpr double most_residual = 0.05;
+// Things that move between frames leave up to 0.15.
+constexpr double most_residual_moving = 0.25;
 // Right scans 0.31, a real skull 0.43; frames of two bands mixed up 0.7.
 constexpr double most_ratio_spread = 0.6;
 constexpr double most_seams = 0.015;
@@ -34,7 +36,7 @@ bool Fit::bands_agree() const {
 }
 
 bool Fit::patterns_made() const {
-  return frames.residual <= most_residual;
+  return frames.residual <= (moving ? most_residual_moving : most_residual);
 }
 
 bool Fit::no_seam() const {

@@ -11,6 +11,7 @@ namespace slipstream {
 /// virtual ones with noise, and what mistakes do: tests/check shows both.
 struct Fit {
   FrameEvidence frames{};
+  bool moving = false;                         ///< CheckSettings::moving
   std::optional<GeometryEvidence> geometry{};  ///< where a scanner is known
 
   [[nodiscard]] bool bands_agree() const;    ///< about phase and modulation, and in their order

@@ -2,305 +2,168 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <limits>
 #include <numbers>
-#include <numeric>
 
-#include <Eigen/Eigenvalues>
-
-#include "slipstream/gamma/correction.h"
-#include "slipstream/image/quantile.h"
-#include "slipstream/phase/equations.h"
+#include <Eigen/Cholesky>
 
 namespace slipstream {
 namespace {
 
-using std::numbers::pi;
 using Complex = std::complex<double>;
+using Place = ScanSamples::Place;
+
+constexpr double two_pi = 2 * std::numbers::pi;
 
 Complex turned(double periods) {
-  return std::polar(1.0, 2 * pi * periods);
+  return std::polar(1.0, two_pi * periods);
 }
 
-double dot(const std::vector<double>& weights, const float* levels, const FrameOrder& order) {
-  double sum = 0;
-  for (std::size_t n = 0; n < weights.size(); ++n) {
-    sum += weights[n] * static_cast<double>(levels[order[n]]);
+/// Sum of squares about the mean over the frames.
+double variation_of(const float* levels, int frames) {
+  double sum = 0, squares = 0;
+  for (int n = 0; n < frames; ++n) {
+    const double level = levels[n];
+    sum += level;
+    squares += level * level;
   }
-  return sum;
+  return squares - sum * sum / frames;
 }
-
-/// Rows: an orthonormal basis of what is perpendicular to every pattern of that shape, with any
-/// amount of constant light.
-Eigen::MatrixXd complement_of(const Strategy& strategy) {
-  constexpr int places = 509;  // prime, so that no period falls in step with it
-  const int count = frame_count(strategy);
-  Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
-  for (int i = 0; i < places; ++i) {
-    Eigen::VectorXd pattern(count);
-    for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, (i + 0.5) / places);
-    products += pattern * pattern.transpose() / places;
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
-  const double least = 1e-9 * solver.eigenvalues().maxCoeff();
-  const auto unused = (solver.eigenvalues().array() < least).count();
-  return solver.eigenvectors().leftCols(unused).transpose();
-}
-
-/// Mean of a product over neighbours, without the noise that they do not share.
-struct SharedSpread {
-  double products = 0, a = 0, b = 0;
-  int count = 0;
-
-  void add(double first, double second) {
-    products += first * second;
-    a += first;
-    b += second;
-    ++count;
-  }
-  [[nodiscard]] double deviation() const {
-    if (count == 0) return 0;
-    return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
-  }
-};
 
 }  // namespace
 
-struct FrameModel::Reading {
-  std::vector<double> cosine, sine, phase, modulation;  ///< of each band
-  double cue = 0;
+void FrameJudge::SharedSpread::add(double first, double second) {
+  products += first * second;
+  a += first;
+  b += second;
+  ++count;
+}
 
-  explicit Reading(std::size_t bands)
-      : cosine(bands), sine(bands), phase(bands), modulation(bands) {}
-};
+double FrameJudge::SharedSpread::deviation() const {
+  if (count == 0) return 0;
+  return std::sqrt(std::max(0.0, products / count - a / count * (b / count)));
+}
 
-FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry)
-    : sequence_(sequence),
-      layout_(sequence.strategy.layout()),
-      photometry_(photometry),
-      chain_(coarse_to_fine(layout_)),
-      complement_(complement_of(sequence.strategy)) {
-  if (photometry.response) {
-    constexpr double accuracy = 1e-4;  // rad: far below what is asked here
-    for (const int steps : step_counts(layout_)) {
-      corrections_.try_emplace(steps,
-                               phase_correction(photometry.response->response, steps, accuracy));
-    }
+FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
+  const std::size_t bands = model.bands().size();
+  const std::size_t relations = bands - (model.has_real_cue() ? 0 : 1);
+  evidence_.relations.resize(relations);
+  mean_.resize(relations);
+  between_.resize(relations);
+  ratios_.resize(bands);
+  turns_.resize(bands);
+}
+
+void FrameJudge::clear() {
+  std::fill(mean_.begin(), mean_.end(), Complex{});
+  std::fill(between_.begin(), between_.end(), Complex{});
+  std::fill(ratios_.begin(), ratios_.end(), SharedSpread{});
+  std::fill(turns_.begin(), turns_.end(), 0.0);
+  residual_ = variation_ = 0;
+  pairs_ = seams_ = far_pairs_ = 0;
+}
+
+double FrameJudge::ratio(const SampleReading& reading, std::size_t band) const {
+  constexpr double nothing = 1e-6;
+  const std::size_t coarse = model_.bands().front();
+  return std::log((reading.modulation[band] + nothing) / (reading.modulation[coarse] + nothing));
+}
+
+void FrameJudge::add_pair(double variation) {
+  ++pairs_;
+  for (std::size_t i = 0; i < between_.size(); ++i) {
+    between_[i] += turned(here_.relations[i] - next_.relations[i]);
   }
-  for (const Band& band : layout_.bands) {
-    const auto run = step_run(band);
-    correction_steps_.push_back(run && corrections_.contains(run->steps) ? run->steps : 0);
+  for (std::size_t i = 0; i < here_.unexplained.size(); ++i) {
+    residual_ += here_.unexplained[i] * next_.unexplained[i];
   }
-  if (layout_.cue) {
-    CueSettings settings{.light = sequence.light};
-    settings.ambient = photometry.ambient.value_or(settings.ambient);
-    settings.noise_variance = photometry.noise_variance.value_or(settings.noise_variance);
-    cue_.emplace(layout_, settings);
+  variation_ += variation;
+  for (std::size_t b = 0; b < turns_.size(); ++b) {
+    ratios_[b].add(ratio(here_, b), ratio(next_, b));
+    turns_[b] += 1 - std::cos(here_.phase[b] - next_.phase[b]);
   }
 }
 
-FrameOrder FrameModel::identity() const {
-  FrameOrder order(static_cast<std::size_t>(layout_.frames));
-  std::iota(order.begin(), order.end(), 0);
-  return order;
+void FrameJudge::add_far_pair() {
+  const double f = model_.fewest_periods();
+  const double a = f * here_.coarse, b = f * next_.coarse;
+  // So near to the leap noise alone carries a pixel over it.
+  constexpr double margin = 0.004;
+  if (std::min({a, 1 - a, b, 1 - b}) < margin) return;
+  ++far_pairs_;
+  if (std::abs(a - b) > 0.8) ++seams_;
 }
 
-void FrameModel::read(const float* levels, const FrameOrder& order, Reading& reading) const {
-  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-    const Band& band = layout_.bands[b];
-    const double C = dot(band.cosine, levels, order), S = dot(band.sine, levels, order);
-    reading.cosine[b] = C;
-    reading.sine[b] = S;
-    reading.modulation[b] = std::hypot(C, S);
-    reading.phase[b] = wrapped_angle(S, C);
-    if (correction_steps_[b] != 0) {
-      reading.phase[b] = corrected_phase(corrections_.at(correction_steps_[b]), reading.phase[b]);
-    }
+void FrameJudge::sum_up(std::size_t groups) {
+  constexpr double least_noise = 1e-3;
+  const auto n = static_cast<double>(std::max<std::size_t>(1, groups));
+  for (std::size_t i = 0; i < mean_.size(); ++i) {
+    const double noise = std::sqrt(std::abs(between_[i]) / std::max(1, pairs_));
+    evidence_.relations[i] = {.agreement = std::abs(mean_[i]) / n / std::max(noise, least_noise),
+                              .offset = std::arg(mean_[i]) / two_pi,
+                              .noise = noise};
   }
-  if (layout_.cue) reading.cue = dot(layout_.cue->weights, levels, order);
-}
-
-double FrameModel::coarse_coordinate(const Reading& reading) const {
-  const std::size_t first = chain_.front();
-  if (cue_) {
-    return cue_->coordinate({.modulation = reading.modulation[0],
-                             .wrapped_phase = reading.phase[0],
-                             .cue = reading.cue});
+  evidence_.residual = variation_ > 0 ? std::sqrt(std::max(0.0, residual_ / variation_)) : 0;
+  evidence_.ratio_spread = 0;
+  for (const SharedSpread& of_band : ratios_) {
+    evidence_.ratio_spread = std::max(evidence_.ratio_spread, of_band.deviation());
   }
-  return reading.phase[first] / (2 * pi) / layout_.bands[first].periods;
-}
-
-void FrameModel::relate(const Reading& reading, std::vector<double>& r) const {
-  r.clear();
-  double y = coarse_coordinate(reading);
-  for (std::size_t i = cue_ ? 0 : 1; i < chain_.size(); ++i) {
-    const double f = layout_.bands[chain_[i]].periods;
-    const double periods = reading.phase[chain_[i]] / (2 * pi);
-    r.push_back(f * y - periods);
-    y = (std::round(r.back()) + periods) / f;
+  const std::vector<std::size_t>& bands = model_.bands();
+  evidence_.ordered = true;
+  for (std::size_t i = 1; i < bands.size(); ++i) {
+    if (turns_[bands[i]] * 2 < turns_[bands[i - 1]]) evidence_.ordered = false;
   }
+  evidence_.seams = far_pairs_ > 0 ? static_cast<double>(seams_) / far_pairs_ : 0;
 }
 
-double FrameModel::measured_coordinate(const Reading& reading) const {
-  double y = coarse_coordinate(reading);
-  for (std::size_t i = cue_ ? 0 : 1; i < chain_.size(); ++i) {
-    const double f = layout_.bands[chain_[i]].periods;
-    const double periods = reading.phase[chain_[i]] / (2 * pi);
-    y = (std::round(f * y - periods) + periods) / f;
-  }
-  return y;
-}
-
-Eigen::VectorXd FrameModel::unexplained(const float* levels, const FrameOrder& order,
-                                        const Reading& reading) const {
-  Eigen::VectorXd I(layout_.frames);
-  for (int n = 0; n < layout_.frames; ++n)
-    I[n] = static_cast<double>(levels[order[static_cast<std::size_t>(n)]]);
-  if (photometry_.response) {
-    // A known response makes harmonics that are no fault: those of this place are taken away.
-    const double y = std::clamp(measured_coordinate(reading), 0.0, 1.0);
-    Eigen::VectorXd light(layout_.frames), shape(layout_.frames);
-    for (int n = 0; n < layout_.frames; ++n) {
-      shape[n] = sequence_.strategy.shape(n, y);
-      light[n] = light_at(photometry_.response->response,
-                          (sequence_.light.alpha_p * shape[n] + sequence_.light.beta_p) / 255);
-    }
-    const Eigen::VectorXd seen = I.array() - I.mean(), shown = light.array() - light.mean();
-    const double alpha = shown.squaredNorm() > 0 ? seen.dot(shown) / shown.squaredNorm() : 0;
-    I -= alpha * light;
-  }
-  return complement_ * I;
-}
-
-FrameEvidence FrameModel::evidence(const ScanSamples& samples, const FrameOrder& order) const {
-  using Place = ScanSamples::Place;
-  const std::size_t bands = layout_.bands.size();
-  const std::size_t relations = chain_.size() - (cue_ ? 0 : 1);
-  FrameEvidence result;
-  result.groups = samples.groups();
-  result.relations.resize(relations);
-
-  Reading reading(bands), next(bands);
-  std::vector<double> r, r_next;
-  std::vector<Complex> mean(relations), between(relations);
-  std::vector<SharedSpread> ratios(bands);
-  std::vector<std::vector<double>> logarithms(bands);
-  std::vector<double> turns(bands);
-  double residual = 0, variation = 0;
-  int pairs = 0, seams = 0, seam_pairs = 0;
-  const double periods = least_periods(layout_);
-  const std::size_t coarse = chain_.front();
-
+const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const FrameOrder& order) {
+  clear();
+  const bool can_leap = !model_.has_real_cue() && model_.fewest_periods() <= 1;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels = samples.levels(g, Place::middle);
-    read(levels, order, reading);
-    relate(reading, r);
-    for (std::size_t i = 0; i < relations; ++i) mean[i] += turned(r[i]);
-    const Eigen::VectorXd e =
-        complement_.rows() > 0 ? unexplained(levels, order, reading) : Eigen::VectorXd();
-    for (std::size_t b = 0; b < bands; ++b) {
-      const double ratio =
-          std::log((reading.modulation[b] + 1e-6) / layout_.bands[b].share /
-                   (reading.modulation[coarse] + 1e-6) * layout_.bands[coarse].share);
-      logarithms[b].push_back(ratio);
-    }
+    const double variation = variation_of(levels, samples.frames());
+    model_.read(levels, order, here_);
+    for (std::size_t i = 0; i < mean_.size(); ++i) mean_[i] += turned(here_.relations[i]);
     for (const Place place : {Place::right, Place::below}) {
       if (!samples.lit(g, place)) continue;
-      const float* const beside = samples.levels(g, place);
-      read(beside, order, next);
-      relate(next, r_next);
-      ++pairs;
-      for (std::size_t i = 0; i < relations; ++i) between[i] += turned(r[i] - r_next[i]);
-      if (e.size() > 0) {
-        residual += e.dot(unexplained(beside, order, next));
-        double sum = 0, squares = 0;
-        for (int n = 0; n < layout_.frames; ++n) {
-          sum += levels[n];
-          squares += static_cast<double>(levels[n]) * levels[n];
-        }
-        variation += squares - sum * sum / layout_.frames;
-      }
-      for (std::size_t b = 0; b < bands; ++b) {
-        const double ratio =
-            std::log((next.modulation[b] + 1e-6) / layout_.bands[b].share /
-                     (next.modulation[coarse] + 1e-6) * layout_.bands[coarse].share);
-        ratios[b].add(logarithms[b].back(), ratio);
-        turns[b] += 1 - std::cos(reading.phase[b] - next.phase[b]);
-      }
+      model_.read(samples.levels(g, place), order, next_);
+      add_pair(variation);
     }
-    if (cue_ || periods > 1) continue;
     for (const Place place : {Place::far_right, Place::far_below}) {
-      if (!samples.lit(g, place)) continue;
-      read(samples.levels(g, place), order, next);
-      const double a = periods * coarse_coordinate(reading), b = periods * coarse_coordinate(next);
-      // So near to the leap noise alone carries a pixel over it.
-      constexpr double margin = 0.004;
-      if (std::min({a, 1 - a, b, 1 - b}) < margin) continue;
-      ++seam_pairs;
-      if (std::abs(a - b) > 0.8) ++seams;
+      if (!can_leap || !samples.lit(g, place)) continue;
+      model_.read(samples.levels(g, place), order, next_);
+      add_far_pair();
     }
   }
-
-  const auto n = static_cast<double>(std::max<std::size_t>(1, samples.groups()));
-  for (std::size_t i = 0; i < relations; ++i) {
-    const double noise = std::sqrt(std::abs(between[i]) / std::max(1, pairs));
-    result.relations[i] = {.agreement = std::abs(mean[i]) / n / std::max(noise, 1e-3),
-                           .offset = std::arg(mean[i]) / (2 * pi),
-                           .noise = noise};
-  }
-  result.residual = variation > 0 ? std::sqrt(std::max(0.0, residual / variation)) : 0;
-  for (std::size_t b = 0; b < bands; ++b) {
-    result.modulation_ratios.push_back(
-        logarithms[b].empty() ? 1 : std::exp(quantile(logarithms[b], 0.5)));
-    result.ratio_spread = std::max(result.ratio_spread, ratios[b].deviation());
-  }
-  for (std::size_t i = 1; i < chain_.size(); ++i) {
-    if (turns[chain_[i]] * 2 < turns[chain_[i - 1]]) result.ordered = false;
-  }
-  result.seams = seam_pairs > 0 ? static_cast<double>(seams) / seam_pairs : 0;
-  return result;
+  sum_up(samples.groups());
+  return evidence_;
 }
 
-SampleDecode FrameModel::decode(const ScanSamples& samples, std::size_t group,
-                                ScanSamples::Place place, const FrameOrder& order) const {
-  Reading reading(layout_.bands.size());
-  read(samples.levels(group, place), order, reading);
-  double modulation = std::numeric_limits<double>::infinity();
-  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-    modulation = std::min(modulation, reading.modulation[b] / layout_.bands[b].share);
-  }
-  return {.coordinate = measured_coordinate(reading),
-          .phase = reading.phase[chain_.back()],
-          .modulation = modulation};
-}
-
-FrameModel::Gains FrameModel::gains(const ScanSamples& samples) const {
-  const int count = layout_.frames;
-  Gains result{.gains = std::vector<double>(static_cast<std::size_t>(count))};
-  if (complement_.rows() == 0) return result;
-  // (I + e)(1 + gain) leaves P diag(I) gain where P I of the truth is nothing; both sides of a
-  // product are of different neighbours, which share no noise.
+FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
+  const int count = model.layout().frames;
+  FrameGains result{.gains = std::vector<double>(static_cast<std::size_t>(count))};
+  if (model.unexplained_count() == 0) return result;
+  // Gains leave P diag(I) gain where P I of the true frames is nothing; both sides of a product are
+  // of different neighbours, which share no noise.
+  const FrameOrder order = model.identity();
   Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
   Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
   double all = 0;
-  Reading reading(layout_.bands.size()), next(layout_.bands.size());
-  const FrameOrder order = identity();
+  SampleReading reading;
+  const auto rows = static_cast<Eigen::Index>(model.unexplained_count());
+  const auto by_gains = [&](const float* levels, Eigen::MatrixXd& changes, Eigen::VectorXd& left) {
+    model.read(levels, order, reading);
+    left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
+    for (int n = 0; n < count; ++n) changes.col(n) = model.unexplained_by(n, levels[n]);
+  };
+  Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
+  Eigen::VectorXd left_a(rows), left_b(rows);
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    if (!samples.lit(g, ScanSamples::right)) continue;
-    const float* const a = samples.levels(g, ScanSamples::middle);
-    const float* const b = samples.levels(g, ScanSamples::right);
-    read(a, order, reading);
-    read(b, order, next);
-    const Eigen::VectorXd e_a = unexplained(a, order, reading), e_b = unexplained(b, order, next);
-    Eigen::MatrixXd d_a = complement_, d_b = complement_;
-    for (int n = 0; n < count; ++n) {
-      d_a.col(n) *= static_cast<double>(a[n]);
-      d_b.col(n) *= static_cast<double>(b[n]);
-    }
-    normal += d_a.transpose() * d_b + d_b.transpose() * d_a;
-    right += d_a.transpose() * e_b + d_b.transpose() * e_a;
-    all += 2 * e_a.dot(e_b);
+    if (!samples.lit(g, Place::right)) continue;
+    by_gains(samples.levels(g, Place::middle), changes_a, left_a);
+    by_gains(samples.levels(g, Place::right), changes_b, left_b);
+    normal += changes_a.transpose() * changes_b + changes_b.transpose() * changes_a;
+    right += changes_a.transpose() * left_b + changes_b.transpose() * left_a;
+    all += 2 * left_a.dot(left_b);
   }
   // All frames brighter alike are nothing to be seen: the mean is held at 0.
   const double held = normal.trace() / count;
@@ -311,33 +174,31 @@ FrameModel::Gains FrameModel::gains(const ScanSamples& samples) const {
   return result;
 }
 
-std::optional<double> FrameModel::periods_that_agree(const ScanSamples& samples,
-                                                     std::size_t relation,
-                                                     const FrameOrder& order) const {
-  const std::size_t link = relation + (cue_ ? 0 : 1);
-  const double before = link == 0 ? 1 : layout_.bands[chain_[link - 1]].periods;
+std::optional<double> periods_that_agree(const FrameModel& model, const ScanSamples& samples,
+                                         std::size_t relation) {
   constexpr int most = 160;
+  constexpr double least_agreement = 0.5;
+  const std::size_t link = relation + (model.has_real_cue() ? 0 : 1);
+  const std::size_t band = model.bands()[link];
+  const double before = link == 0 ? 1 : model.layout().bands[model.bands()[link - 1]].periods;
+  const FrameOrder order = model.identity();
   std::vector<Complex> sums(most + 1);
-  Reading reading(layout_.bands.size());
+  SampleReading reading;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    read(samples.levels(g, ScanSamples::middle), order, reading);
-    const double y =
-        link == 0 ? coarse_coordinate(reading) : reading.phase[chain_[link - 1]] / (2 * pi);
-    const Complex of_band = turned(-reading.phase[chain_[link]] / (2 * pi));
+    model.read(samples.levels(g, Place::middle), order, reading);
+    const double y = link == 0 ? reading.coarse : reading.phase[model.bands()[link - 1]] / two_pi;
     const Complex step = turned(y);
-    Complex turn = of_band;
+    Complex turn = turned(-reading.phase[band] / two_pi);
     for (int k = 1; k <= most; ++k) {
       turn *= step;
       sums[static_cast<std::size_t>(k)] += turn;
     }
   }
   // In phase, not only alike: a right number leaves no offset.
-  std::size_t best = 1;
-  for (std::size_t k = 2; k <= most; ++k) {
-    if (sums[k].real() > sums[best].real()) best = k;
-  }
-  if (sums[best].real() < 0.5 * static_cast<double>(samples.groups())) return std::nullopt;
-  return static_cast<double>(best) * before;
+  const auto best = std::max_element(sums.begin() + 1, sums.end(),
+                                     [](Complex a, Complex b) { return a.real() < b.real(); });
+  if (best->real() < least_agreement * static_cast<double>(samples.groups())) return std::nullopt;
+  return static_cast<double>(best - sums.begin()) * before;
 }
 
 }  // namespace slipstream

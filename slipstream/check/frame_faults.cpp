@@ -50,9 +50,13 @@ double share_of(const Stretch& stretch, const Places& places) {
   return static_cast<double>(stretch.length) / static_cast<double>(places.size());
 }
 
-std::string rows_of(const Stretch& stretch, const Places& places, const ScanSamples& samples) {
-  return fmt::format("rows {} to {}", samples.row(places[stretch.end - stretch.length]),
-                     samples.row(places[stretch.end - 1]));
+std::vector<Evidence> evidence_of(const Stretch& stretch, const Places& places,
+                                  const ScanSamples& samples) {
+  const double first = samples.row(places[stretch.end - stretch.length]);
+  const double last = samples.row(places[stretch.end - 1]);
+  return {{"share of the lit pixels", share_of(stretch, places)},
+          {"first row", first},
+          {"last row", last}};
 }
 
 /// Two frames of one pattern each are alike where their sinusoids cross, never all over.
@@ -67,15 +71,14 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
   });
   const double share = share_of(alike, places);
   if (share < part) return std::nullopt;
-  Finding finding{.gravity = Gravity::wrong, .evidence = {{"share of the lit pixels", share}}};
+  Finding finding{.gravity = Gravity::wrong, .evidence = evidence_of(alike, places, samples)};
   if (share > all) {
     finding.what = fmt::format("frames {} and {} are the same picture", n, m);
     finding.likely = fmt::format("a frame saved twice, in place of frame {} or {}", n, m);
     finding.advice = "take the scan again";
   } else {
     finding.gravity = Gravity::doubtful;
-    finding.what =
-        fmt::format("frames {} and {} are the same in {}", n, m, rows_of(alike, places, samples));
+    finding.what = fmt::format("frames {} and {} are the same in many rows", n, m);
     finding.likely =
         fmt::format("part of a frame lost, {} or {}, and the one before it left standing", n, m);
     finding.advice = "take the scan again; look for lost packets of the camera";
@@ -101,8 +104,8 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
     if (i < first || i >= lost.end) beside.push_back(level(samples, places[i], n));
   }
   if (beside.empty() || quantile(beside, 0.5) < sharp) return std::nullopt;
-  return Finding{.what = fmt::format("frame {} is black in {}", n, rows_of(lost, places, samples)),
-                 .evidence = {{"share of the lit pixels", share}},
+  return Finding{.what = fmt::format("frame {} is black in many rows", n),
+                 .evidence = evidence_of(lost, places, samples),
                  .likely = fmt::format("part of frame {} was lost on its way", n),
                  .advice = "take the scan again; look for lost packets of the camera"};
 }

@@ -18,8 +18,8 @@ std::vector<Finding> dark_frames(const ScanSamples& samples);
 struct LightEvidence {
   int bits = 8;                  ///< as said
   double least_modulation = 15;  ///< of a point
-  double modulation = 0;         ///< the median of SampleDecode::modulation
-  double mean = 0;               ///< the median of the lit pixels' means over their frames
+  double modulation = 0;  ///< of the lit pixels, as of all the light in one sinusoid: the median
+  double mean = 0;        ///< the median of the lit pixels' means over their frames
 };
 
 /// Light that no point can be measured in, or that spoils points: none, too little, too much, more

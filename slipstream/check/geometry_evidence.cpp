@@ -58,14 +58,16 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   // Boards stand in the middle of what is measured: this share of their depths more on either side.
   constexpr double further = 0.5;
   const Stripes stripes(scanner, axis);
-  const double f = measuring_band(model.layout()).periods;
+  const double f = model.layout().bands[model.measuring_band()].periods;
+  const std::size_t band = model.measuring_band();
+  SampleReading here, next;
   std::vector<double> depths, slopes;
   int without = 0, outside = 0, out_of_range = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const Eigen::Vector2d pixel(
         turn.columns ? scanner.camera.size.width - 1 - samples.column(g) : samples.column(g),
         turn.rows ? scanner.camera.size.height - 1 - samples.row(g) : samples.row(g));
-    const SampleDecode here = model.decode(samples, g, ScanSamples::middle, order);
+    model.read(samples.levels(g, ScanSamples::middle), order, here);
     const Eigen::Vector3d ray = ray_through(scanner.camera, pixel);
     const double z = stripes.depth(ray, here.coordinate);
     const FieldPlace lit = stripes.place(z * ray);
@@ -83,8 +85,8 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     depths.push_back(z);
     if (!samples.lit(g, ScanSamples::right) || !samples.lit(g, ScanSamples::below)) continue;
     const auto change = [&](ScanSamples::Place place) {
-      const SampleDecode next = model.decode(samples, g, place, order);
-      return wrapped((next.phase - here.phase) / (2 * pi)) / f;
+      model.read(samples.levels(g, place), order, next);
+      return wrapped((next.phase[band] - here.phase[band]) / (2 * pi)) / f;
     };
     const auto expected = [&](const Eigen::Vector2d& step) {
       return stripes.place(z * ray_through(scanner.camera, pixel + step)).along - lit.along;
@@ -94,7 +96,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
                                expected({0, turn.rows ? -1 : 1}));
     slopes.push_back(seen.dot(flat) / flat.squaredNorm());
   }
-  GeometryEvidence result{.groups = samples.groups()};
+  GeometryEvidence result;
   if (samples.groups() == 0) return result;
   const auto n = static_cast<double>(samples.groups());
   result.without_point = without / n;

@@ -2,14 +2,13 @@
 
 #include <cstddef>
 
-#include "slipstream/check/frame_evidence.h"
+#include "slipstream/check/frame_model.h"
 #include "slipstream/check/scan_samples.h"
 
 namespace slipstream {
 
 /// What the samples say about frames and scanner.
 struct GeometryEvidence {
-  std::size_t groups = 0;    ///< that were judged
   double without_point = 0;  ///< share whose ray meets its stripe nowhere in front of both devices
   double outside = 0;        ///< share of points where the projector sends no light
   double median_depth = 0;   ///< mm

@@ -55,8 +55,9 @@ class Orders {
  public:
   explicit Orders(int frames) : right_(in_order(frames)) { known_.insert(right_); }
 
-  void add(FrameOrder order, std::string words, bool slipped = false) {
-    if (known_.insert(order).second) list_.push_back({std::move(order), std::move(words), slipped});
+  void add(FrameOrder order, std::string words,
+           MistakenOrder::Kind kind = MistakenOrder::Kind::usual) {
+    if (known_.insert(order).second) list_.push_back({std::move(order), std::move(words), kind});
   }
   [[nodiscard]] const FrameOrder& right() const { return right_; }
   [[nodiscard]] std::vector<MistakenOrder> take() { return std::move(list_); }
@@ -129,7 +130,7 @@ std::vector<MistakenOrder> mistaken_orders(const Layout& layout) {
     for (int places = 1; places < layout.frames; ++places) {
       orders.add(rotated(orders.right(), {0, layout.frames}, places),
                  fmt::format("the frames have slipped: the cycle begins at frame {}", places),
-                 true);
+                 MistakenOrder::Kind::slipped);
     }
   }
   add_two_runs(runs, orders);
@@ -144,7 +145,8 @@ std::vector<MistakenOrder> mistaken_orders(const Layout& layout) {
     for (int m = n + 2; m < layout.frames; ++m) {
       FrameOrder exchanged = orders.right();
       std::swap(exchanged[static_cast<std::size_t>(n)], exchanged[static_cast<std::size_t>(m)]);
-      orders.add(std::move(exchanged), fmt::format("frames {} and {} look swapped", n, m));
+      orders.add(std::move(exchanged), fmt::format("frames {} and {} look swapped", n, m),
+                 MistakenOrder::Kind::far_fetched);
     }
   }
   return orders.take();

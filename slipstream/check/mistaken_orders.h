@@ -3,16 +3,21 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/check/frame_evidence.h"
+#include "slipstream/check/frame_model.h"
 #include "slipstream/pattern/layout.h"
 
 namespace slipstream {
 
 /// A way in which frames come to stand in another order than the patterns were shown.
 struct MistakenOrder {
-  FrameOrder order;      ///< that sets it right: frame `order[n]` shows pattern n
-  std::string words;     ///< "the frames begin 2 places late"
-  bool slipped = false;  ///< the whole cycle begins at another frame
+  enum class Kind {
+    usual,
+    slipped,      ///< the whole cycle begins at another frame
+    far_fetched,  ///< two frames far apart exchanged
+  };
+  FrameOrder order;   ///< that sets it right: frame `order[n]` shows pattern n
+  std::string words;  ///< "frames 0 to 2 look rotated by 1"
+  Kind kind = Kind::usual;
 };
 
 /// The usual ones for a layout, the simplest first: begun at another frame, runs of steps rotated,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -19,12 +20,18 @@ namespace {
 LightEvidence light_of(const FrameModel& model, const ScanSamples& samples, int bits,
                        double least_modulation) {
   LightEvidence light{.bits = bits, .least_modulation = least_modulation};
+  const FrameOrder order = model.identity();
   std::vector<double> modulations, means;
+  SampleReading reading;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     const float* const levels = samples.levels(g, ScanSamples::middle);
     means.push_back(std::accumulate(levels, levels + samples.frames(), 0.0) / samples.frames());
-    modulations.push_back(
-        model.decode(samples, g, ScanSamples::middle, model.identity()).modulation);
+    model.read(levels, order, reading);
+    double modulation = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < reading.modulation.size(); ++b) {
+      modulation = std::min(modulation, reading.modulation[b] / model.layout().bands[b].share);
+    }
+    modulations.push_back(modulation);
   }
   if (!means.empty()) {
     light.modulation = quantile(modulations, 0.5);
@@ -37,16 +44,25 @@ void append(std::vector<Finding>& findings, std::vector<Finding> more) {
   std::move(more.begin(), more.end(), std::back_inserter(findings));
 }
 
+}  // namespace
+
+double least_modulation(const CheckSettings& settings, double full_scale) {
+  return settings.minimum_modulation.value_or(15 * full_scale / 255) * 255 / full_scale;
+}
+
+double least_range(double modulation) {
+  // Of the cosines of any phase and the phases a step on some differ by so much.
+  return 1.5 * modulation;
+}
+
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
-  const double least = settings.minimum_modulation.value_or(15 * frames.full_scale() / 255) * 255 /
-                       frames.full_scale();
+  const double least = least_modulation(settings, frames.full_scale());
   const PhotometricCalibration photometry =
       scanner ? scanner->photometry : PhotometricCalibration{};
   const FrameModel model(sequence, photometry);
   ScanSamples samples(frames.size(), frames.count());
-  // Frames of a sinusoid differ by at least 1.5 modulations, of a share of one by that of it.
-  samples.take(frames, {.least_range = 1.5 * least});
+  samples.take(frames, {.least_range = least_range(least)});
 
   ScanFindings result;
   result.findings = light_faults(samples, light_of(model, samples, frames.bits(), least));
@@ -56,26 +72,15 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   const bool usable = scanner && !any_wrong(of_scanner);
   append(result.findings, std::move(of_scanner));
   if (any_wrong(result.findings)) return result;
-  Explained explained =
-      explain({model, samples, sequence, usable ? &*scanner : nullptr, photometry});
+  Explained explained = explain(
+      {model, samples, sequence, usable ? &*scanner : nullptr, photometry, settings.moving});
   append(result.findings, std::move(explained.findings));
   result.order = std::move(explained.order);
   return result;
 }
 
-}  // namespace
-
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings) {
-  ScanFindings result = check_frames(scan.frames, scan.sequence, scan.scanner, settings);
-  for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
-    const Scan& further = scan.further_cameras[i];
-    for (Finding& finding :
-         check_frames(further.frames, further.sequence, further.scanner, settings).findings) {
-      finding.what = fmt::format("camera {}: {}", i + 2, finding.what);
-      result.findings.push_back(std::move(finding));
-    }
-  }
-  return result;
+  return check_frames(scan.frames, scan.sequence, scan.scanner, settings);
 }
 
 }  // namespace slipstream

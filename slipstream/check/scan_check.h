@@ -12,7 +12,14 @@ struct CheckSettings {
   /// Least modulation of a pixel that becomes a point, grey levels of the frames; by default 15 of
   /// 255.
   std::optional<double> minimum_modulation{};
+  /// Whether things may move while the frames are taken: what that does to frames is no finding.
+  bool moving = false;
 };
+
+/// Least modulation of a pixel that becomes a point, grey levels of 255.
+double least_modulation(const CheckSettings& settings, double full_scale);
+/// How much the frames of such a pixel differ at least.
+double least_range(double modulation);
 
 /// What was found out about a scan.
 struct ScanFindings {
@@ -22,9 +29,14 @@ struct ScanFindings {
   std::vector<int> order;
 };
 
-/// Whether the frames fit the sequence, the scanner and each other, judged by a few thousand pixels
-/// spread over the picture: see docs/trust.md. Without a scanner less can be told. Nothing is
-/// thrown for a scan that can be reconstructed.
+/// Whether frames fit the sequence, the scanner and each other, judged by some hundred lit pixels
+/// spread over the picture: see docs/trust.md. Without a scanner less can be told. The scanner's
+/// response is the one that phases are corrected for.
+ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
+                          const std::optional<Scanner>& scanner,
+                          const CheckSettings& settings = {});
+
+/// The same of what a scan's first camera took; what a further one took is a scan of its own.
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
 
 /// Whether a scanner looks like one: signatures of files in metres, of devices swapped, of pictures

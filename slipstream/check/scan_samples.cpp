@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace slipstream {
 
@@ -72,10 +73,12 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
       lit_.push_back(at);
       constexpr std::array<std::array<int, 2>, places> steps{
           {{0, 0}, {1, 0}, {0, 1}, {-1, 0}, {0, -1}}};
-      for (const auto& [dx, dy] : steps) {
+      const std::size_t wanted = effort.all_places ? places : 2;
+      for (const auto& [dx, dy] : std::span(steps).first(wanted)) {
         read(at.column + (dx < 0 ? far_ : dx), at.row + (dy < 0 ? far_ : dy));
         levels_.insert(levels_.end(), one_.begin(), one_.end());
       }
+      levels_.resize(lit_.size() * places * one_.size());
     }
   });
 }

@@ -23,6 +23,8 @@ class ScanSamples {
     int fewest_looked = 2048;
     int lit_wanted = 768;
     double least_range = 22;
+    /// Whether neighbours in other rows and far ones are read; unread ones count as unlit.
+    bool all_places = true;
   };
 
   /// For pictures of that size; nothing is sampled yet.

@@ -1,11 +1,71 @@
 #include "slipstream/live/live_check.h"
 
+#include <algorithm>
+#include <cstddef>
 namespace slipstream {
+namespace {
 
-LiveCheck::LiveCheck(const Sequence&, const Scanner&, Size) {}
+/// So few cost next to nothing beside a cycle's clouds.
+constexpr ScanSamples::Effort few{
+    .most_looked = 384, .fewest_looked = 48, .lit_wanted = 32, .all_places = false};
 
-std::vector<Finding> LiveCheck::look(const FrameViews&) {
-  return {};
+/// While something stays amiss it is looked into whole so often: it may have become something else.
+constexpr std::chrono::milliseconds look_again{500};
+
+}  // namespace
+
+LiveCheck::LiveCheck(const Sequence& sequence, const Scanner& scanner, Size camera,
+                     const CheckSettings& settings)
+    : sequence_(sequence),
+      scanner_(scanner),
+      settings_(settings),
+      model_(sequence, scanner.photometry),
+      order_(model_.identity()),
+      judge_(model_),
+      samples_(camera, frame_count(sequence.strategy)) {}
+
+bool LiveCheck::darkened() const {
+  constexpr double much = 0.5;
+  for (std::size_t n = 0; n < right_sums_.size(); ++n) {
+    if (samples_.sums()[n] < much * right_sums_[n]) return true;
+  }
+  return false;
+}
+
+LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
+  ScanSamples::Effort effort = few;
+  effort.least_range = least_range(least_modulation(settings_, window.full_scale()));
+  samples_.take(window, effort);
+  // A frame 5 percent brighter leaves 0.012 and more of its variation.
+  constexpr double most_residual = 0.011;
+  fit_.moving = settings_.moving;
+  fit_.frames = judge_(samples_, order_);
+  return {.residual = fit_.frames.residual > std::max(most_residual, harmless_residual_),
+          .bands = !fit_.bands_agree(),
+          .seam = !fit_.no_seam(),
+          .darkened = darkened()};
+}
+
+std::vector<Finding> LiveCheck::look(const FrameViews& window) {
+  const bool first = checked_ == Clock::time_point{};
+  const Suspicion raised = suspicion(window);
+  if (!raised.any()) right_sums_.assign(samples_.sums().begin(), samples_.sums().end());
+  harmless_ = harmless_.of(raised);
+  if (!first && harmless_ == raised) {
+    findings_.clear();
+    return {};
+  }
+  const Clock::time_point now = Clock::now();
+  if (findings_.empty() || now - checked_ > look_again) {
+    findings_ = check_frames(window, sequence_, scanner_, settings_).findings;
+    checked_ = now;
+  }
+  // What the whole check finds nothing in, as motion, need not be looked into again.
+  if (findings_.empty()) {
+    harmless_ = raised;
+    harmless_residual_ = 1.3 * fit_.frames.residual;
+  }
+  return findings_;
 }
 
 }  // namespace slipstream

@@ -27,7 +27,8 @@ const Sequence& sequence_of(const LivePlan& plan) {
 /// LiveCheck as a function that can be copied.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
   const auto check =
-      std::make_shared<LiveCheck>(setup.sequence, setup.scanner, setup.scanner.camera.size);
+      std::make_shared<LiveCheck>(setup.sequence, setup.scanner, setup.scanner.camera.size,
+                                  CheckSettings{setup.settings.minimum_modulation, true});
   return [check](const FrameViews& window) { return check->look(window); };
 }
 

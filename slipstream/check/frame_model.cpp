@@ -1,0 +1,143 @@
+#include "slipstream/check/frame_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Eigenvalues>
+
+#include "slipstream/gamma/correction.h"
+#include "slipstream/phase/equations.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+double dot(const std::vector<double>& weights, const float* levels, const FrameOrder& order) {
+  double sum = 0;
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    sum += weights[n] * static_cast<double>(levels[order[n]]);
+  }
+  return sum;
+}
+
+/// Rows: an orthonormal basis of what is perpendicular to every pattern of that shape, with any
+/// amount of constant light.
+Eigen::MatrixXd complement_of(const Strategy& strategy) {
+  constexpr int places = 509;  // prime, so that no period falls in step with it
+  const int count = frame_count(strategy);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
+  for (int i = 0; i < places; ++i) {
+    Eigen::VectorXd pattern(count);
+    for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, (i + 0.5) / places);
+    products += pattern * pattern.transpose() / places;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
+  const double least = 1e-9 * solver.eigenvalues().maxCoeff();
+  const auto unused = (solver.eigenvalues().array() < least).count();
+  return solver.eigenvectors().leftCols(unused).transpose();
+}
+
+}  // namespace
+
+FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry)
+    : sequence_(sequence),
+      layout_(sequence.strategy.layout()),
+      photometry_(photometry),
+      corrected_steps_(layout_.bands.size()),
+      chain_(coarse_to_fine(layout_)),
+      complement_(complement_of(sequence.strategy)) {
+  for (std::size_t b = 0; photometry.response && b < layout_.bands.size(); ++b) {
+    constexpr double accuracy = 1e-4;  // rad: far below what is asked here
+    const auto run = step_run(layout_.bands[b]);
+    if (!run) continue;
+    if (!corrections_.contains(run->steps)) {
+      corrections_[run->steps] =
+          phase_correction(photometry.response->response, run->steps, accuracy);
+    }
+    corrected_steps_[b] = run->steps;
+  }
+  if (layout_.cue) {
+    CueSettings settings{.light = sequence.light};
+    settings.ambient = photometry.ambient.value_or(settings.ambient);
+    settings.noise_variance = photometry.noise_variance.value_or(settings.noise_variance);
+    cue_.emplace(layout_, settings);
+  }
+}
+
+FrameOrder FrameModel::identity() const {
+  FrameOrder order(static_cast<std::size_t>(layout_.frames));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
+void FrameModel::read(const float* levels, const FrameOrder& order, SampleReading& reading) const {
+  reading.phase.resize(layout_.bands.size());
+  reading.modulation.resize(layout_.bands.size());
+  for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
+    const double C = dot(layout_.bands[b].cosine, levels, order);
+    const double S = dot(layout_.bands[b].sine, levels, order);
+    reading.modulation[b] = std::hypot(C, S);
+    reading.phase[b] = wrapped_angle(S, C);
+    if (const int steps = corrected_steps_[b]; steps != 0) {
+      reading.phase[b] = corrected_phase(corrections_.at(steps), reading.phase[b]);
+    }
+  }
+  unwrap(reading, layout_.cue ? dot(layout_.cue->weights, levels, order) : 0);
+  explain(levels, order, reading);
+}
+
+void FrameModel::unwrap(SampleReading& reading, double cue) const {
+  const std::size_t first = chain_.front();
+  reading.coarse = cue_ ? cue_->coordinate({.modulation = reading.modulation[0],
+                                            .wrapped_phase = reading.phase[0],
+                                            .cue = cue})
+                        : reading.phase[first] / two_pi / layout_.bands[first].periods;
+  double y = reading.coarse;
+  reading.relations.clear();
+  for (std::size_t i = cue_ ? 0 : 1; i < chain_.size(); ++i) {
+    const double f = layout_.bands[chain_[i]].periods;
+    const double periods = reading.phase[chain_[i]] / two_pi;
+    reading.relations.push_back(f * y - periods);
+    y = (std::round(reading.relations.back()) + periods) / f;
+  }
+  reading.coordinate = y;
+}
+
+double FrameModel::light(int n, double y) const {
+  const auto& [alpha_p, beta_p] = sequence_.light;
+  return light_at(photometry_.response->response,
+                  (alpha_p * sequence_.strategy.shape(n, y) + beta_p) / 255);
+}
+
+void FrameModel::explain(const float* levels, const FrameOrder& order,
+                         SampleReading& reading) const {
+  reading.unexplained.assign(unexplained_count(), 0);
+  if (unexplained_count() == 0) return;
+  // A known response makes harmonics that are no fault: those of this place are taken away.
+  const double y = std::clamp(reading.coordinate, 0.0, 1.0);
+  double alpha = 0;
+  if (photometry_.response) {
+    double sum = 0, square = 0, level_sum = 0, product = 0;
+    for (int n = 0; n < layout_.frames; ++n) {
+      const double shown = light(n, y), seen = levels[order[static_cast<std::size_t>(n)]];
+      sum += shown;
+      square += shown * shown;
+      level_sum += seen;
+      product += shown * seen;
+    }
+    const double variation = square - sum * sum / layout_.frames;
+    alpha = variation > 0 ? (product - sum * level_sum / layout_.frames) / variation : 0;
+  }
+  for (int n = 0; n < layout_.frames; ++n) {
+    double left = levels[order[static_cast<std::size_t>(n)]];
+    if (photometry_.response) left -= alpha * light(n, y);
+    for (std::size_t i = 0; i < reading.unexplained.size(); ++i) {
+      reading.unexplained[i] += complement_(static_cast<Eigen::Index>(i), n) * left;
+    }
+  }
+}
+
+}  // namespace slipstream

@@ -9,12 +9,16 @@
 
 #include "app/board_flags.h"
 #include "app/calibrate.h"
+#include "app/finding_output.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/pose_captures.h"
 #include "slipstream/calibrate/report.h"
+#include "slipstream/calibrate/ruler.h"
 #include "slipstream/error/error.h"
+#include "slipstream/gamma/correction.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
@@ -35,6 +39,7 @@ struct CalibrateGeometryFlags {
   std::string scanner;
   std::optional<std::string> report;
   std::optional<std::string> compare;
+  std::optional<std::string> measured;
 };
 
 GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
@@ -54,6 +59,38 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   return settings;
 }
 
+/// What corrects the phases of those poses by the response that the scanner file holds, if there is
+/// one already.
+PhaseCorrections corrections_from(const fs::path& scanner, const std::vector<BoardScans>& poses,
+                                  Output& output) {
+  PhaseCorrections corrections;
+  if (!fs::exists(scanner)) return corrections;
+  const auto measured = read_photometric_calibration(scanner).response;
+  if (!measured) return corrections;
+  for (const BoardScans& pose : poses) {
+    for (const ScanFiles& files : {pose.x, pose.y}) {
+      corrections.merge(
+          phase_corrections(measured->response, step_counts(files.sequence.strategy)));
+    }
+  }
+  output.say("phases are corrected for the response in {}, gamma {:.5g}", scanner.string(),
+             measured->gamma);
+  return corrections;
+}
+
+std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
+                                       const CalibrationBoard& board) {
+  if (!flags.measured) return {};
+  const std::vector<double> lengths = lengths_from(*flags.measured, "--measured");
+  if (lengths.size() != 2) {
+    throw Error(
+        fmt::format("--measured {}: two lengths are wanted, of a row and of a column, as "
+                    "121.9x80.3",
+                    *flags.measured));
+  }
+  return findings_of_ruler(board, {lengths[0], lengths[1]});
+}
+
 PoseCaptures capture_all(const CalibrateGeometryFlags& flags, const CalibrationBoard& board,
                          Output& output) {
   const auto amend_by_flags = [&](ScanFiles& files, const fs::path& folder) {
@@ -61,8 +98,10 @@ PoseCaptures capture_all(const CalibrateGeometryFlags& flags, const CalibrationB
   };
   const std::vector<BoardScans> poses =
       board_scans(flags.folder, amend_by_flags, axis_named(flags.first_axis));
+  BoardCaptureSettings settings = flags.capture;
+  settings.corrections = corrections_from(flags.scanner, poses, output);
   Progress progress("poses", static_cast<int>(poses.size()));
-  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, flags.capture,
+  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
                                         [&](const std::string& words) {
                                           if (!words.empty()) output.say("{}", words);
                                           progress.advance();
@@ -105,7 +144,7 @@ void add_quality(nlohmann::json& pose, const std::optional<BoardQuality>& qualit
 }
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
-  const auto& [calibration, views, unused, board, comparison] = report;
+  const auto& [calibration, views, unused, board, comparison, findings] = report;
   nlohmann::json poses = nlohmann::json::array();
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
@@ -146,7 +185,9 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       {"rotation_deviation_rad", json_of_vector(calibration.deviation.rotation)},
       {"translation_deviation_mm", json_of_vector(calibration.deviation.translation)},
       {"largest_tilt_rad", calibration.largest_tilt},
-      {"warnings", calibration.warnings}};
+      {"depths_mm", {scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest}}};
+  told["findings"] = nlohmann::json::array();
+  for (const Finding& finding : report.findings) told["findings"].push_back(app::json_of(finding));
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
     told["compared"] = {{"scanner", report.comparison->name},
@@ -160,6 +201,7 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
 void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
+  std::vector<Finding> findings = measured_findings(flags, board);
   std::optional<Scanner> other;
   if (flags.compare) other = read_scanner(*flags.compare);
   const PoseCaptures captures = capture_all(flags, board, output);
@@ -172,13 +214,17 @@ void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
     comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
                                calibration.views, board);
   }
-  const CalibrationReport report{calibration, calibration.views, captures.unused, board,
-                                 comparison ? &*comparison : nullptr};
+  for (const auto* more : {&captures.findings, &calibration.findings}) {
+    findings.insert(findings.end(), more->begin(), more->end());
+  }
+  const CalibrationReport report{
+      calibration, calibration.views, captures.unused, board, comparison ? &*comparison : nullptr,
+      findings};
   if (flags.report) write_calibration_report(*flags.report, report);
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, report);
   output.say("{}", text_of(report));
-  for (const std::string& warning : calibration.warnings) output.warn(warning);
+  warn_of(findings, output);
   output.say("the scanner file is {}", flags.scanner);
   if (flags.report) {
     output.say("the report is {}", (fs::path(*flags.report) / "report.md").string());
@@ -215,6 +261,8 @@ void add_calibrate_geometry(CLI::App& calibrate_command, Command& chosen) {
   command.add("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")->required();
   command.add("--report", flags.report, "a folder for a report with pictures");
   command.add("--compare", flags.compare, "a scanner file to hold beside the result");
+  command.add("--measured", flags.measured,
+              "mm by a ruler on the print, from the first to the last corner: row x column");
   command.add("--exclude", flags.excluded, "poses to leave out, by name");
   command.add("--first-axis", flags.first_axis,
               "where both scans lie in one folder: x or y, whose pictures come first");

@@ -93,7 +93,8 @@ TEST_F(CalibrateProgram, TakesPosesInOrderAndNoReportForAPose) {
 TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
   const TemporaryFolder out;
   const fs::path file = out.path() / "scanner.yaml";
-  expect_bad_input(run_program({"calibrate", "geometry", poses(), "-o", file, "--corners", "9x7"}),
+  expect_bad_input(run_program({"calibrate", "geometry", poses(), "-o", file, "--corners", "9x7",
+                                "--spacing", "22"}),
                    {"0 of 4 poses", "no chessboard of 9x7 corners"});
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board9"}), {"board9", "no such pose"});
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board01", "--exclude", "board02"}),
@@ -176,9 +177,13 @@ TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("240.00 mm x 180.00 mm"), std::string::npos) << run.out;
   EXPECT_EQ(read_grey_image(file).size(), (Size{2400, 1800}));
-  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--corners", "9"}),
-                   {"--corners"});
-  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--dpi", "0"}), {"--dpi 0"});
+  expect_bad_input(
+      run_program({"calibrate", "board", "-o", file, "--corners", "9", "--spacing", "20"}),
+      {"--corners"});
+  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--spacing", "20", "--dpi", "0"}),
+                   {"--dpi 0"});
+  expect_bad_input(run_program({"calibrate", "board", "-o", file}),
+                   {"--spacing is missing", "measure the side of a square"});
 }
 
 TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
@@ -186,12 +191,13 @@ TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
   const std::string folder = out.path() / "boards";
   for (const std::vector<std::string>& flag : std::vector<std::vector<std::string>>{
            {"--scene", "sphere"}, {"--axis", "y"}, {"--motion", "1", "0", "0"}}) {
-    std::vector<std::string> arguments{"simulate", folder, "--boards", "2"};
+    std::vector<std::string> arguments{"simulate", folder, "--boards", "2", "--spacing", "10"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
     expect_bad_input(run_program(arguments), {"--boards", flag[0]});
   }
   expect_bad_input(run_program({"simulate", folder, "--corners", "9x6"}), {"--boards"});
-  expect_bad_input(run_program({"simulate", folder, "--boards", "0"}), {"--boards 0"});
+  expect_bad_input(run_program({"simulate", folder, "--boards", "0", "--spacing", "10"}),
+                   {"--boards 0"});
   expect_bad_input(run_program({"simulate", folder, "--boards", "2", "--spacing", "60"}),
                    {"does not fit"});
   EXPECT_FALSE(fs::exists(folder));

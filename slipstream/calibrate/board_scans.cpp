@@ -13,7 +13,10 @@ namespace {
 
 void require_count(const fs::path& folder, std::size_t count, int wanted, const char* what) {
   if (static_cast<int>(count) == wanted) return;
-  throw Error(fmt::format("{}: {} frames, but {} takes {}", folder.string(), count, what, wanted));
+  throw Error(
+      fmt::format("{}: {} frames, but {} takes {}; likely a frame is missing, or --strategy, "
+                  "--steps or --low-steps are others",
+                  folder.string(), count, what, wanted));
 }
 
 ScanFiles one_axis(const fs::path& folder, const AmendScan& amend, Axis axis) {

@@ -108,7 +108,10 @@ BundleState first_guess(const std::vector<BoardView>& views,
   try {
     return guess(shared_corners(views, printed), printed, camera, projector);
   } catch (const cv::Exception& exception) {
-    throw Error(fmt::format("the corners give no calibration to start from: {}", exception.err));
+    throw Error(fmt::format(
+        "the corners give no calibration to start from: {}; likely too few tilts of the "
+        "board, or corners that are not of one flat board",
+        exception.err));
   }
 }
 

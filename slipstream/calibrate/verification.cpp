@@ -92,7 +92,19 @@ std::vector<Evidence> evidence_of(const BoardMeasure& measure) {
           {"flatness, mm", measure.quality.flatness}};
 }
 
-Finding finding_of(const Verification& verification) {
+/// Whether all that the boards ask for is another scale: a baseline longer or shorter, as of a
+/// board whose spacing is not as said.
+bool only_scale(const Verification& verification, const Scanner& scanner) {
+  constexpr double negligible_turn = 0.05 * degree;
+  constexpr double most_across = 0.2;  // of the way
+  const Eigen::Vector3d moved = verification.corrected.translation - scanner.translation;
+  const double across = moved.cross(scanner.translation.normalized()).norm();
+  return verification.before.epipolar <= largest_epipolar &&
+         verification.rotation < negligible_turn && across < most_across * moved.norm();
+}
+
+Finding finding_of(const Verification& verification, const Scanner& scanner,
+                   const CalibrationBoard& board) {
   Finding finding{.what = "the scanner does not hold any more",
                   .evidence = evidence_of(verification.before),
                   .likely = "",
@@ -102,6 +114,10 @@ Finding finding_of(const Verification& verification) {
         "camera and projector moved against each other, by {:.2g} degrees and {:.2g} mm",
         verification.rotation / degree, verification.translation);
     finding.advice = "write the corrected scanner file with -o, and clamp them";
+  } else if (only_scale(verification, scanner)) {
+    const double scale = scanner.translation.norm() / verification.corrected.translation.norm();
+    finding.likely = "another spacing of the board than said: only the scale is off";
+    finding.advice = fmt::format("measure the print; {:.4g} mm would fit", scale * board.spacing);
   } else {
     finding.likely = "more than a move: focus, zoom or a lens changed, or the board is not as said";
     finding.advice = "check the board's flags, then calibrate geometry again";
@@ -143,8 +159,8 @@ Verification verify_scanner(std::vector<BoardView> views, const CalibrationBoard
   result.translation = (moved.scanner.translation - scanner.translation).norm();
   const double size = (printed.back() - printed.front()).norm();
   result.holds = is_good(result.before, size);
-  result.mended = !result.holds && is_good(result.after, size);
-  if (!result.holds) result.findings.push_back(finding_of(result));
+  result.mended = !result.holds && is_good(result.after, size) && !only_scale(result, scanner);
+  if (!result.holds) result.findings.push_back(finding_of(result, scanner, board));
   return result;
 }
 

@@ -33,7 +33,9 @@ struct Verification {
   double rotation = 0;     ///< by which it differs, rad
   double translation = 0;  ///< mm
   bool holds = false;      ///< as it is
-  bool mended = false;     ///< it does not hold as it is, but corrected it does
+  /// It does not hold as it is, but corrected it does, and not by its scale alone: that would take
+  /// over a wrong spacing.
+  bool mended = false;
   std::vector<Finding> findings;
 };
 

@@ -69,6 +69,19 @@ TEST(Verification, AnotherLensIsNotMendedByAMove) {
   EXPECT_NE(found.findings.back().likely.find("zoom"), std::string::npos);
 }
 
+TEST(Verification, AWrongSpacingIsNoMove) {
+  const Scanner truth = example_scanner();
+  CalibrationBoard said = board;
+  said.spacing = 20.4;
+  const Verification found = verify_scanner(views_of(truth, 4), said, truth);
+  EXPECT_FALSE(found.holds);
+  EXPECT_FALSE(found.mended);
+  ASSERT_FALSE(found.findings.empty());
+  EXPECT_NE(found.findings.back().likely.find("another spacing"), std::string::npos);
+  EXPECT_NE(found.findings.back().advice.find("20 mm"), std::string::npos)
+      << found.findings.back().advice;
+}
+
 TEST(Verification, WithoutABoardIsAnError) {
   expect_error([] { (void)verify_scanner({}, board, example_scanner()); }, {"no pose"});
 }

@@ -31,6 +31,7 @@ std::vector<FringeSigns> measured_scans(const std::vector<BoardView>& views) {
 template <class Value>
 double median_of(const std::vector<FringeSigns>& scans, const Value& value) {
   std::vector<double> values;
+  values.reserve(scans.size());
   for (const FringeSigns& signs : scans) values.push_back(value(signs));
   return median(std::move(values));
 }
@@ -88,6 +89,7 @@ void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& view
 void add_overexposure(std::vector<Finding>& findings, const std::vector<BoardView>& views) {
   constexpr double most_saturated = 0.25;  // half of the bright squares
   std::vector<double> shares;
+  shares.reserve(views.size());
   for (const BoardView& view : views) {
     shares.push_back(std::max(view.signs.x.saturated, view.signs.y.saturated));
   }

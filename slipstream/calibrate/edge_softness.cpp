@@ -30,8 +30,9 @@ std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2
   constexpr double least_height = 8;  // grey levels
   const double length = (to - from).norm();
   std::vector<double> profile;
-  for (double way = 0; way <= length; way += step) {
-    const auto grey = grey_at(picture, from + (to - from) * (way / length));
+  const int steps = static_cast<int>(length / step);
+  for (int i = 0; i <= steps; ++i) {
+    const auto grey = grey_at(picture, from + (to - from) * (i * step / length));
     if (!grey) return std::nullopt;
     profile.push_back(*grey);
   }

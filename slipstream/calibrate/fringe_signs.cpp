@@ -47,7 +47,8 @@ std::vector<std::pair<int, int>> pixels_about(const std::vector<Eigen::Vector2d>
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const double reach = distance_to_next(corners, i);
     for (int k = 0; k < side * side; ++k) {
-      const Eigen::Vector2d offset((k % side + 0.5) / side - 0.5, (k / side + 0.5) / side - 0.5);
+      const int across = k % side, down = k / side;
+      const Eigen::Vector2d offset((across + 0.5) / side - 0.5, (down + 0.5) / side - 0.5);
       const Eigen::Vector2d at = corners[i] + reach * offset;
       const int column = static_cast<int>(std::lround(at.x()));
       const int row = static_cast<int>(std::lround(at.y()));
@@ -188,9 +189,10 @@ constexpr double agreeing = 0.75, gain = 0.25;
 
 /// The order, of the wrong ones, in which the bands agree best, where they then do.
 std::vector<int> mending_order(const Samples& samples, const Decoding& decoding,
-                               const Layout& layout) {
+                               const Layout& layout, double agreement_as_is) {
   std::vector<int> best;
-  double most = std::max(agreeing, agreement(samples, decoding, in_order(layout.frames)) + gain);
+  double most = std::max(agreeing, agreement_as_is + gain);
+  if (most >= 1) return best;
   for (std::vector<int>& order : wrong_orders(layout)) {
     const double agreed = agreement(samples, decoding, order);
     if (agreed <= most) continue;
@@ -297,7 +299,7 @@ FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& c
   const Decoding decoding{ladder(layout), corrections};
   if (decoding.bands.size() > 1) {
     signs.agreement = agreement(samples, decoding, order);
-    signs.order = mending_order(samples, decoding, layout);
+    signs.order = mending_order(samples, decoding, layout, signs.agreement);
     signs.contrast = modulation(samples, *decoding.bands.back(), order) /
                      modulation(samples, *decoding.bands.front(), order);
   }

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/calibrate/ruler.h"
+#include "slipstream/gamma/correction.h"
 #include "tests/calibrate/told_calibration.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/own_strategies.h"
@@ -355,6 +356,16 @@ TEST_P(GoodCalibration, GetsNoRemark) {
 
 INSTANTIATE_TEST_SUITE_P(Boards, GoodCalibration, testing::ValuesIn(good_calibrations()),
                          [](const auto& good) { return good.param.name; });
+
+TEST(UncorrectedGamma, IsNotToldOnceItIsCorrected) {
+  BoardScene scene{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}, .poses = 4};
+  scene.photometry.gamma = 2.2;
+  EXPECT_TRUE(names(told_of(scene), "uncorrected gamma"));
+  scene.corrections = {{3, phase_correction(PowerLaw{2.2}, 3)}};
+  const Told told = told_of(scene);
+  EXPECT_EQ(told.error, "");
+  EXPECT_FALSE(names(told, "gamma")) << text_of(told);
+}
 
 }  // namespace
 }  // namespace slipstream

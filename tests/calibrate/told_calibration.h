@@ -51,6 +51,7 @@ struct BoardScene {
   int poses = 6;
   std::optional<CalibrationBoard> said_board{};  ///< none: as it is
   std::optional<Strategy> said_strategy{};
+  PhaseCorrections corrections{};  ///< of the response, where that is known
   /// Does to the pictures of a pose along an axis what went wrong.
   std::function<void(Pictures& pictures, int pose, Axis axis)> spoil{};
 };
@@ -105,9 +106,9 @@ inline Told told_of(const BoardScene& scene) {
     int pose = 0;
     for (const Eigen::Isometry3d& place : board_poses(scanner, scene.poses, width, height)) {
       sheet.pose = place;
-      BoardCapture capture = board_capture("pose" + std::to_string(pose), said,
-                                           board_scan(scene, scanner, sheet, pose, Axis::x),
-                                           board_scan(scene, scanner, sheet, pose, Axis::y));
+      BoardCapture capture = board_capture(
+          "pose" + std::to_string(pose), said, board_scan(scene, scanner, sheet, pose, Axis::x),
+          board_scan(scene, scanner, sheet, pose, Axis::y), {.corrections = scene.corrections});
       ++pose;
       if (capture.view) views.push_back(*capture.view);
       if (!capture.view) why_not = capture.told;

@@ -1,5 +1,7 @@
 #include "app/board_flags.h"
 
+#include <charconv>
+
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
@@ -13,7 +15,8 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   group.add("--board", flags.kind, "chessboard, circles (asymmetric grid) or charuco");
   group.add("--corners", flags.corners, "corners between squares, or circles: in a row x rows");
   group.add("--spacing", flags.spacing,
-            "mm: side of a square; for circles from one row to the next");
+            "mm, as measured on the print: side of a square; for circles from one row to the next; "
+            "10x10.1 of a print stretched down");
   group.add("--circle-diameter", flags.circle_diameter, "mm; 0.8 of the spacing where not given");
   group.add("--marker-side", flags.marker_side,
             "mm, of a ChArUco marker; 0.75 of the spacing where not given");
@@ -27,15 +30,40 @@ CalibrationBoard board_from(const BoardFlags& flags) {
     throw Error(
         fmt::format("--dictionary {} is not known; it is 4x4, 5x5, 6x6 or 7x7", flags.dictionary));
   }
+  if (!flags.spacing) {
+    throw Error(
+        "--spacing is missing: measure the side of a square on the print, best across many of "
+        "them, "
+        "and give it in mm (for circles, from one row to the next)");
+  }
+  const std::vector<double> spacings = lengths_from(*flags.spacing, "--spacing");
   CalibrationBoard board{.kind = board_kind_named(flags.kind),
                          .columns = corners.width,
                          .rows = corners.height,
-                         .spacing = flags.spacing,
+                         .spacing = spacings.front(),
                          .marker_bits = dictionary.width};
+  if (spacings.size() == 2 && spacings[1] != spacings[0]) board.row_spacing = spacings[1];
   if (flags.circle_diameter) board.circle_diameter = *flags.circle_diameter / board.spacing;
   if (flags.marker_side) board.marker_side = *flags.marker_side / board.spacing;
   require_valid(board);
   return board;
+}
+
+std::vector<double> lengths_from(const std::string& text, const std::string& flag) {
+  std::vector<double> lengths;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (lengths.size() < 2) {
+    double length = 0;
+    const auto [rest, failure] = std::from_chars(at, end, length);
+    if (failure != std::errc()) break;
+    lengths.push_back(length);
+    if (rest == end) return lengths;
+    if (*rest != 'x') break;
+    at = rest + 1;
+  }
+  throw Error(
+      fmt::format("{} '{}' is not a length; give mm, as 10.2, or two, as 10.2x10.1", flag, text));
 }
 
 }  // namespace slipstream::app

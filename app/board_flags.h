@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -13,7 +14,7 @@ namespace slipstream::app {
 struct BoardFlags {
   std::string kind = "chessboard";
   std::string corners = "13x9";
-  double spacing = 10;
+  std::optional<std::string> spacing;     ///< mm: "10", or of a stretched print "10x10.1"
   std::optional<double> circle_diameter;  ///< mm
   std::optional<double> marker_side;      ///< mm
   std::string dictionary = "4x4";
@@ -22,7 +23,12 @@ struct BoardFlags {
 /// Adds --board, --corners, --spacing, --circle-diameter, --marker-side and --dictionary.
 void add_board_flags(CLI::App& subcommand, BoardFlags& flags);
 
-/// The board that the flags say. Throws Error, naming the flag, where there is none.
+/// The board that the flags say. Throws Error, naming the flag, where there is none or no spacing
+/// is given.
 CalibrationBoard board_from(const BoardFlags& flags);
+
+/// "121.9x80.3" or "121.9": one length or two, mm. Throws Error, naming the flag, for anything
+/// else.
+std::vector<double> lengths_from(const std::string& text, const std::string& flag);
 
 }  // namespace slipstream::app

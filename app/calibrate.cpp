@@ -7,6 +7,7 @@ void add_calibrate(CLI::App& program, Command& chosen) {
   calibrate->require_subcommand(1);
   add_calibrate_board(*calibrate, chosen);
   add_calibrate_geometry(*calibrate, chosen);
+  add_calibrate_verify(*calibrate, chosen);
   add_calibrate_gamma(*calibrate, chosen);
   add_calibrate_ambient(*calibrate, chosen);
   add_calibrate_noise(*calibrate, chosen);

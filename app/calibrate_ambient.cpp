@@ -1,3 +1,5 @@
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -5,11 +7,13 @@
 
 #include "app/calibrate.h"
 #include "app/calibration_files.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/plot_file.h"
 #include "slipstream/noise/reflectivity.h"
 #include "slipstream/photometry/ambient_calibration.h"
 
 namespace slipstream::app {
+namespace fs = std::filesystem;
 namespace {
 
 struct CalibrateAmbientFlags {
@@ -28,8 +32,14 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
                   require_ambient_measurable(scan.sequence, folder);
                   scans.add(scan, folder);
                 });
+  std::optional<Response> response;
+  if (files.scanner && fs::exists(*files.scanner)) {
+    const auto measured = read_photometric_calibration(*files.scanner).response;
+    if (measured) response = measured->response;
+  }
   const auto& [estimate, counted, least_alpha] =
-      slipstream::calibrate_ambient(scans, flags.least_alpha);
+      slipstream::calibrate_ambient(scans, flags.least_alpha, response);
+  if (response) output.say("by the response in {}", *files.scanner);
   output.say(
       "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, "
       "over {} pixels with alpha of {} and more",

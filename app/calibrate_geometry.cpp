@@ -7,14 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "app/board_flags.h"
+#include "app/board_captures.h"
 #include "app/calibrate.h"
-#include "app/progress.h"
-#include "app/scan_flags.h"
+#include "app/finding_output.h"
 #include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/calibrate/pose_captures.h"
 #include "slipstream/calibrate/report.h"
+#include "slipstream/calibrate/ruler.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
@@ -22,19 +22,15 @@ namespace fs = std::filesystem;
 namespace {
 
 struct CalibrateGeometryFlags {
-  std::string folder;
-  BoardFlags board;
-  ScanFlags scan;
-  std::string first_axis = "x";
-  std::vector<std::string> excluded;
+  BoardCaptureFlags boards;
   std::string camera_distortion = "auto";
   std::string projector_distortion = "auto";
   std::string print = "estimated";
   double print_deviation = 0.01;
-  BoardCaptureSettings capture;
   std::string scanner;
   std::optional<std::string> report;
   std::optional<std::string> compare;
+  std::optional<std::string> measured;
 };
 
 GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
@@ -54,22 +50,23 @@ GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   return settings;
 }
 
-PoseCaptures capture_all(const CalibrateGeometryFlags& flags, const CalibrationBoard& board,
-                         Output& output) {
-  const auto amend_by_flags = [&](ScanFiles& files, const fs::path& folder) {
-    amend(files, folder, flags.scan);
-  };
-  const std::vector<BoardScans> poses =
-      board_scans(flags.folder, amend_by_flags, axis_named(flags.first_axis));
-  Progress progress("poses", static_cast<int>(poses.size()));
-  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, flags.capture,
-                                        [&](const std::string& words) {
-                                          if (!words.empty()) output.say("{}", words);
-                                          progress.advance();
-                                        });
-  for (const std::string& warning : captures.warnings) output.warn(warning);
-  require_enough_poses(captures, flags.folder);
-  return captures;
+/// What the scanner file to write knows already.
+std::optional<MeasuredResponse> response_in(const fs::path& scanner) {
+  if (!fs::exists(scanner)) return std::nullopt;
+  return read_photometric_calibration(scanner).response;
+}
+
+std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
+                                       const CalibrationBoard& board) {
+  if (!flags.measured) return {};
+  const std::vector<double> lengths = lengths_from(*flags.measured, "--measured");
+  if (lengths.size() != 2) {
+    throw Error(
+        fmt::format("--measured {}: two lengths are wanted, of a row and of a column, as "
+                    "121.9x80.3",
+                    *flags.measured));
+  }
+  return findings_of_ruler(board, {lengths[0], lengths[1]});
 }
 
 nlohmann::json json_of(const ReprojectionRms& rms) {
@@ -105,7 +102,7 @@ void add_quality(nlohmann::json& pose, const std::optional<BoardQuality>& qualit
 }
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
-  const auto& [calibration, views, unused, board, comparison] = report;
+  const auto& [calibration, views, unused, board, comparison, findings] = report;
   nlohmann::json poses = nlohmann::json::array();
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
@@ -146,7 +143,9 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       {"rotation_deviation_rad", json_of_vector(calibration.deviation.rotation)},
       {"translation_deviation_mm", json_of_vector(calibration.deviation.translation)},
       {"largest_tilt_rad", calibration.largest_tilt},
-      {"warnings", calibration.warnings}};
+      {"depths_mm", {scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest}}};
+  told["findings"] = nlohmann::json::array();
+  for (const Finding& finding : report.findings) told["findings"].push_back(app::json_of(finding));
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
     told["compared"] = {{"scanner", report.comparison->name},
@@ -158,11 +157,14 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
 }
 
 void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
-  const CalibrationBoard board = board_from(flags.board);
+  const CalibrationBoard board = board_from(flags.boards.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
+  std::vector<Finding> findings = measured_findings(flags, board);
   std::optional<Scanner> other;
   if (flags.compare) other = read_scanner(*flags.compare);
-  const PoseCaptures captures = capture_all(flags, board, output);
+  const PoseCaptures captures =
+      captured_boards(flags.boards, board, response_in(flags.scanner), output);
+  require_enough_poses(captures, flags.boards.folder);
   if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
   const GeometryCalibration calibration =
       calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
@@ -172,13 +174,17 @@ void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
     comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
                                calibration.views, board);
   }
-  const CalibrationReport report{calibration, calibration.views, captures.unused, board,
-                                 comparison ? &*comparison : nullptr};
+  for (const auto* more : {&captures.findings, &calibration.findings}) {
+    findings.insert(findings.end(), more->begin(), more->end());
+  }
+  const CalibrationReport report{
+      calibration, calibration.views, captures.unused, board, comparison ? &*comparison : nullptr,
+      findings};
   if (flags.report) write_calibration_report(*flags.report, report);
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, report);
   output.say("{}", text_of(report));
-  for (const std::string& warning : calibration.warnings) output.warn(warning);
+  warn_of(findings, output);
   output.say("the scanner file is {}", flags.scanner);
   if (flags.report) {
     output.say("the report is {}", (fs::path(*flags.report) / "report.md").string());
@@ -197,10 +203,6 @@ void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
   group.add("--print", flags.print, "the board's corners: estimated (near where printed) or exact");
   group.add("--print-deviation", flags.print_deviation,
             "standard deviation of a printed corner, in spacings");
-  group.add("--min-modulation", flags.capture.minimum_modulation,
-            "least modulation of a pixel whose phase is used, grey levels of 255");
-  group.add("--neighbourhood", flags.capture.neighbourhood,
-            "radius about a corner in which phase is used, in distances to the next corner");
 }
 
 }  // namespace
@@ -208,20 +210,13 @@ void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
 void add_calibrate_geometry(CLI::App& calibrate_command, Command& chosen) {
   const auto [command, flags] = add_command(calibrate_command, chosen, calibrate, "geometry",
                                             "scans of a board in several poses to a scanner file");
-  command
-      .add("folder", flags.folder,
-           "holds a folder for each pose: scan folders x and y, or the pictures of both")
-      ->required();
   command.add("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")->required();
   command.add("--report", flags.report, "a folder for a report with pictures");
   command.add("--compare", flags.compare, "a scanner file to hold beside the result");
-  command.add("--exclude", flags.excluded, "poses to leave out, by name");
-  command.add("--first-axis", flags.first_axis,
-              "where both scans lie in one folder: x or y, whose pictures come first");
-  add_board_flags(command.app, flags.board);
+  command.add("--measured", flags.measured,
+              "mm by a ruler on the print, from the first to the last corner: row x column");
+  add_board_capture_flags(command, flags.boards);
   add_model_flags(command.app, flags);
-  add_scan_flags(command.app, flags.scan);
-  command.app.remove_option(command.app.get_option("--axis"));
   command.app.footer(
       "Example:\n  slipstream calibrate geometry poses --board chessboard --corners 13x9 --spacing "
       "10 --strategy dual-frequency --steps 3 --high 16 --low 1 --projector 1824x1140 -o "

@@ -65,7 +65,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                          {"pixels", scan.cloud.z.pixel_count()},
                          {"counts", std::move(counts)},
                          {"backend", scan.backend},
-                         {"gamma", json_of(scan.gamma)},
+                         {"gamma", app::json_of(scan.gamma)},
                          {"files", std::move(files)},
                          {"warnings", scan.warnings},
                          {"findings", std::move(findings)},

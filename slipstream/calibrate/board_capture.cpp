@@ -1,9 +1,11 @@
 #include "slipstream/calibrate/board_capture.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/projector_corners.h"
 #include "slipstream/error/error.h"
 #include "slipstream/strategy/registry.h"
@@ -26,10 +28,10 @@ void require_coordinate(const Strategy& strategy) {
   }
 }
 
-BasicMaps<double> decoded(const Scan& scan) {
+BasicMaps<double> decoded(const Scan& scan, const PhaseCorrections& corrections) {
   const auto& [strategy, axis, light, projector, marker] = scan.sequence;
-  const Decoder decode(strategy.layout(), length_along(axis, projector), PhaseMethod::equation, {},
-                       {.light = light});
+  const Decoder decode(strategy.layout(), length_along(axis, projector), PhaseMethod::equation,
+                       corrections, {.light = light});
   return decode(scan.frames);
 }
 
@@ -54,8 +56,21 @@ std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pi
           board.columns, board.rows, seen->width, seen->height);
     }
   }
-  return fmt::format("no {} of {}x{} corners is seen{}", name_of(board.kind), board.columns,
-                     board.rows, board.kind == BoardKind::charuco ? "" : " whole");
+  return fmt::format(
+      "no {} of {}x{} corners is seen{}; likely another board or count than said with "
+      "--board, --corners{}, or a picture that is dark, overexposed or out of focus",
+      name_of(board.kind), board.columns, board.rows,
+      board.kind == BoardKind::charuco ? "" : " whole",
+      board.kind == BoardKind::charuco ? " or --dictionary" : "");
+}
+
+/// Why corners that are seen have no projector pixel.
+const char* why_unlit(const CaptureSigns& signs) {
+  constexpr double much = 0.3;  // of the board's pixels
+  if (std::max(signs.x.saturated, signs.y.saturated) > much) {
+    return "overexposed: expose less or dim the projector";
+  }
+  return "too dark, or outside the projector's light";
 }
 
 }  // namespace
@@ -77,9 +92,19 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   if (!found) {
     return {std::nullopt, why_none(board, pictures)};
   }
-  const ProjectorMap map = projector_map(along_x.frames, decoded(along_x), along_y.frames,
-                                         decoded(along_y), projector, settings.minimum_modulation);
-  BoardView view{name, std::move(found->places), std::move(found->pixels), {}, {}};
+  const PhaseCorrections& corrections = settings.corrections;
+  const BasicMaps<double> x = decoded(along_x, corrections), y = decoded(along_y, corrections);
+  const CaptureSigns signs{
+      fringe_signs(along_x, found->pixels, settings.minimum_modulation, corrections),
+      fringe_signs(along_y, found->pixels, settings.minimum_modulation, corrections),
+      edge_softness(pictures.mean, board, found->places, found->pixels)};
+  if (auto refusals = refusals_of_frames(name, signs); !refusals.empty()) {
+    std::string told = fmt::format("likely {}", refusals.front().likely);
+    return {std::nullopt, std::move(told), std::move(refusals)};
+  }
+  const ProjectorMap map =
+      projector_map(along_x.frames, x, along_y.frames, y, projector, settings.minimum_modulation);
+  BoardView view{name, std::move(found->places), std::move(found->pixels), {}, {}, signs};
   for (const ProjectorCorner& corner :
        projector_corners(map, view.camera, settings.neighbourhood)) {
     view.projector.push_back(corner.pixel);
@@ -87,13 +112,15 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   }
   const int lit = lit_corners(view);
   if (lit < fewest_lit) {
-    return {std::nullopt,
-            fmt::format("the projector lights {} of {} corners well enough; at least {} are needed",
-                        lit, view.places.size(), fewest_lit)};
+    return {
+        std::nullopt,
+        fmt::format("the projector lights {} of {} corners well enough; at least {} are needed; "
+                    "likely {}",
+                    lit, view.places.size(), fewest_lit, why_unlit(signs))};
   }
   std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",
                                  view.places.size(), found->detector, lit);
-  return {std::move(view), std::move(told)};
+  return {std::move(view), std::move(told), {}};
 }
 
 }  // namespace slipstream

@@ -2,10 +2,12 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slipstream/calibrate/board_corners.h"
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/check/finding.h"
 #include "slipstream/scan/scan.h"
 
 namespace slipstream {
@@ -13,13 +15,15 @@ namespace slipstream {
 struct BoardCaptureSettings {
   /// Grey levels of 8 bits, 0 to 255; below it a pixel's phase is not used.
   double minimum_modulation = 5;
-  double neighbourhood = 0.7;  ///< `share` of projector_corners, above 0, at most 10
+  double neighbourhood = 0.7;      ///< `share` of projector_corners, above 0, at most 10
+  PhaseCorrections corrections{};  ///< of phases, where the response is known
 };
 
 /// What a pose's frames gave.
 struct BoardCapture {
-  std::optional<BoardView> view;  ///< none where the pose is of no use
-  std::string told;               ///< who found the board, or why there is none
+  std::optional<BoardView> view;    ///< none where the pose is of no use
+  std::string told;                 ///< who found the board, or why there is none
+  std::vector<Finding> findings{};  ///< why the pose is refused, where its frames say so
 };
 
 /// Finds the board in a pose's frames and, from a scan along each axis, the projector pixel of each

@@ -13,7 +13,10 @@ namespace {
 
 void require_count(const fs::path& folder, std::size_t count, int wanted, const char* what) {
   if (static_cast<int>(count) == wanted) return;
-  throw Error(fmt::format("{}: {} frames, but {} takes {}", folder.string(), count, what, wanted));
+  throw Error(
+      fmt::format("{}: {} frames, but {} takes {}; likely a frame is missing, or --strategy, "
+                  "--steps or --low-steps are others",
+                  folder.string(), count, what, wanted));
 }
 
 ScanFiles one_axis(const fs::path& folder, const AmendScan& amend, Axis axis) {
@@ -49,8 +52,12 @@ bool is_report(const fs::path& folder) {
   return fs::exists(folder / "report.md");
 }
 
+bool has_both_axes(const fs::path& folder) {
+  return fs::is_directory(folder / "x") && fs::is_directory(folder / "y");
+}
+
 BoardScans pose_in(const fs::path& folder, const AmendScan& amend, Axis first_axis) {
-  if (fs::is_directory(folder / "x") && fs::is_directory(folder / "y")) {
+  if (has_both_axes(folder)) {
     return {folder.filename().string(), one_axis(folder / "x", amend, Axis::x),
             one_axis(folder / "y", amend, Axis::y)};
   }
@@ -65,6 +72,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const AmendScan& ame
     throw Error(fmt::format("{}: no such folder; one folder for each pose of the board is wanted",
                             folder.string()));
   }
+  if (has_both_axes(folder)) return {pose_in(folder, amend, first_axis)};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     if (entry.is_directory() && !is_report(entry.path())) folders.push_back(entry.path());

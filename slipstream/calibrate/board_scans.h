@@ -24,7 +24,8 @@ using AmendScan = std::function<void(ScanFiles& files, const std::filesystem::pa
 /// holds
 ///   - scan folders x and y, with scan.yaml or without; or
 ///   - the pictures of both scans, those along `first_axis` first in order of their names.
-/// A folder with a report.md is none. Throws Error where there is none, or one is neither.
+/// A folder with a report.md is none, and a folder that is itself a pose with x and y is the one.
+/// Throws Error where there is none, or one is neither.
 std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const AmendScan& amend,
                                     Axis first_axis);
 

@@ -6,6 +6,8 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/calibrate/capture_signs.h"
+
 namespace slipstream {
 
 /// One pose of the board: where camera and projector see its corners.
@@ -17,7 +19,8 @@ struct BoardView {
   /// d projector / d camera: a corner that the camera sees a little off was looked for in the
   /// projector's picture a little off too, by as much as this makes of it. Empty, or zero, where
   /// the projector pixels are independent of the camera's.
-  std::vector<Eigen::Matrix2d> slopes;
+  std::vector<Eigen::Matrix2d> slopes{};
+  CaptureSigns signs{};  ///< how its frames were taken; nothing where there were none
 };
 
 /// `slopes` of a corner, zero where there is none.

@@ -379,7 +379,9 @@ BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState sta
     problem.parameters().write_to(state);
     deviations = pixel_deviations(views, state);
     if (round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation)) {
-      throw Error("the poses do not determine the calibration; tilt the board differently in each");
+      throw Error(
+          "the poses do not determine the calibration; likely too few tilts of the board: tilt it "
+          "differently in each");
     }
   }
   return state;

@@ -84,6 +84,10 @@ void require_valid(const CalibrationBoard& board) {
   if (!(board.spacing > 0 && std::isfinite(board.spacing))) {
     throw Error(fmt::format("spacing {} mm is out of range; more than 0", board.spacing));
   }
+  if (board.row_spacing && !(*board.row_spacing > 0 && std::isfinite(*board.row_spacing))) {
+    throw Error(
+        fmt::format("spacing of rows {} mm is out of range; more than 0", *board.row_spacing));
+  }
   if (!(board.circle_diameter > 0.1 && board.circle_diameter < 1.4)) {
     throw Error(fmt::format("circle diameter {} spacings is out of range; 0.1 to 1.4",
                             board.circle_diameter));
@@ -106,11 +110,12 @@ int place_count(const CalibrationBoard& board) {
 }
 
 std::vector<Eigen::Vector3d> printed_places(const CalibrationBoard& board) {
+  const double down = board.row_spacing.value_or(board.spacing);
   std::vector<Eigen::Vector3d> places;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const int x = board.kind == BoardKind::circles ? 2 * column + row % 2 : column;
-      places.emplace_back(x * board.spacing, row * board.spacing, 0);
+      places.emplace_back(x * board.spacing, row * down, 0);
     }
   }
   return places;
@@ -122,6 +127,7 @@ Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spa
     throw Error(fmt::format("{} pixels for each spacing of the board is out of range; 8 to 1000",
                             pixels_per_spacing));
   }
+  if (board.row_spacing) throw Error("a board that is drawn has one spacing, not two");
   switch (board.kind) {
     case BoardKind::circles:
       return image_from<std::uint8_t>(drawn_circles(board, pixels_per_spacing));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,8 @@ struct CalibrationBoard {
   int rows = 9;         ///< rows of corners; rows of circles, every second one shifted
   double spacing = 10;  ///< mm: side of a square; for circles half the distance in a row, which is
                         ///< the distance from row to row
+  /// mm from a row to the next, of a print that is stretched; none: the spacing.
+  std::optional<double> row_spacing{};
   double circle_diameter = 0.8;  ///< in spacings
   double marker_side = 0.75;     ///< in squares
   int marker_bits = 4;           ///< of the ArUco dictionary: 4, 5, 6 or 7 squared
@@ -45,7 +48,7 @@ int place_count(const CalibrationBoard& board);
 std::vector<Eigen::Vector3d> printed_places(const CalibrationBoard& board);
 
 /// The board to print, dark on white, with a white margin of one spacing. Throws Error unless a
-/// spacing is 8 to 1000 pixels.
+/// spacing is 8 to 1000 pixels, and for a board of two spacings.
 Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spacing);
 
 }  // namespace slipstream

@@ -72,6 +72,15 @@ Lens lens_of(const OneDevice& device, Size size) {
   return lens;
 }
 
+Eigen::Isometry3d pose_of(const cv::Mat& turn, const cv::Mat& translation) {
+  cv::Mat rotation;
+  cv::Rodrigues(turn, rotation);
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = matrix_of<3, 3>(rotation);
+  pose.translation() = matrix_of<3, 1>(translation);
+  return pose;
+}
+
 BundleState guess(const SharedCorners& shared, const std::vector<Eigen::Vector3d>& printed,
                   Size camera_size, Size projector_size) {
   OneDevice camera = calibrated(shared.board, shared.camera, camera_size);
@@ -86,12 +95,7 @@ BundleState guess(const SharedCorners& shared, const std::vector<Eigen::Vector3d
                     {},
                     printed};
   for (std::size_t v = 0; v < shared.board.size(); ++v) {
-    cv::Mat board_rotation;
-    cv::Rodrigues(camera.rotations[v], board_rotation);
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = matrix_of<3, 3>(board_rotation);
-    pose.translation() = matrix_of<3, 1>(camera.translations[v]);
-    state.poses.push_back(pose);
+    state.poses.push_back(pose_of(camera.rotations[v], camera.translations[v]));
   }
   return state;
 }
@@ -104,7 +108,10 @@ BundleState first_guess(const std::vector<BoardView>& views,
   try {
     return guess(shared_corners(views, printed), printed, camera, projector);
   } catch (const cv::Exception& exception) {
-    throw Error(fmt::format("the corners give no calibration to start from: {}", exception.err));
+    throw Error(fmt::format(
+        "the corners give no calibration to start from: {}; likely too few tilts of the "
+        "board, or corners that are not of one flat board",
+        exception.err));
   }
 }
 
@@ -130,6 +137,27 @@ BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3
     if (!agrees) view.projector[corners[k]] = {nan, nan};
   }
   return view;
+}
+
+Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
+                                     const std::vector<Eigen::Vector3d>& printed) {
+  std::vector<cv::Point3d> board;
+  std::vector<cv::Point2d> seen;  // by a camera without distortion and of focal length 1
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
+    const Eigen::Vector3d ray = ray_through(camera, view.camera[i]);
+    if (!ray.allFinite()) continue;
+    board.emplace_back(place.x(), place.y(), 0);
+    seen.emplace_back(ray.x(), ray.y());
+  }
+  const QuietOpenCv quiet;
+  cv::Mat turn, translation;
+  try {
+    cv::solvePnP(board, seen, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), turn, translation);
+  } catch (const cv::Exception& exception) {
+    throw Error(fmt::format("{}: its corners give no pose: {}", view.name, exception.err));
+  }
+  return pose_of(turn, translation);
 }
 
 }  // namespace slipstream

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/bundle_adjustment.h"
@@ -19,5 +20,10 @@ BundleState first_guess(const std::vector<BoardView>& views,
 /// projector pixels from the homography that most of them agree on. They are set to NaN.
 BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed,
                                 double reach = 8);
+
+/// Where the board of a view stands by what a camera of known lens sees of it: its frame to the
+/// camera's.
+Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
+                                     const std::vector<Eigen::Vector3d>& printed);
 
 }  // namespace slipstream

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/calibrate/coverage.h"
+#include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/orientation.h"
-#include "slipstream/calibrate/warnings.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
@@ -64,82 +63,32 @@ std::vector<Item> without(std::vector<Item> items, std::size_t left_out) {
   return items;
 }
 
-/// RMS over both devices, of each pose.
-std::vector<double> stereo_rms(const std::vector<BoardView>& views, const BundleState& state) {
-  std::vector<double> rms;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    rms.push_back(distances(views[v], state, v).rms().stereo);
-  }
-  return rms;
-}
+/// What a calibration of the other poses makes of one.
+struct LeftOut {
+  std::optional<BoardQuality> quality;
+  ProjectorOffset offset;
+  double misfit = 1;  ///< CalibratedPose::misfit
+};
 
-/// A calibration of a simple model, of a board as printed: good enough to build on, and to see
-/// whether the poses are of one rig.
-BundleState simple_calibration(const std::vector<BoardView>& views,
-                               const std::vector<Eigen::Vector3d>& printed, Size camera,
-                               Size projector) {
-  return bundle_adjusted(views, first_guess(views, printed, camera, projector), printed,
-                         {.camera_coefficients = 2, .projector_coefficients = 2});
-}
-
-/// RMS of a pose, pixels, that is a blunder and not an imperfect board.
-double blunder(Size camera) {
-  constexpr double share_of_width = 0.003;
-  constexpr double least = 1.5;
-  return std::max(least, share_of_width * camera.width);
-}
-
-/// The one pose without which the others agree; the pose count where there is none.
-std::size_t odd_pose(const std::vector<BoardView>& views,
-                     const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector) {
-  if (views.size() <= fewest_poses) return views.size();
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const std::vector<BoardView> rest = without(views, v);
-    const std::vector<double> rms =
-        stereo_rms(rest, simple_calibration(rest, printed, camera, projector));
-    if (*std::max_element(rms.begin(), rms.end()) < blunder(camera)) return v;
-  }
-  return views.size();
-}
-
-/// Throws Error where a pose does not fit the others, or none fits any.
-void require_one_rig(const std::vector<BoardView>& views, const BundleState& state,
-                     const std::vector<Eigen::Vector3d>& printed) {
-  constexpr double most_of_median = 8;
-  const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
-  const std::vector<double> rms = stereo_rms(views, state);
-  const auto worst = std::max_element(rms.begin(), rms.end());
-  const double limit = std::max(1.5, std::min(blunder(camera), most_of_median * median(rms)));
-  if (*worst < limit) return;
-  const std::size_t odd = median(rms) < blunder(camera)
-                              ? static_cast<std::size_t>(worst - rms.begin())
-                              : odd_pose(views, printed, camera, projector);
-  if (odd < views.size()) {
-    throw Error(fmt::format(
-        "{}: its corners do not fit the other poses (RMS {:.3g} px): another camera's frames, or "
-        "the rig or the board moved; mend it or leave it out with --exclude",
-        views[odd].name, rms[odd]));
-  }
-  throw Error(fmt::format(
-      "the poses do not fit one camera and projector (median RMS {:.3g} px): frames of two "
-      "cameras are mixed, the rig was moved, or the board or the patterns are not as said",
-      median(rms)));
-}
-
-/// The board of each pose, measured with a calibration of the other poses.
-std::vector<std::optional<BoardQuality>> left_out_qualities(
-    const std::vector<BoardView>& views, const BundleState& state,
-    const std::vector<Eigen::Vector3d>& printed, BundleSettings settings) {
+std::vector<LeftOut> each_left_out(const std::vector<BoardView>& views, const BundleState& state,
+                                   const std::vector<Eigen::Vector3d>& printed,
+                                   BundleSettings settings) {
   settings.pixel_deviations = pixel_deviations(views, state);
-  std::vector<std::optional<BoardQuality>> qualities(views.size());
+  const auto count = static_cast<double>(views.size());
+  const double all = count * mean_squared_error(views, state, *settings.pixel_deviations);
+  std::vector<LeftOut> left_out(views.size());
   for_each_row(static_cast<int>(views.size()), [&](int pose) {
     const auto v = static_cast<std::size_t>(pose);
     BundleState rest = state;
     rest.poses = without(state.poses, v);
-    rest = bundle_adjusted(without(views, v), std::move(rest), printed, settings);
-    qualities[v] = board_quality(views[v], rest.scanner, printed);
+    const std::vector<BoardView> others = without(views, v);
+    rest = bundle_adjusted(others, std::move(rest), printed, settings);
+    const double of_others = mean_squared_error(others, rest, *settings.pixel_deviations);
+    left_out[v] = {board_quality(views[v], rest.scanner, printed),
+                   projector_offset(views[v], rest.scanner, state.poses[v], rest.places),
+                   all / of_others - (count - 1)};
   });
-  return qualities;
+  return left_out;
 }
 
 double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
@@ -151,6 +100,27 @@ double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
     }
   }
   return largest;
+}
+
+/// The board's corners as they would be estimated were they free.
+PrintShape estimated_print(const std::vector<BoardView>& views, const BundleState& state,
+                           const std::vector<Eigen::Vector3d>& printed, BundleSettings settings,
+                           double usual_deviation) {
+  if (settings.print_deviation) return print_shape(state.places, printed);
+  settings.print_deviation = usual_deviation;
+  return print_shape(bundle_adjusted(views, state, printed, settings).places, printed);
+}
+
+/// From the nearest to the farthest corner of all boards.
+DepthRange depths_of(const std::vector<BoardView>& views, const BundleState& state) {
+  DepthRange range{std::numeric_limits<double>::infinity(), 0};
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    for (const int place : views[v].places) {
+      const double depth = (state.poses[v] * state.places[static_cast<std::size_t>(place)]).z();
+      range = {std::min(range.nearest, depth), std::max(range.farthest, depth)};
+    }
+  }
+  return range;
 }
 
 LensChoice chosen(const std::optional<int>& asked, const std::vector<BoardView>& views,
@@ -199,22 +169,28 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
   bundle.projector_coefficients = result.projector_lens.coefficients;
   forget_held_coefficients(state.scanner, bundle);
   state = bundle_adjusted(views, std::move(state), printed, bundle, &result.deviation);
+  state.scanner.calibrated_depths = depths_of(views, state);
   require_valid(state.scanner);
 
-  const auto left_out = left_out_qualities(views, state, printed, bundle);
+  const std::vector<LeftOut> left_out = each_left_out(views, state, printed, bundle);
   DeviceDistances all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const DeviceDistances of_pose = distances(views[v], state, v);
     all.add(of_pose);
     result.poses.push_back({views[v].name, static_cast<int>(views[v].places.size()),
-                            lit_corners(views[v]), of_pose.rms(), left_out[v]});
+                            lit_corners(views[v]), of_pose.rms(), left_out[v].quality,
+                            left_out[v].offset, left_out[v].misfit});
   }
   result.rms = all.rms();
   result.covered_camera = covered_share(coverage_map(views, Device::camera, camera));
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);
-  result.warnings = warnings_about(result);
+  result.moved = moved_rig(views, state);
+  const double usual_print_deviation =
+      *GeometryCalibrationSettings{}.print_deviation * board.spacing;
+  result.print = estimated_print(views, state, printed, bundle, usual_print_deviation);
   result.views = std::move(views);
+  result.findings = findings_about(result);
   return result;
 }
 

@@ -9,6 +9,10 @@
 #include "slipstream/calibrate/bundle_adjustment.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/calibrate/lens_choice.h"
+#include "slipstream/calibrate/one_rig.h"
+#include "slipstream/calibrate/print_shape.h"
+#include "slipstream/calibrate/projector_offset.h"
+#include "slipstream/check/finding.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
@@ -38,6 +42,10 @@ struct CalibratedPose {
   ReprojectionRms rms;
   /// Measured with a calibration of all the other poses. None where too few corners are lit.
   std::optional<BoardQuality> left_out;
+  ProjectorOffset offset;  ///< under that calibration
+  /// The squared error that it brings in, over what each of the others has without it: about 1,
+  /// and the more the worse it fits.
+  double misfit = 1;
 };
 
 struct GeometryCalibration {
@@ -47,14 +55,14 @@ struct GeometryCalibration {
   LensChoice projector_lens;
   ReprojectionRms rms;
   std::vector<CalibratedPose> poses;
-  std::vector<BoardView> views;       ///< as they took part: without corners off by fringes
-  double covered_camera = 0;          ///< share of the camera's picture that some board covered
-  double covered_projector = 0;       ///< share of the projector's picture
-  double largest_tilt = 0;            ///< largest angle between two boards, rad
-  std::vector<std::string> warnings;  ///< in plain words, a line each
+  std::vector<BoardView> views;   ///< as they took part: without corners off by fringes
+  double covered_camera = 0;      ///< share of the camera's picture that some board covered
+  double covered_projector = 0;   ///< share of the projector's picture
+  double largest_tilt = 0;        ///< largest angle between two boards, rad
+  std::optional<MovedRig> moved;  ///< where, if anywhere, the rig moved between poses
+  PrintShape print;               ///< of the board, as its corners were found to be
+  std::vector<Finding> findings;  ///< what speaks against it, and why that may be
 };
-
-inline constexpr std::size_t fewest_poses = 3;
 
 /// Camera, projector and how they stand to each other, from where both see a board's corners. The
 /// printed board gives the scale. Corners off by fringes take no part. Throws Error for a board

@@ -16,8 +16,8 @@ void require_same(Size& known, Size size, const std::string& pose, const char* w
   if (known == Size{}) known = size;
   if (size == known) return;
   throw Error(
-      fmt::format("{}: {} {}, but in the poses before {}; all poses must be of one camera "
-                  "and projector",
+      fmt::format("{}: {} {}, but in the poses before {}; likely frames of two cameras are mixed: "
+                  "all poses must be of one camera and projector",
                   pose, what, text_of(size), text_of(known)));
 }
 
@@ -43,6 +43,7 @@ std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const Cali
       captures.views.push_back(std::move(*found.view));
       return found.told;
     }
+    captures.findings.insert(captures.findings.end(), found.findings.begin(), found.findings.end());
     captures.unused.push_back({scans.name, found.told});
     return fmt::format("left out: {}", found.told);
   } catch (const Error& error) {

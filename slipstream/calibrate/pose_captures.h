@@ -17,6 +17,7 @@ struct PoseCaptures {
   Size camera{};
   Size projector{};
   std::vector<std::string> warnings{};  ///< of reading the frames
+  std::vector<Finding> findings{};      ///< why poses were refused by what their frames show
 };
 
 /// Finds the board in one more pose and adds what it gave; returns that in words. Throws Error,

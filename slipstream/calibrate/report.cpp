@@ -38,15 +38,24 @@ std::string scale_text(const std::optional<BoardQuality>& quality) {
   return quality ? fmt::format("{:+.3f}", 100 * quality->scale_error) : "-";
 }
 
-void write_warnings(Page& page, const GeometryCalibration& calibration) {
+void write_findings(Page& page, const std::vector<Finding>& findings) {
   page.gap();
-  if (calibration.warnings.empty()) {
+  if (findings.empty()) {
     page.line("Nothing in the data speaks against this calibration.");
     return;
   }
-  page.line("## Warnings");
+  page.line("## What speaks against it");
   page.gap();
-  for (const std::string& warning : calibration.warnings) page.line("- {}", warning);
+  page.line("| seen | evidence | likely cause | what to do |");
+  page.line("| --- | --- | --- | --- |");
+  for (const Finding& finding : findings) {
+    std::string numbers;
+    for (const Evidence& evidence : finding.evidence) {
+      numbers +=
+          fmt::format("{}{}: {:.3g}", numbers.empty() ? "" : "; ", evidence.name, evidence.value);
+    }
+    page.line("| {} | {} | {} | {} |", finding.what, numbers, finding.likely, finding.advice);
+  }
 }
 
 void write_poses(Page& page, const CalibrationReport& report) {
@@ -299,7 +308,7 @@ void write_calibration_report(const fs::path& folder, const CalibrationReport& r
       calibration.poses.size(), name_of(report.board.kind), report.board.columns, report.board.rows,
       report.board.spacing, calibration.rms.camera, calibration.rms.projector,
       calibration.rms.stereo);
-  write_warnings(page, calibration);
+  write_findings(page, report.findings);
   write_poses(page, report);
   write_left_out(page, report);
   write_parameters(page, calibration);

@@ -40,13 +40,14 @@ struct CalibrationReport {
   const std::vector<UnusedPose>& unused;
   const CalibrationBoard& board;
   const ScannerComparison* comparison = nullptr;  ///< may be null
+  std::vector<Finding> findings{};                ///< of frames, ruler and calibration together
 };
 
 /// The result in a few lines for people: RMS, what the left-out poses say beside what another
 /// scanner file says, lens models.
 std::string text_of(const CalibrationReport& report);
 
-/// Writes report.md and its pictures into a folder: warnings, RMS, what the left-out poses say
+/// Writes report.md and its pictures into a folder: findings, RMS, what the left-out poses say
 /// beside what another scanner file says, parameters with their standard deviations, lens models,
 /// coverage and residuals. Throws WorldError when that fails.
 void write_calibration_report(const std::filesystem::path& folder, const CalibrationReport& report);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <optional>
+
 #include "slipstream/gamma/measurement.h"
+#include "slipstream/gamma/response.h"
 #include "slipstream/noise/ambient_measurement.h"
 #include "slipstream/photometry/scan_average.h"
 
@@ -14,9 +17,12 @@ struct AmbientCalibration {
 };
 
 /// By the first band of the scans' patterns, Eq. (3.5), over the pixels whose reflectivity is at
-/// least `least_alpha`, (0, 1]. Throws Error for patterns with a cue in their frames, a least_alpha
-/// out of range, or too few pixels.
-AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha = 0.5);
+/// least `least_alpha`, (0, 1]; with a response, by the mean and the modulation of the light that
+/// it makes of the patterns. Throws Error for patterns with a cue in their frames, a least_alpha
+/// out of range, too few pixels, or, where the scans have 4 steps or more, frames whose second
+/// harmonic is not that of the response, or of a linear one where none is given.
+AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha = 0.5,
+                                     const std::optional<Response>& response = std::nullopt);
 
 /// Throws Error, naming the scan, where its patterns do not serve to measure ambient light.
 void require_ambient_measurable(const Sequence& sequence, const std::string& name);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include "slipstream/io/image_file.h"
@@ -93,7 +94,8 @@ TEST_F(CalibrateProgram, TakesPosesInOrderAndNoReportForAPose) {
 TEST_F(CalibrateProgram, BadInputIsToldInOneLineAndNothingIsWritten) {
   const TemporaryFolder out;
   const fs::path file = out.path() / "scanner.yaml";
-  expect_bad_input(run_program({"calibrate", "geometry", poses(), "-o", file, "--corners", "9x7"}),
+  expect_bad_input(run_program({"calibrate", "geometry", poses(), "-o", file, "--corners", "9x7",
+                                "--spacing", "22"}),
                    {"0 of 4 poses", "no chessboard of 9x7 corners"});
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board9"}), {"board9", "no such pose"});
   expect_bad_input(calibrate(poses(), file, {"--exclude", "board01", "--exclude", "board02"}),
@@ -168,6 +170,77 @@ TEST_F(CalibrateProgram, MirroredPicturesAreTold) {
   EXPECT_FALSE(fs::exists(folder.path() / "scanner.yaml"));
 }
 
+TEST_F(CalibrateProgram, FramesInTheWrongOrderAndAPrintOfTheWrongSizeAreToldByTheirCause) {
+  const TemporaryFolder folder;
+  const std::string copy = copy_to(folder);
+  const fs::path scan = fs::path(copy) / "board02" / "x";
+  const std::vector<fs::path> frames = images_in_folder(scan);
+  const Image<std::uint16_t> first = read_grey_image(frames[0]);
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    const Image<std::uint16_t> next =
+        n + 1 < frames.size() ? read_grey_image(frames[n + 1]) : first;
+    Image<std::uint8_t> late(next.size());
+    std::copy(next.begin(), next.end(), late.begin());
+    write_image(frames[n], late);
+  }
+  const fs::path file = folder.path() / "scanner.yaml";
+  const ProgramRun run =
+      calibrate(copy, file,
+                {"--json", "--measured", "134.1x89.4", "--report", folder.path() / "report",
+                 "--camera-distortion", "2", "--projector-distortion", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* part :
+       {"\"findings\"", "\"evidence\"",
+        "frames in the wrong order: pattern n is in frame 5,0,1,2,3,4", "\"refused\": true",
+        "wrong scale", "give --spacing 22.35", "\"try\"", "\"depths_mm\""}) {
+    EXPECT_NE(run.out.find(part), std::string::npos) << part << "\n" << run.out;
+  }
+  EXPECT_NE(run.err.find("likely frames in the wrong order"), std::string::npos) << run.err;
+  std::ifstream report(folder.path() / "report" / "report.md");
+  const std::string text{std::istreambuf_iterator<char>(report), {}};
+  EXPECT_NE(text.find("frames in the wrong order"), std::string::npos) << text;
+  const std::optional<DepthRange> depths = read_scanner(file).calibrated_depths;
+  ASSERT_TRUE(depths);
+  EXPECT_GT(depths->nearest, 350);
+  EXPECT_LT(depths->farthest, 900);
+  expect_bad_input(calibrate(copy, file, {"--measured", "134"}), {"--measured 134", "two lengths"});
+  expect_bad_input(calibrate(copy, file, {"--measured", "so x long"}), {"--measured"});
+}
+
+TEST_F(CalibrateProgram, VerifiesAScannerAndCorrectsIt) {
+  const TemporaryFolder folder;
+  const std::string truth = poses() + "/scanner.yaml", old = folder.path() / "old.yaml";
+  const std::string corrected = folder.path() / "corrected.yaml";
+  const auto verify = [&](const std::string& in, const std::string& scanner) {
+    return run_program({"calibrate", "verify", in, "--scanner", scanner, "--corners", "7x5",
+                        "--spacing", "22", "-o", corrected});
+  };
+  const ProgramRun good = verify(poses(), truth);
+  ASSERT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_NE(good.out.find("scanner.yaml holds"), std::string::npos) << good.out;
+  EXPECT_FALSE(fs::exists(corrected)) << "there was nothing to correct";
+
+  Scanner knocked = read_scanner(truth);
+  knocked.rotation = Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()) * knocked.rotation;
+  write_scanner(old, knocked);
+  const ProgramRun bad = verify(poses() + "/board01", old);
+  ASSERT_EQ(bad.exit_code, 0) << bad.err;
+  EXPECT_NE(bad.out.find("does not hold; corrected, it does"), std::string::npos) << bad.out;
+  EXPECT_NE(bad.err.find("moved against each other"), std::string::npos) << bad.err;
+  const Scanner found = read_scanner(corrected);
+  EXPECT_LT(Eigen::AngleAxisd(found.rotation.transpose() * read_scanner(truth).rotation).angle(),
+            0.003);
+  EXPECT_EQ(found.camera, knocked.camera);
+  EXPECT_NE(found.measured.find("pose corrected by 1 boards"), std::string::npos);
+
+  knocked.camera.intrinsic(0, 0) *= 1.1;
+  knocked.camera.intrinsic(1, 1) *= 1.1;
+  write_scanner(old, knocked);
+  fs::remove(corrected);
+  expect_bad_input(verify(poses(), old), {"is not written", "focus, zoom", "calibrate geometry"});
+  EXPECT_FALSE(fs::exists(corrected));
+}
+
 TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
   const TemporaryFolder out;
   const fs::path file = out.path() / "board.png";
@@ -176,9 +249,13 @@ TEST(CalibrateBoardProgram, DrawsABoardAndSaysHowLargeToPrintIt) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("240.00 mm x 180.00 mm"), std::string::npos) << run.out;
   EXPECT_EQ(read_grey_image(file).size(), (Size{2400, 1800}));
-  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--corners", "9"}),
-                   {"--corners"});
-  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--dpi", "0"}), {"--dpi 0"});
+  expect_bad_input(
+      run_program({"calibrate", "board", "-o", file, "--corners", "9", "--spacing", "20"}),
+      {"--corners"});
+  expect_bad_input(run_program({"calibrate", "board", "-o", file, "--spacing", "20", "--dpi", "0"}),
+                   {"--dpi 0"});
+  expect_bad_input(run_program({"calibrate", "board", "-o", file}),
+                   {"--spacing is missing", "measure the side of a square"});
 }
 
 TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
@@ -186,12 +263,13 @@ TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
   const std::string folder = out.path() / "boards";
   for (const std::vector<std::string>& flag : std::vector<std::vector<std::string>>{
            {"--scene", "sphere"}, {"--axis", "y"}, {"--motion", "1", "0", "0"}}) {
-    std::vector<std::string> arguments{"simulate", folder, "--boards", "2"};
+    std::vector<std::string> arguments{"simulate", folder, "--boards", "2", "--spacing", "10"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
     expect_bad_input(run_program(arguments), {"--boards", flag[0]});
   }
   expect_bad_input(run_program({"simulate", folder, "--corners", "9x6"}), {"--boards"});
-  expect_bad_input(run_program({"simulate", folder, "--boards", "0"}), {"--boards 0"});
+  expect_bad_input(run_program({"simulate", folder, "--boards", "0", "--spacing", "10"}),
+                   {"--boards 0"});
   expect_bad_input(run_program({"simulate", folder, "--boards", "2", "--spacing", "60"}),
                    {"does not fit"});
   EXPECT_FALSE(fs::exists(folder));

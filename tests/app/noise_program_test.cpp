@@ -2,6 +2,7 @@
 // run them.
 #include <gtest/gtest.h>
 
+#include "slipstream/error/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"
@@ -55,6 +56,26 @@ TEST_F(NoiseProgram, CalibratesAmbientLightAndNoiseIntoTheScannerFile) {
                                         "--uncertainty", "-o", path("cloud.ply"), "--json"});
   EXPECT_EQ(cloud.exit_code, 0) << cloud.err;
   EXPECT_NE(cloud.out.find("median_sigma_z_mm"), std::string::npos) << cloud.out;
+}
+
+TEST_F(NoiseProgram, AmbientLightTakesTheResponseFirst) {
+  const std::string scan = path("bent"), file = path("bent.yaml");
+  ASSERT_EQ(run_program({"simulate",  scan,         "--scene",  "board",   "--camera",
+                         "160x120",   "--strategy", "pmp",      "--steps", "8",
+                         "--alpha-p", "200",        "--beta-p", "0",       "--ambient",
+                         "5",         "--noise",    "1",        "--gamma", "2.2"})
+                .exit_code,
+            0);
+  const ProgramRun refused = run_program({"calibrate", "ambient", scan, "-o", file});
+  EXPECT_EQ(refused.exit_code, 2) << refused.out;
+  EXPECT_NE(refused.err.find("calibrate gamma"), std::string::npos) << refused.err;
+  EXPECT_THROW((void)read_photometric_calibration(file), Error) << "a file was written";
+
+  ASSERT_EQ(run_program({"calibrate", "gamma", scan, "-o", file}).exit_code, 0);
+  const ProgramRun known =
+      run_program({"calibrate", "ambient", scan, "--scanner", file, "-o", file});
+  ASSERT_EQ(known.exit_code, 0) << known.err;
+  EXPECT_NEAR(read_photometric_calibration(file).ambient.value_or(0), 5, 0.5);
 }
 
 TEST_F(NoiseProgram, MeasuresNoiseOfOnePcmpScanAndWarnsOfIt) {

@@ -170,8 +170,8 @@ TEST_F(CalibrationOfCorners, ChoosesNoMoreCoefficientsThanThereAre) {
 
 TEST_F(CalibrationOfCorners, TellsFewPosesAndParallelBoards) {
   const auto warned = [](const GeometryCalibration& calibration, const std::string& words) {
-    for (const std::string& warning : calibration.warnings) {
-      if (warning.find(words) != std::string::npos) return true;
+    for (const Finding& finding : calibration.findings) {
+      if (text_of(finding).find(words) != std::string::npos) return true;
     }
     return false;
   };

@@ -8,6 +8,7 @@
 #include "slipstream/photometry/gamma_calibration.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/photometry/noise_calibration.h"
+#include "slipstream/photometry/response_linearity.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
@@ -48,6 +49,43 @@ TEST(AmbientCalibration, FindsTheAmbientLight) {
   EXPECT_NEAR(calibrate_ambient(scans).estimate.mode, -5, 0.2);
   const Sequence cued{.strategy = PhaseChannelMultiplexing{}};
   expect_error([&] { require_ambient_measurable(cued, "a cued scan"); }, {"a cued scan"});
+}
+
+TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {
+  for (const int steps : {4, 6, 12}) {
+    for (const double gamma : {0.7, 1.3, 2.2}) {
+      ScanAverage scans;
+      scans.add(scan_of(PhaseMeasuring{.steps = steps},
+                        {.ambient = 5, .gamma = gamma, .noise_variance = 2, .seed = 3}),
+                "a scan");
+      EXPECT_NEAR(calibrate_ambient(scans, 0.5, PowerLaw{gamma}).estimate.mode, 5, 0.3)
+          << steps << " steps, gamma " << gamma;
+      expect_error([&] { (void)calibrate_ambient(scans); },
+                   {"not linear", "second harmonic", "calibrate gamma"});
+      expect_error([&] { (void)calibrate_ambient(scans, 0.5, PowerLaw{1.7}); },
+                   {"response in the scanner file", "calibrate gamma again"});
+    }
+  }
+}
+
+TEST(ResponseLinearity, IsTheSecondHarmonic) {
+  for (const int steps : {4, 5, 8}) {
+    const auto of = [&](double gamma) {
+      ScanAverage scans;
+      scans.add(scan_of(PhaseMeasuring{.steps = steps},
+                        {.gamma = gamma, .noise_variance = 2, .seed = 5}, bright),
+                "a scan");
+      return response_linearity(scans).value();
+    };
+    EXPECT_TRUE(has_second_harmonic(of(1), 0)) << of(1).second;
+    EXPECT_FALSE(has_second_harmonic(of(1.05), 0)) << of(1.05).second;
+    EXPECT_TRUE(has_second_harmonic(of(2.2), second_harmonic(bright, PowerLaw{2.2}, steps)))
+        << of(2.2).second;
+    EXPECT_LT(of(1).standard_error, 0.001);
+  }
+  ScanAverage three;
+  three.add(scan_of(PhaseMeasuring{.steps = 3}, {.gamma = 2}), "a scan");
+  EXPECT_FALSE(response_linearity(three));
 }
 
 TEST(GammaCalibration, FindsGammaByEachPixelAndByAll) {

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/image/image.h"
+#include "slipstream/phase/phase_correction.h"
+#include "slipstream/scan/scan.h"
+
+namespace slipstream {
+
+/// What the frames of one scan of a board say about how they were taken, by a few thousand of its
+/// pixels that are bright and not saturated.
+struct FringeSigns {
+  double saturated = 0;  ///< share of the board's pixels that some frame shows at full scale
+  int steps = 0;         ///< N of the band that measures; 0 where that is no run of steps
+  double period = 0;  ///< of a fringe of that band, projector pixels; 0 where nothing was measured
+  /// Amplitude, rad, of the error of that band's phase that repeats N times in each fringe, against
+  /// the smooth course of the phase over a flat board; and its standard deviation.
+  double ripple = 0;
+  double ripple_deviation = 0;
+  /// Modulation of the finest band over that of the coarsest, each by its share: 1 where fringes
+  /// are sharp, less where they are blurred.
+  double contrast = 1;
+  /// Mean cosine of the difference between the phase of a band and what the next coarser one says
+  /// of it, the least over the bands: 1 where they agree, about 0 where they have nothing to do
+  /// with each other.
+  double agreement = 1;
+  /// Where another order of the frames makes bands agree that do not: frame `order[n]` shows
+  /// pattern n. Empty where the order is right, or none was found.
+  std::vector<int> order{};
+};
+
+/// `corners`: of the board, pixels. Phases are corrected by what `corrections` has for their N.
+/// Nothing is measured where too few pixels are bright. The frames must be the layout's.
+FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
+                         double minimum_modulation, const PhaseCorrections& corrections = {});
+
+/// Whether a ripple is one: larger than noise and than what does no harm.
+bool has_ripple(const FringeSigns& signs);
+
+/// How soft the edges of a board's print are in a picture: the standard deviation of the Gaussian
+/// that would blur them so, pixels, the median of all edges; and the same in spacings of the board.
+struct EdgeSoftness {
+  double pixels = 0;
+  double spacings = 0;
+};
+
+/// `places` and `corners`: which places of the board are where in the picture. Zero where no two
+/// neighbours are seen.
+EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,
+                           const std::vector<int>& places,
+                           const std::vector<Eigen::Vector2d>& corners);
+
+/// All of it of one pose.
+struct CaptureSigns {
+  FringeSigns x{};
+  FringeSigns y{};
+  EdgeSoftness edges{};
+};
+
+}  // namespace slipstream

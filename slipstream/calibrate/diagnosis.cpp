@@ -1,0 +1,374 @@
+#include "slipstream/calibrate/diagnosis.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/noise/robust.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+/// Of the scans of all poses along both axes that were measured.
+std::vector<FringeSigns> measured_scans(const std::vector<BoardView>& views) {
+  std::vector<FringeSigns> scans;
+  for (const BoardView& view : views) {
+    for (const FringeSigns& signs : {view.signs.x, view.signs.y}) {
+      if (signs.period > 0) scans.push_back(signs);
+    }
+  }
+  return scans;
+}
+
+template <class Value>
+double median_of(const std::vector<FringeSigns>& scans, const Value& value) {
+  std::vector<double> values;
+  values.reserve(scans.size());
+  for (const FringeSigns& signs : scans) values.push_back(value(signs));
+  return median(std::move(values));
+}
+
+void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& scans) {
+  const auto rippled = std::count_if(scans.begin(), scans.end(), has_ripple);
+  // A response is the same in all scans; what only a few show is something else.
+  if (2 * rippled < static_cast<std::ptrdiff_t>(scans.size()) || rippled == 0) return;
+  const double ripple = median_of(scans, [](const FringeSigns& signs) { return signs.ripple; });
+  const double pixels = median_of(scans, [](const FringeSigns& signs) {
+    return signs.ripple * signs.period / (2 * std::numbers::pi);
+  });
+  findings.push_back(
+      {.what = fmt::format("the phase is off by a ripple that repeats {} times in each fringe",
+                           scans.front().steps),
+       .evidence = {{"ripple, rad", ripple}, {"ripple, projector px", pixels}},
+       .likely = "uncorrected gamma: the projector's or the camera's response is not linear",
+       .advice = "calibrate gamma into the same scanner file first, then this again; or turn the "
+                 "projector's gamma and picture modes off"});
+}
+
+void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& views,
+              const std::vector<FringeSigns>& scans) {
+  // Where edges take more than an eighth of a square, less than half of it is flat, and corners
+  // move with what is beside them; less than one and a half pixels are those of the pixels.
+  constexpr double softest_spacings = 0.125, softest_pixels = 1.5;
+  // Half as much modulation doubles the noise of the phase; sharp fringes keep over 0.9.
+  constexpr double least_contrast = 0.6;
+  std::vector<double> pixels, spacings;
+  for (const BoardView& view : views) {
+    if (view.signs.edges.pixels <= 0) continue;
+    pixels.push_back(view.signs.edges.pixels);
+    spacings.push_back(view.signs.edges.spacings);
+  }
+  if (!pixels.empty()) {
+    const double wide = median(std::move(pixels)), share = median(std::move(spacings));
+    if (wide > softest_pixels && share > softest_spacings) {
+      findings.push_back({.what = "the edges of the board's print are soft",
+                          .evidence = {{"softness, px", wide}, {"softness, squares", share}},
+                          .likely = "the camera is out of focus, or the board moved while exposed",
+                          .advice = "focus the camera on the board, close the aperture a little"});
+      return;
+    }
+  }
+  if (scans.empty()) return;
+  const double contrast = median_of(scans, [](const FringeSigns& signs) { return signs.contrast; });
+  if (contrast >= least_contrast) return;
+  findings.push_back(
+      {.what = "fine fringes are much fainter than coarse ones, though the print is sharp",
+       .evidence = {{"modulation, of the coarse fringes'", contrast}},
+       .likely = "the projector is out of focus",
+       .advice = "focus the projector on the board, or show fewer periods"});
+}
+
+void add_overexposure(std::vector<Finding>& findings, const std::vector<BoardView>& views) {
+  constexpr double most_saturated = 0.25;  // half of the bright squares
+  std::vector<double> shares;
+  shares.reserve(views.size());
+  for (const BoardView& view : views) {
+    shares.push_back(std::max(view.signs.x.saturated, view.signs.y.saturated));
+  }
+  const double share = median(std::move(shares));
+  if (share <= most_saturated) return;
+  findings.push_back({.what = "much of the board is saturated, and its phase left out",
+                      .evidence = {{"saturated share, %", 100 * share}},
+                      .likely = "overexposed frames",
+                      .advice = "expose less, close the aperture or dim the projector"});
+}
+
+/// k, where a shift is that of k of the N steps of a fringe; none for no shift.
+std::optional<int> slipped_steps(double shift, const FringeSigns& signs) {
+  if (signs.steps == 0 || signs.period <= 0) return std::nullopt;
+  constexpr double tolerance = 0.05;  // of a step: chance hits one in ten
+  const double steps = shift / signs.period * signs.steps;
+  const double whole = std::round(steps);
+  if (std::abs(steps - whole) > tolerance || whole == 0) return std::nullopt;
+  return (static_cast<int>(whole) % signs.steps + signs.steps) % signs.steps;
+}
+
+void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibration,
+              const char* device, const Lens& lens, const LensDeviation& deviation) {
+  constexpr double most_doubt = 0.002;  // by which lengths are then off at the edges of the depth
+  constexpr double enough_tilt = 30 * degree;
+  const double doubt = deviation.focal.maxCoeff() / lens.intrinsic(0, 0);
+  if (doubt <= most_doubt) return;
+  const char* const likely = calibration.largest_tilt < enough_tilt ? "too few tilts of the board"
+                             : calibration.poses.size() < 8
+                                 ? "too few poses"
+                                 : "corners that are seen uncertainly: blur, darkness or noise";
+  findings.push_back({.what = fmt::format("the {}'s focal length is uncertain", device),
+                      .evidence = {{"standard deviation, %", 100 * doubt},
+                                   {"largest tilt, degrees", calibration.largest_tilt / degree}},
+                      .likely = likely,
+                      .advice = "take more poses, tilted by 20 to 40 degrees, each another way"});
+}
+
+bool nearly_parallel(const GeometryCalibration& calibration) {
+  constexpr double least_tilt = 15 * degree;
+  return calibration.largest_tilt < least_tilt;
+}
+
+void add_few(std::vector<Finding>& findings, const GeometryCalibration& calibration) {
+  constexpr std::size_t few_poses = 5;
+  const auto count = calibration.poses.size();
+  if (count < few_poses) {
+    findings.push_back({.what = fmt::format("only {} poses", count),
+                        .evidence = {{"poses", static_cast<double>(count)}},
+                        .likely = "too few poses, or too many that could not be used",
+                        .advice = "ten or more are better"});
+  }
+  if (nearly_parallel(calibration)) {
+    findings.push_back(
+        {.what = "all boards are nearly parallel: focal lengths and distances are uncertain",
+         .evidence = {{"largest tilt, degrees", calibration.largest_tilt / degree}},
+         .likely = "too few tilts of the board",
+         .advice = "tilt the board by 20 to 40 degrees, each way"});
+  }
+}
+
+void add_coverage(std::vector<Finding>& findings, const char* device, double covered) {
+  // Two devices see two thirds or so of each picture together, and no board reaches all of it.
+  constexpr double least_covered = 0.4;
+  if (covered >= least_covered) return;
+  findings.push_back(
+      {.what = fmt::format("the {}'s distortion is not known where no board was", device),
+       .evidence = {{"covered share, %", 100 * covered}},
+       .likely = "boards held only in the middle of the picture, or too far away",
+       .advice = "hold the board towards the edges and corners too"});
+}
+
+void add_print(std::vector<Finding>& findings, const PrintShape& print) {
+  constexpr double deviations = 6;         // the places' errors are not independent
+  constexpr double least_bend = 0.001;     // of the board's size: what a flat board may have
+  constexpr double least_stretch = 0.004;  // four times what good printers do
+  if (print.bend > std::max(least_bend * print.size, deviations * print.bend_deviation)) {
+    findings.push_back(
+        {.what = "the board's corners do not lie in a plane, in the same way in all poses",
+         .evidence = {{"bend, mm", print.bend}, {"size of the board, mm", print.size}},
+         .likely = "a bent board",
+         .advice = "glue the print to something flat, such as glass; with --print exact it spoils "
+                   "the calibration, with --print estimated little"});
+  }
+  if (std::abs(print.stretch) > std::max(least_stretch, deviations * print.stretch_deviation)) {
+    findings.push_back({.what = "rows and columns of the board are not spaced alike",
+                        .evidence = {{"rows to columns, %", 100 * print.stretch}},
+                        .likely = "a print stretched along one axis",
+                        .advice = "measure the print and give both lengths with --measured"});
+  }
+}
+
+void add_projector_size(std::vector<Finding>& findings, const GeometryCalibration& calibration) {
+  constexpr double least = 0.02, deviations = 6;
+  const auto aspect = [](const Lens& lens) { return lens.intrinsic(1, 1) / lens.intrinsic(0, 0); };
+  const Scanner& scanner = calibration.state.scanner;
+  const double ratio = aspect(scanner.projector) / aspect(scanner.camera);
+  const double deviation =
+      calibration.deviation.projector.focal.norm() / scanner.projector.intrinsic(0, 0);
+  const auto off = [&](double pixels) { return std::abs(ratio / pixels - 1); };
+  // Some projectors' pixels are twice as high as wide, or half.
+  if (std::min({off(1), off(2), off(0.5)}) < std::max(least, deviations * deviation)) return;
+  findings.push_back({.what = "the projector's pixels come out not square",
+                      .evidence = {{"height to width", 1 / ratio}},
+                      .likely = "another projector size than the patterns were made for",
+                      .advice = "check --projector"});
+}
+
+void add_lit(std::vector<Finding>& findings, const CalibratedPose& pose) {
+  constexpr double least_lit = 0.9;
+  if (pose.lit >= least_lit * pose.corners) return;
+  findings.push_back(
+      {.what =
+           fmt::format("{}: the projector coordinate of some corners could not be told", pose.name),
+       .evidence = {{"corners without", static_cast<double>(pose.corners - pose.lit)},
+                    {"corners", static_cast<double>(pose.corners)}},
+       .likely = "parts of the board too dark, overexposed, or outside the projector's light",
+       .advice = "light the whole board; change the exposure, lower --min-modulation"});
+}
+
+/// Whether all corners are off alike, as what moves between two devices makes them, but for a
+/// share.
+bool is_shift(const ProjectorOffset& offset) {
+  constexpr double most_spread = 0.3;
+  return offset.spread < most_spread * offset.mean.norm();
+}
+
+/// The pose that fits worst, where it fits badly.
+void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& calibration) {
+  // Twice the RMS of the others, where chance leaves 1 to 2.5; what is no shift may be a lens model
+  // that does not reach as far as the pose, which real boards show up to 8.
+  constexpr double largest_of_shift = 4, largest = 12;
+  const auto& poses = calibration.poses;
+  const auto worst = std::max_element(
+      poses.begin(), poses.end(),
+      [](const CalibratedPose& a, const CalibratedPose& b) { return a.misfit < b.misfit; });
+  if (worst->misfit <= (is_shift(worst->offset) ? largest_of_shift : largest)) return;
+  const auto v = static_cast<std::size_t>(worst - poses.begin());
+  findings.push_back(finding_of_pose(calibration.views[v], worst->offset));
+  findings.back().evidence.push_back({"its RMS, px", worst->rms.stereo});
+  findings.back().evidence.push_back({"RMS of all, px", calibration.rms.stereo});
+}
+
+/// Whether several poses are shifted alike badly, and two rigs explain them better than one.
+bool has_moved(const GeometryCalibration& calibration) {
+  constexpr double least_misfit = 4, dominance = 3;
+  // Without a cause a second rig takes 1 to 5 hundredths of the squared error away.
+  constexpr double least_gain = 1.3;
+  if (!calibration.moved || calibration.moved->gain < least_gain) return false;
+  std::vector<double> misfits;
+  for (const CalibratedPose& pose : calibration.poses) {
+    if (is_shift(pose.offset) && pose.misfit > least_misfit) misfits.push_back(pose.misfit);
+  }
+  std::sort(misfits.rbegin(), misfits.rend());
+  return misfits.size() >= 2 && misfits[0] < dominance * misfits[1];
+}
+
+void add_large_rms(std::vector<Finding>& findings, const ReprojectionRms& rms) {
+  constexpr double largest_camera = 0.5, largest_projector = 0.7;  // pixels
+  if (rms.camera > largest_camera) {
+    findings.push_back({.what = "corners are not where the camera should see them",
+                        .evidence = {{"camera RMS, px", rms.camera}},
+                        .likely = "corners seen uncertainly: a board that moves, darkness or noise",
+                        .advice = "hold the board still, expose longer"});
+  }
+  if (rms.projector > largest_projector) {
+    findings.push_back(
+        {.what = "corners are not where the projector should light them",
+         .evidence = {{"projector RMS, px", rms.projector}},
+         .likely = "fringes that are faint, too dark or overexposed",
+         .advice = "make the projector's light on the board brighter, expose longer"});
+  }
+}
+
+std::string wrong_order(const FringeSigns& signs) {
+  return fmt::format("frames in the wrong order: pattern n is in frame {}",
+                     fmt::join(signs.order, ","));
+}
+
+}  // namespace
+
+std::vector<Finding> refusals_of_frames(const std::string& pose, const CaptureSigns& signs) {
+  // Nothing in common but chance; a response that bends the phase leaves a ripple.
+  constexpr double unrelated = 0.25;
+  std::vector<Finding> findings;
+  for (const auto& [axis, scan] : {std::pair("x", signs.x), std::pair("y", signs.y)}) {
+    Finding finding{
+        .gravity = Gravity::wrong,
+        .what = fmt::format("{}: coarse and fine fringes along {} disagree", pose, axis),
+        .evidence = {{"agreement", scan.agreement}},
+        .likely = "",
+        .advice = ""};
+    if (!scan.order.empty()) {
+      finding.likely = wrong_order(scan);
+      finding.advice = "take the pose again, or put its frames in order";
+    } else if (scan.agreement < unrelated && !has_ripple(scan)) {
+      finding.likely = "another strategy than said, or other periods and steps";
+      finding.advice = "check --strategy, --high, --low and --steps";
+    } else {
+      continue;
+    }
+    findings.push_back(std::move(finding));
+  }
+  return findings;
+}
+
+std::vector<Finding> findings_of_frames(const std::vector<BoardView>& views) {
+  std::vector<Finding> findings;
+  const std::vector<FringeSigns> scans = measured_scans(views);
+  add_overexposure(findings, views);
+  add_blur(findings, views, scans);
+  add_gamma(findings, scans);
+  return findings;
+}
+
+Finding finding_of_pose(const BoardView& view, const ProjectorOffset& offset) {
+  constexpr double most_beside = 0.3;
+  const Eigen::Vector2d shift = offset.mean;
+  const bool along_x = std::abs(shift.y()) < most_beside * std::abs(shift.x());
+  const bool along_y = std::abs(shift.x()) < most_beside * std::abs(shift.y());
+  Finding finding{
+      .what = fmt::format("{}: its corners do not fit the other poses", view.name),
+      .evidence = {{"shift along x, projector px", shift.x()},
+                   {"shift along y, projector px", shift.y()},
+                   {"spread about it, projector px", offset.spread}},
+      .likely = "one bad pose: the board moved or was bent in it, or it is another camera's",
+      .advice = "take it again or leave it out with --exclude"};
+  if (!is_shift(offset)) return finding;
+  const auto slip = along_x   ? slipped_steps(shift.x(), view.signs.x)
+                    : along_y ? slipped_steps(shift.y(), view.signs.y)
+                              : std::nullopt;
+  const char* const axis = along_x ? "x" : "y";
+  if (slip) {
+    finding.likely = fmt::format(
+        "a slip: frames in the wrong order along {}, {} steps of the fringe late", axis, *slip);
+  } else if (along_x || along_y) {
+    finding.likely = fmt::format(
+        "one bad pose: the board moved between the scans along x and along y, most along {}", axis);
+  } else {
+    finding.likely = "one bad pose: camera, projector or board was moved in it";
+  }
+  return finding;
+}
+
+Finding finding_of_moved_rig(const std::string& last, const std::string& first) {
+  return {.what = fmt::format("the poses up to {} and those from {} on fit two rigs, not one", last,
+                              first),
+          .evidence = {},
+          .likely = "the rig was moved: camera and projector stand otherwise since then",
+          .advice = "clamp both to one base and calibrate with the poses of one part"};
+}
+
+std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
+  std::vector<Finding> findings = findings_of_frames(calibration.views);
+  if (has_moved(calibration)) {
+    const auto& [first, gain] = *calibration.moved;
+    findings.push_back(
+        finding_of_moved_rig(calibration.poses[first - 1].name, calibration.poses[first].name));
+    findings.back().evidence = {{"squared error with one rig, of that with two", gain}};
+  } else {
+    add_worst_pose(findings, calibration);
+  }
+  // What has a cause already bends the board, and makes all else uncertain, as well.
+  if (findings.empty() && !nearly_parallel(calibration)) {
+    add_print(findings, calibration.print);
+    add_projector_size(findings, calibration);
+    if (findings.empty()) {
+      const Scanner& scanner = calibration.state.scanner;
+      add_lens(findings, calibration, "camera", scanner.camera, calibration.deviation.camera);
+      add_lens(findings, calibration, "projector", scanner.projector,
+               calibration.deviation.projector);
+      add_large_rms(findings, calibration.rms);
+    }
+  }
+  for (const CalibratedPose& pose : calibration.poses) add_lit(findings, pose);
+  add_few(findings, calibration);
+  add_coverage(findings, "camera", calibration.covered_camera);
+  add_coverage(findings, "projector", calibration.covered_projector);
+  return findings;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,322 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include <Eigen/QR>
+
+#include "slipstream/calibrate/capture_signs.h"
+#include "slipstream/image/quantile.h"
+#include "slipstream/noise/robust.h"
+#include "slipstream/phase/equations.h"
+
+namespace slipstream {
+namespace {
+
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+/// Pixels of a board and what the frames show there, grey levels of 8 bits: a row for each pixel, a
+/// column for each frame.
+struct Samples {
+  double saturated = 0;     ///< share of the board's pixels, which are left out
+  Eigen::MatrixX2d pixels;  ///< from the board's middle, in its largest half side
+  Eigen::MatrixXd light;
+};
+
+constexpr int wanted_samples = 3000;  // by which a ripple of a hundredth of a radian stands out
+constexpr Eigen::Index fewest_samples = 200;
+
+double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < corners.size(); ++j) {
+    if (j != i) least = std::min(least, (corners[i] - corners[j]).norm());
+  }
+  return least;
+}
+
+/// Pixels evenly spread about each corner, as far as half way to the next.
+std::vector<std::pair<int, int>> pixels_about(const std::vector<Eigen::Vector2d>& corners,
+                                              Size size) {
+  const int side = static_cast<int>(
+      std::ceil(std::sqrt(wanted_samples / std::max(1.0, static_cast<double>(corners.size())))));
+  std::vector<std::pair<int, int>> pixels;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const double reach = distance_to_next(corners, i);
+    for (int k = 0; k < side * side; ++k) {
+      const int across = k % side, down = k / side;
+      const Eigen::Vector2d offset((across + 0.5) / side - 0.5, (down + 0.5) / side - 0.5);
+      const Eigen::Vector2d at = corners[i] + reach * offset;
+      const int column = static_cast<int>(std::lround(at.x()));
+      const int row = static_cast<int>(std::lround(at.y()));
+      if (column < 0 || row < 0 || column >= size.width || row >= size.height) continue;
+      pixels.emplace_back(column, row);
+    }
+  }
+  std::sort(pixels.begin(), pixels.end());
+  pixels.erase(std::unique(pixels.begin(), pixels.end()), pixels.end());
+  return pixels;
+}
+
+Eigen::MatrixXd light_at(const FrameViews& frames, const std::vector<std::pair<int, int>>& pixels) {
+  Eigen::MatrixXd light(static_cast<Eigen::Index>(pixels.size()), frames.count());
+  const double grey_level = frames.full_scale() / 255;
+  frames.visit([&](const auto& images) {
+    for (Eigen::Index i = 0; i < light.rows(); ++i) {
+      const auto& [column, row] = pixels[static_cast<std::size_t>(i)];
+      for (Eigen::Index n = 0; n < light.cols(); ++n) {
+        const auto value = images[static_cast<std::size_t>(n)](column, row);
+        light(i, n) = static_cast<double>(value) / grey_level;
+      }
+    }
+  });
+  return light;
+}
+
+/// The bright ones of the pixels, where what is dark of the print does not blur into them, without
+/// those that are saturated.
+Samples samples_of(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
+                   double minimum_modulation) {
+  constexpr double bright_share = 0.6, bright_quantile = 0.8;
+  const auto pixels = pixels_about(corners, scan.frames.size());
+  const Eigen::MatrixXd light = light_at(scan.frames, pixels);
+  const Eigen::VectorXd range = light.rowwise().maxCoeff() - light.rowwise().minCoeff();
+  if (range.size() == 0) return {};
+  constexpr double full_scale = 255;
+  const double saturated = (light.rowwise().maxCoeff().array() >= full_scale).cast<double>().mean();
+  std::vector<double> ranges(range.begin(), range.end());
+  const double least =
+      std::max(bright_share * quantile(ranges, bright_quantile), 2 * minimum_modulation);
+  std::vector<Eigen::Index> bright;
+  for (Eigen::Index i = 0; i < light.rows(); ++i) {
+    if (range[i] >= least && light.row(i).maxCoeff() < full_scale) bright.push_back(i);
+  }
+  if (static_cast<Eigen::Index>(bright.size()) < fewest_samples) return {saturated, {}, {}};
+  Samples samples{saturated, Eigen::MatrixX2d(bright.size(), 2), light(bright, Eigen::all)};
+  for (std::size_t i = 0; i < bright.size(); ++i) {
+    const auto& [column, row] = pixels[static_cast<std::size_t>(bright[i])];
+    samples.pixels.row(static_cast<Eigen::Index>(i)) << column, row;
+  }
+  samples.pixels.rowwise() -= samples.pixels.colwise().mean().eval();
+  samples.pixels /= samples.pixels.cwiseAbs().maxCoeff();
+  return samples;
+}
+
+/// What phases are computed with.
+struct Decoding {
+  std::vector<const Band*> bands;  ///< each of them unwraps the next
+  const PhaseCorrections& corrections;
+};
+
+/// C + i S of every sample, frame `order[n]` taken for pattern n.
+Eigen::VectorXcd phasors(const Samples& samples, const Band& band, const std::vector<int>& order) {
+  Eigen::VectorXcd weights = Eigen::VectorXcd::Zero(samples.light.cols());
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    weights[order[n]] = Complex(band.cosine[n], band.sine[n]);
+  }
+  return samples.light * weights;
+}
+
+/// Phase of every sample, [0, 2 pi), corrected as decoding corrects it.
+Eigen::VectorXd phases(const Samples& samples, const Band& band, const std::vector<int>& order,
+                       const PhaseCorrections& corrections) {
+  const auto run = step_run(band);
+  const auto found = run ? corrections.find(run->steps) : corrections.end();
+  return phasors(samples, band, order).unaryExpr([&](const Complex& phasor) {
+    const double phase = wrapped_angle(phasor.imag(), phasor.real());
+    return found == corrections.end() ? phase : corrected_phase(found->second, phase);
+  });
+}
+
+/// The bands of a layout that is unwrapped from band to band, coarse first; none else.
+std::vector<const Band*> ladder(const Layout& layout) {
+  std::vector<const Band*> bands;
+  if (layout.unwrapping != Unwrapping::hierarchical) return bands;
+  for (const std::size_t band : coarse_to_fine(layout)) bands.push_back(&layout.bands[band]);
+  return bands;
+}
+
+/// FringeSigns::agreement of the frames in that order.
+double agreement(const Samples& samples, const Decoding& decoding, const std::vector<int>& order) {
+  const auto& [bands, corrections] = decoding;
+  double least = 1;
+  for (std::size_t b = 1; b < bands.size(); ++b) {
+    const double ratio = bands[b]->periods / bands[b - 1]->periods;
+    const Eigen::VectorXd coarse = phases(samples, *bands[b - 1], order, corrections);
+    const Eigen::VectorXd fine = phases(samples, *bands[b], order, corrections);
+    least = std::min(least, (ratio * coarse - fine).array().cos().mean());
+  }
+  return least;
+}
+
+std::vector<int> in_order(int frames) {
+  std::vector<int> order(static_cast<std::size_t>(frames));
+  std::iota(order.begin(), order.end(), 0);
+  return order;
+}
+
+/// The orders that a slip or a slip of the hand makes: the scan begun late, or a band of it, and
+/// two frames exchanged.
+std::vector<std::vector<int>> wrong_orders(const Layout& layout) {
+  std::vector<std::vector<int>> orders;
+  const auto rotate = [&](int first, int count) {
+    for (int slip = 1; slip < count; ++slip) {
+      orders.push_back(in_order(layout.frames));
+      const auto begin = orders.back().begin() + first;
+      std::rotate(begin, begin + slip, begin + count);
+    }
+  };
+  rotate(0, layout.frames);
+  for (const Band& band : layout.bands) {
+    if (const auto run = step_run(band)) rotate(run->first, run->steps);
+  }
+  for (int a = 0; a < layout.frames; ++a) {
+    for (int b = a + 1; b < layout.frames; ++b) {
+      orders.push_back(in_order(layout.frames));
+      std::swap(orders.back()[static_cast<std::size_t>(a)],
+                orders.back()[static_cast<std::size_t>(b)]);
+    }
+  }
+  return orders;
+}
+
+// Bands agree by 0.95 and more but for noise and a response that bends the phase, which no order of
+// the frames mends: another order is believed where it agrees that well and far better.
+constexpr double agreeing = 0.75, gain = 0.25;
+
+/// The order, of the wrong ones, in which the bands agree best, where they then do.
+std::vector<int> mending_order(const Samples& samples, const Decoding& decoding,
+                               const Layout& layout, double agreement_as_is) {
+  std::vector<int> best;
+  double most = std::max(agreeing, agreement_as_is + gain);
+  if (most >= 1) return best;
+  for (std::vector<int>& order : wrong_orders(layout)) {
+    const double agreed = agreement(samples, decoding, order);
+    if (agreed <= most) continue;
+    most = agreed;
+    best = std::move(order);
+  }
+  return best;
+}
+
+/// The smooth course of a coordinate over a flat board that a lens looks at: y = (cubic in u, v) /
+/// (1 + g u + h v), written y = cubic - y (g u + h v) with the y so far on the right.
+Eigen::VectorXd smooth_course(const Eigen::MatrixX2d& pixels, const Eigen::VectorXd& y,
+                              const Eigen::VectorXd& weights) {
+  Eigen::MatrixXd terms(pixels.rows(), 12);
+  int term = 0;
+  for (int degree = 0; degree <= 3; ++degree) {
+    for (int of_v = 0; of_v <= degree; ++of_v) {
+      terms.col(term++) =
+          pixels.col(0).array().pow(degree - of_v) * pixels.col(1).array().pow(of_v);
+    }
+  }
+  terms.col(10) = -y.cwiseProduct(pixels.col(0));
+  terms.col(11) = -y.cwiseProduct(pixels.col(1));
+  const Eigen::VectorXd solution =
+      (weights.asDiagonal() * terms).colPivHouseholderQr().solve(weights.cwiseProduct(y));
+  return (terms.leftCols(10) * solution.head(10)).array() /
+         (1 + pixels.col(0).array() * solution[10] + pixels.col(1).array() * solution[11]);
+}
+
+/// How far the measured phase is off the smooth course, rad, within half a turn. `turns`: the
+/// phase as unwrapped, in turns; whole turns that are wrong do not count.
+Eigen::VectorXd phase_errors(const Samples& samples, Eigen::VectorXd turns) {
+  constexpr int rounds = 6;
+  Eigen::VectorXd errors = Eigen::VectorXd::Zero(turns.size());
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(turns.size());
+  for (int round = 0; round < rounds; ++round) {
+    const Eigen::VectorXd course = smooth_course(samples.pixels, turns, weights);
+    errors = turns - course;
+    std::vector<double> sizes;
+    for (const double error : errors) sizes.push_back(std::abs(error));
+    const double deviation = std::max(deviation_from_median(median(std::move(sizes))), 1e-6);
+    for (Eigen::Index i = 0; i < errors.size(); ++i) {
+      weights[i] = std::sqrt(tukey_weight(errors[i] / deviation));
+      const double whole = std::round(errors[i]);
+      turns[i] -= whole;
+      errors[i] -= whole;
+    }
+  }
+  return 2 * pi * errors;
+}
+
+/// The phase of every sample in turns, unwrapped from each to the nearest that is not yet: without
+/// the coarser bands, which what is looked for would spoil most.
+Eigen::VectorXd unwrapped_turns(const Samples& samples, const Eigen::VectorXd& phase) {
+  const Eigen::Index count = phase.size();
+  Eigen::VectorXd turns = phase / (2 * pi);
+  Eigen::VectorXd distance =
+      Eigen::VectorXd::Constant(count, std::numeric_limits<double>::infinity());
+  std::vector<Eigen::Index> from(static_cast<std::size_t>(count), 0);
+  std::vector<bool> done(static_cast<std::size_t>(count), false);
+  for (Eigen::Index at = 0, left = count; left > 0; --left) {
+    done[static_cast<std::size_t>(at)] = true;
+    distance[at] = std::numeric_limits<double>::infinity();
+    for (Eigen::Index i = 0; i < count; ++i) {
+      if (done[static_cast<std::size_t>(i)]) continue;
+      const double away = (samples.pixels.row(i) - samples.pixels.row(at)).squaredNorm();
+      if (away >= distance[i]) continue;
+      distance[i] = away;
+      from[static_cast<std::size_t>(i)] = at;
+    }
+    distance.minCoeff(&at);
+    const double before = turns[from[static_cast<std::size_t>(at)]];
+    if (left > 1) turns[at] += std::round(before - turns[at]);
+  }
+  return turns;
+}
+
+void measure_ripple(FringeSigns& signs, const Samples& samples, const Eigen::VectorXd& phase) {
+  const Eigen::VectorXd errors = phase_errors(samples, unwrapped_turns(samples, phase));
+  Complex sum = 0;
+  for (Eigen::Index i = 0; i < errors.size(); ++i) {
+    sum += errors[i] * std::polar(1.0, -signs.steps * phase[i]);
+  }
+  const auto count = static_cast<double>(errors.size());
+  signs.ripple = 2 * std::abs(sum) / count;
+  signs.ripple_deviation = std::sqrt(2 * errors.squaredNorm()) / count;
+}
+
+double modulation(const Samples& samples, const Band& band, const std::vector<int>& order) {
+  const Eigen::VectorXd sizes = phasors(samples, band, order).cwiseAbs();
+  return median({sizes.begin(), sizes.end()}) / band.share;
+}
+
+}  // namespace
+
+FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
+                         double minimum_modulation, const PhaseCorrections& corrections) {
+  const auto& [strategy, axis, light, projector, marker] = scan.sequence;
+  const Layout& layout = strategy.layout();
+  const Samples samples = samples_of(scan, corners, minimum_modulation);
+  FringeSigns signs{.saturated = samples.saturated};
+  if (samples.light.rows() == 0) return signs;
+  const std::vector<int> order = in_order(layout.frames);
+  const Decoding decoding{ladder(layout), corrections};
+  if (decoding.bands.size() > 1) {
+    signs.agreement = agreement(samples, decoding, order);
+    signs.order = mending_order(samples, decoding, layout, signs.agreement);
+    signs.contrast = modulation(samples, *decoding.bands.back(), order) /
+                     modulation(samples, *decoding.bands.front(), order);
+  }
+  const Band& measuring = measuring_band(layout);
+  signs.period = length_along(axis, projector) / measuring.periods;
+  const auto run = step_run(measuring);
+  if (!run) return signs;
+  signs.steps = run->steps;
+  measure_ripple(signs, samples, phases(samples, measuring, order, corrections));
+  return signs;
+}
+
+bool has_ripple(const FringeSigns& signs) {
+  // A gamma of 1.1 under three steps; what is less moves no corner by a fifth of a pixel.
+  constexpr double least = 0.03;    // rad
+  constexpr double deviations = 5;  // once in a million scans by chance
+  return signs.ripple > std::max(least, deviations * signs.ripple_deviation);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,172 @@
+#include "slipstream/calibrate/one_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/calibrate/diagnosis.h"
+#include "slipstream/calibrate/first_guess.h"
+#include "slipstream/calibrate/projector_offset.h"
+#include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
+#include "slipstream/noise/robust.h"
+
+namespace slipstream {
+namespace {
+
+using Views = std::vector<BoardView>;
+
+Views part(const Views& views, std::size_t first, std::size_t end) {
+  return {views.begin() + static_cast<std::ptrdiff_t>(first),
+          views.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+/// RMS over both devices, of each pose.
+std::vector<double> stereo_rms(const Views& views, const BundleState& state) {
+  std::vector<double> rms;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    double sum = 0;
+    int count = 0;
+    for (const auto& residuals :
+         {camera_residuals(views[v], state.scanner, state.poses[v], state.places),
+          projector_residuals(views[v], state.scanner, state.poses[v], state.places)}) {
+      for (const Eigen::Vector2d& residual : residuals) {
+        if (!residual.allFinite()) continue;
+        sum += residual.squaredNorm();
+        ++count;
+      }
+    }
+    rms.push_back(count > 0 ? std::sqrt(sum / count) : 0);
+  }
+  return rms;
+}
+
+double largest_rms(const Views& views, const BundleState& state) {
+  const std::vector<double> rms = stereo_rms(views, state);
+  return *std::max_element(rms.begin(), rms.end());
+}
+
+/// RMS of a pose, pixels, that is a blunder and not an imperfect board.
+double blunder(Size camera) {
+  constexpr double share_of_width = 0.003;
+  constexpr double least = 1.5;
+  return std::max(least, share_of_width * camera.width);
+}
+
+/// A pose without which the others agree, and how it stands before their scanner.
+struct OddPose {
+  std::size_t pose = 0;
+  double rms_of_others = 0;  ///< the largest, pixels
+  ProjectorOffset offset;
+};
+
+std::optional<OddPose> odd_pose(const Views& views, const BundleState& state,
+                                const std::vector<Eigen::Vector3d>& printed) {
+  if (views.size() <= fewest_poses) return std::nullopt;
+  const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
+  std::optional<OddPose> odd;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    Views rest = views;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(v));
+    const BundleState others = simple_calibration(rest, printed, camera, projector);
+    const double rms = largest_rms(rest, others);
+    if (rms > blunder(camera) || (odd && rms > odd->rms_of_others)) continue;
+    odd = {v, rms, projector_offset(views[v], others.scanner, state.poses[v], printed)};
+  }
+  return odd;
+}
+
+/// The pose from which on another rig fits, where the poses before and those after each fit one.
+struct OtherRig {
+  std::size_t first = 0;
+  double rms = 0;  ///< the largest of a pose under its own rig, pixels
+};
+
+std::optional<OtherRig> other_rig(const Views& views, const BundleState& state,
+                                  const std::vector<Eigen::Vector3d>& printed) {
+  const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
+  std::optional<OtherRig> other;
+  for (std::size_t k = fewest_poses; k + fewest_poses <= views.size(); ++k) {
+    double largest = 0;
+    for (const Views& half : {part(views, 0, k), part(views, k, views.size())}) {
+      const BundleState own = simple_calibration(half, printed, camera, projector);
+      largest = std::max(largest, largest_rms(half, own));
+    }
+    if (largest < (other ? other->rms : blunder(camera))) other = {k, largest};
+  }
+  return other;
+}
+
+/// Those poses with the rig free to stand otherwise than `state` says, and nothing else of it.
+double error_of_own_rig(const Views& views, BundleState state, std::size_t first, std::size_t end,
+                        const BundleSettings& settings) {
+  const Views some = part(views, first, end);
+  state.poses = {state.poses.begin() + static_cast<std::ptrdiff_t>(first),
+                 state.poses.begin() + static_cast<std::ptrdiff_t>(end)};
+  const std::vector<Eigen::Vector3d> places = state.places;
+  const BundleState own = bundle_adjusted(some, std::move(state), places, settings);
+  return mean_squared_error(some, own, *settings.pixel_deviations) *
+         static_cast<double>(end - first);
+}
+
+}  // namespace
+
+BundleState simple_calibration(const Views& views, const std::vector<Eigen::Vector3d>& printed,
+                               Size camera, Size projector) {
+  return bundle_adjusted(views, first_guess(views, printed, camera, projector), printed,
+                         {.camera_coefficients = 2, .projector_coefficients = 2});
+}
+
+void require_one_rig(const Views& views, const BundleState& state,
+                     const std::vector<Eigen::Vector3d>& printed) {
+  constexpr double most_of_median = 8;
+  const double bound = blunder(state.scanner.camera.size);
+  const std::vector<double> rms = stereo_rms(views, state);
+  const double limit = std::max(1.5, std::min(bound, most_of_median * median(rms)));
+  if (*std::max_element(rms.begin(), rms.end()) < limit) return;
+  // What spoils the frames of all poses spoils how they fit as well.
+  const std::vector<Finding> of_frames = findings_of_frames(views);
+  if (!of_frames.empty()) {
+    throw Error(fmt::format("the poses do not fit one camera and projector: {}",
+                            text_of(of_frames.front())));
+  }
+  const auto odd = odd_pose(views, state, printed);
+  const auto other = other_rig(views, state, printed);
+  // One pose that is bad is the simpler cause: two rigs must explain them far better.
+  if (other && (!odd || other->rms < odd->rms_of_others / 2)) {
+    throw Error(
+        text_of(finding_of_moved_rig(views[other->first - 1].name, views[other->first].name)));
+  }
+  if (odd) {
+    Finding finding = finding_of_pose(views[odd->pose], odd->offset);
+    finding.evidence.push_back({"its RMS, px", rms[odd->pose]});
+    throw Error(text_of(finding));
+  }
+  throw Error(
+      fmt::format("the poses do not fit one camera and projector (median RMS {:.3g} px); likely "
+                  "frames of two cameras are mixed, the rig was moved between poses, or the board "
+                  "is not as said: check --board and --corners, calibrate fewer poses",
+                  median(rms)));
+}
+
+std::optional<MovedRig> moved_rig(const Views& views, const BundleState& state) {
+  // Of five poses and fewer two rigs explain one bad pose, too.
+  constexpr std::size_t fewest = 2, fewest_in_all = 6;
+  BundleSettings settings{.hold_camera = true, .hold_projector = true};
+  settings.pixel_deviations = pixel_deviations(views, state);
+  if (views.size() < fewest_in_all) return std::nullopt;
+  const double one = error_of_own_rig(views, state, 0, views.size(), settings);
+  std::vector<double> two(views.size() - 2 * fewest + 1);
+  for_each_row(static_cast<int>(two.size()), [&](int split) {
+    const std::size_t k = static_cast<std::size_t>(split) + fewest;
+    two[static_cast<std::size_t>(split)] =
+        error_of_own_rig(views, state, 0, k, settings) +
+        error_of_own_rig(views, state, k, views.size(), settings);
+  });
+  const auto best = std::min_element(two.begin(), two.end());
+  return MovedRig{static_cast<std::size_t>(best - two.begin()) + fewest, one / *best};
+}
+
+}  // namespace slipstream

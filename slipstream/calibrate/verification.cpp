@@ -1,0 +1,167 @@
+#include "slipstream/calibrate/verification.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "slipstream/calibrate/diagnosis.h"
+#include "slipstream/calibrate/first_guess.h"
+#include "slipstream/calibrate/orientation.h"
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+// What a board is measured to that a good calibration has not seen, and as much again.
+constexpr double largest_epipolar = 0.5;       // projector pixels
+constexpr double largest_scale_error = 0.002;  // of a length
+constexpr double largest_flatness = 0.002;     // of the board's size
+
+/// Sums of squares over corners.
+struct Squares {
+  double sum = 0;
+  int count = 0;
+
+  void add(double square) {
+    sum += square;
+    ++count;
+  }
+  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
+/// Projector pixels from its pixel to the line on which what the camera sees must lie.
+double epipolar_distance(const Scanner& scanner, const Eigen::Vector2d& camera,
+                         const Eigen::Vector2d& projector) {
+  const Eigen::Vector3d line =
+      scanner.translation.cross(scanner.rotation * ray_through(scanner.camera, camera));
+  const double distance =
+      line.dot(ray_through(scanner.projector, projector)) / line.head<2>().norm();
+  return distance * scanner.projector.intrinsic(0, 0);
+}
+
+/// One pose under the scanner of `state`, in which it is pose `v`.
+BoardMeasure measured(const BoardView& view, const BundleState& state, std::size_t v,
+                      const std::vector<Eigen::Vector3d>& printed) {
+  Squares epipolar, camera, projector, both;
+  const auto of_camera = camera_residuals(view, state.scanner, state.poses[v], printed);
+  const auto of_projector = projector_residuals(view, state.scanner, state.poses[v], printed);
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    camera.add(of_camera[i].squaredNorm());
+    both.add(of_camera[i].squaredNorm());
+    if (!view.projector[i].allFinite()) continue;
+    projector.add(of_projector[i].squaredNorm());
+    both.add(of_projector[i].squaredNorm());
+    epipolar.add(std::pow(epipolar_distance(state.scanner, view.camera[i], view.projector[i]), 2));
+  }
+  const auto quality = board_quality(view, state.scanner, printed);
+  if (!quality) throw Error(fmt::format("{}: too few corners are lit to measure it", view.name));
+  return {epipolar.rms(), {camera.rms(), projector.rms(), both.rms()}, *quality};
+}
+
+/// Root mean squares over poses.
+BoardMeasure overall(const std::vector<VerifiedPose>& poses,
+                     const BoardMeasure VerifiedPose::*which) {
+  Squares epipolar, camera, projector, stereo, flatness, scale;
+  for (const VerifiedPose& pose : poses) {
+    const auto& [of_lines, rms, quality] = pose.*which;
+    epipolar.add(of_lines * of_lines);
+    camera.add(rms.camera * rms.camera);
+    projector.add(rms.projector * rms.projector);
+    stereo.add(rms.stereo * rms.stereo);
+    flatness.add(quality.flatness * quality.flatness);
+    scale.add(quality.scale_error * quality.scale_error);
+  }
+  return {
+      epipolar.rms(), {camera.rms(), projector.rms(), stereo.rms()}, {flatness.rms(), scale.rms()}};
+}
+
+bool is_good(const BoardMeasure& measure, double size) {
+  return measure.epipolar <= largest_epipolar &&
+         std::abs(measure.quality.scale_error) <= largest_scale_error &&
+         measure.quality.flatness <= largest_flatness * size;
+}
+
+std::vector<Evidence> evidence_of(const BoardMeasure& measure) {
+  return {{"epipolar distance, px", measure.epipolar},
+          {"scale error, %", 100 * measure.quality.scale_error},
+          {"flatness, mm", measure.quality.flatness}};
+}
+
+/// Whether all that the boards ask for is another scale: a baseline longer or shorter, as of a
+/// board whose spacing is not as said.
+bool only_scale(const Verification& verification, const Scanner& scanner) {
+  constexpr double negligible_turn = 0.05 * degree;
+  constexpr double most_across = 0.2;  // of the way
+  const Eigen::Vector3d moved = verification.corrected.translation - scanner.translation;
+  const double across = moved.cross(scanner.translation.normalized()).norm();
+  return verification.before.epipolar <= largest_epipolar &&
+         verification.rotation < negligible_turn && across < most_across * moved.norm();
+}
+
+Finding finding_of(const Verification& verification, const Scanner& scanner,
+                   const CalibrationBoard& board) {
+  Finding finding{.what = "the scanner does not hold any more",
+                  .evidence = evidence_of(verification.before),
+                  .likely = "",
+                  .advice = ""};
+  if (verification.mended) {
+    finding.likely = fmt::format(
+        "camera and projector moved against each other, by {:.2g} degrees and {:.2g} mm",
+        verification.rotation / degree, verification.translation);
+    finding.advice = "write the corrected scanner file with -o, and clamp them";
+  } else if (only_scale(verification, scanner)) {
+    const double scale = scanner.translation.norm() / verification.corrected.translation.norm();
+    finding.likely = "another spacing of the board than said: only the scale is off";
+    finding.advice = fmt::format("measure the print; {:.4g} mm would fit", scale * board.spacing);
+  } else {
+    finding.likely = "more than a move: focus, zoom or a lens changed, or the board is not as said";
+    finding.advice = "check the board's flags, then calibrate geometry again";
+  }
+  return finding;
+}
+
+}  // namespace
+
+Verification verify_scanner(std::vector<BoardView> views, const CalibrationBoard& board,
+                            const Scanner& scanner) {
+  require_valid(board);
+  require_valid(scanner);
+  if (views.empty()) throw Error("no pose of the board to verify with");
+  const std::vector<Eigen::Vector3d> printed = printed_places(board);
+  for (BoardView& view : views) view = without_wrong_fringes(std::move(view), printed);
+  for (const BoardView& view : views) require_same_handedness(view);
+
+  BundleState state{scanner, {}, printed};
+  for (const BoardView& view : views) {
+    state.poses.push_back(pose_before_camera(view, scanner.camera, printed));
+  }
+  BundleSettings settings{.hold_camera = true, .hold_projector = true, .hold_rig = true};
+  state = bundle_adjusted(views, std::move(state), printed, settings);
+  settings.hold_rig = false;
+  const BundleState moved = bundle_adjusted(views, state, printed, settings);
+
+  Verification result;
+  result.findings = findings_of_frames(views);
+  result.corrected = moved.scanner;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    result.poses.push_back({views[v].name, measured(views[v], state, v, printed),
+                            measured(views[v], moved, v, printed)});
+  }
+  result.before = overall(result.poses, &VerifiedPose::before);
+  result.after = overall(result.poses, &VerifiedPose::after);
+  result.rotation =
+      Eigen::AngleAxisd(scanner.rotation.transpose() * moved.scanner.rotation).angle();
+  result.translation = (moved.scanner.translation - scanner.translation).norm();
+  const double size = (printed.back() - printed.front()).norm();
+  result.holds = is_good(result.before, size);
+  result.mended = !result.holds && is_good(result.after, size) && !only_scale(result, scanner);
+  if (!result.holds) result.findings.push_back(finding_of(result, scanner, board));
+  return result;
+}
+
+}  // namespace slipstream

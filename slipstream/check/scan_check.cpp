@@ -67,11 +67,14 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   ScanFindings result;
   result.findings = light_faults(samples, light_of(model, samples, frames.bits(), least));
   if (any_wrong(result.findings)) return result;
-  append(result.findings, damaged_frames(samples));
+  std::vector<Finding> damaged = damaged_frames(samples);
+  const bool whole = damaged.empty();
+  append(result.findings, std::move(damaged));
   std::vector<Finding> of_scanner = scanner ? check_scanner(*scanner) : std::vector<Finding>{};
   const bool usable = scanner && !any_wrong(of_scanner);
   append(result.findings, std::move(of_scanner));
-  if (any_wrong(result.findings)) return result;
+  // What a damaged frame does to the rest explains nothing more.
+  if (!whole || any_wrong(result.findings)) return result;
   Explained explained = explain(
       {model, samples, sequence, usable ? &*scanner : nullptr, photometry, settings.moving});
   append(result.findings, std::move(explained.findings));

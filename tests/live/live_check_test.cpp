@@ -2,6 +2,7 @@
 #include "slipstream/live/live_check.h"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -96,6 +97,64 @@ TEST(LiveCheck, WhatItThrowsEndsThePipeline) {
       {.check = [](const FrameViews&) -> std::vector<Finding> { throw std::runtime_error("no"); }});
   run_to_its_end(pipeline);
   EXPECT_NE(pipeline.failure(), nullptr);
+}
+
+/// The frame of pattern 2 of a scan, as something makes it in some cycles.
+using Disturb = void (*)(Frame& frame);
+
+void expect_told(const Strategy& shown, Disturb disturb, const std::string& cause) {
+  constexpr int first = 10, last = 19, cycles = 30;
+  const int count = frame_count(shown);
+  std::vector<Frame> pictures = frames_of(
+      shown, {.size = {160, 120}, .cycles = 1, .photometry = {.ambient = 10, .noise_variance = 1}});
+  pictures.push_back(pictures[2]);
+  disturb(pictures.back());
+  std::vector<ScriptedStep> script;
+  for (int n = 0; n < cycles * count; ++n) {
+    const int cycle = n / count, pattern = n % count;
+    script.push_back({.frame = pattern == 2 && cycle >= first && cycle <= last ? count : pattern,
+                      .sequence = static_cast<std::uint64_t>(n),
+                      .pattern_index = pattern});
+  }
+  LivePipeline pipeline(std::make_unique<ScriptedSource>(std::move(pictures), std::move(script)),
+                        {.scanner = example_scanner({160, 120}), .sequence = {.strategy = shown}});
+  run_to_its_end(pipeline);
+  const std::vector<LiveFinding> told = pipeline.findings();
+  ASSERT_EQ(told.size(), 1U) << cause;
+  EXPECT_TRUE(told[0].finding.likely.find(cause) != std::string::npos) << text_of(told[0].finding);
+  const auto cycle_of = [&](std::uint64_t sequence) { return static_cast<int>(sequence) / count; };
+  EXPECT_GE(cycle_of(told[0].begin), first);
+  EXPECT_LE(cycle_of(told[0].begin), first + 2) << cause;
+  ASSERT_TRUE(told[0].end.has_value()) << cause;
+  EXPECT_LE(cycle_of(*told[0].end), last + 3) << cause;
+}
+
+template <class Change>
+void for_each_level(Frame& frame, const Change& change) {
+  auto& picture = std::get<Image<std::uint8_t>>(frame.pixels);
+  for (int row = 0; row < picture.height(); ++row) {
+    for (int column = 0; column < picture.width(); ++column) {
+      std::uint8_t& level = picture(column, row);
+      level = static_cast<std::uint8_t>(std::min(255.0, change(level, row) + 0.5));
+    }
+  }
+}
+
+TEST(LiveCheck, ADisturbanceIsNamedWhileItLasts) {
+  const std::vector<Strategy> strategies{PhaseMeasuring{.steps = 4}, DualFrequency{.steps = 3},
+                                         PhaseChannelMultiplexing{.steps = 6}};
+  for (const Strategy& shown : strategies) {
+    expect_told(
+        shown,
+        [](Frame& frame) { for_each_level(frame, [](double level, int) { return 1.06 * level; }); },
+        "flickers");
+    expect_told(
+        shown,
+        [](Frame& frame) {
+          for_each_level(frame, [](double level, int row) { return row < 60 ? level : 0; });
+        },
+        "lost");
+  }
 }
 
 TEST(LiveCheck, FindsNothingInGoodFrames) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "slipstream/live/live_check.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/strategy/registry.h"
@@ -150,6 +151,16 @@ BenchRow engine_row(const SharedScan& scan, int steps) {
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
 
+/// The look that live takes at each cycle of frames.
+BenchRow live_check_row(const SharedScan& scan, int steps) {
+  const auto check =
+      std::make_shared<LiveCheck>(scan->sequence, *scan->scanner, scan->frames.size());
+  const FrameViews frames = scan->frames;
+  check->look(frames);  // the first one checks the scan whole
+  return row_for(*scan, "live-check", steps, 0,
+                 [scan, check, frames] { static_cast<void>(check->look(frames)); });
+}
+
 /// The scan with a response to correct for.
 SharedScan with_gamma(const Scan& scan, double gamma) {
   Scan bent = scan;
@@ -170,6 +181,7 @@ void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
   }));
   rows.push_back(fused_row(scan, "fused", steps));
   rows.push_back(engine_row(scan, steps));
+  rows.push_back(live_check_row(scan, steps));
   rows.push_back(fused_row(with_gamma(*scan, 2.2), "fused-corrected", steps));
   if (steps == 3) {
     if (auto psp = opencv_psp(frames)) {

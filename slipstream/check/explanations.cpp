@@ -52,7 +52,7 @@ class Search {
  private:
   [[nodiscard]] Fit fit(const FrameModel& model, const FrameOrder& order) const {
     Fit result{.frames = FrameJudge(model)(scan_.samples, order), .moving = scan_.moving};
-    if (scan_.scanner != nullptr && has_coordinate(model.layout())) {
+    if (scan_.scanner != nullptr && model.has_coordinate()) {
       result.geometry =
           geometry_evidence(model, scan_.samples, *scan_.scanner, scan_.sequence.axis, order);
     }

@@ -59,7 +59,8 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     }
     corrected_steps_[b] = run->steps;
   }
-  if (layout_.cue) {
+  // A cue in the DC channel says nothing where the room's light is not known.
+  if (layout_.cue && (photometry.ambient || !needs_ambient_light(layout_))) {
     CueSettings settings{.light = sequence.light};
     settings.ambient = photometry.ambient.value_or(settings.ambient);
     settings.noise_variance = photometry.noise_variance.value_or(settings.noise_variance);
@@ -85,7 +86,7 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
       reading.phase[b] = corrected_phase(corrections_.at(steps), reading.phase[b]);
     }
   }
-  unwrap(reading, layout_.cue ? dot(layout_.cue->weights, levels, order) : 0);
+  unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
   explain(levels, order, reading);
 }
 

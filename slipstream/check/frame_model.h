@@ -41,7 +41,9 @@ class FrameModel {
   [[nodiscard]] const std::vector<std::size_t>& bands() const { return chain_; }
   [[nodiscard]] std::size_t measuring_band() const { return chain_.back(); }
   [[nodiscard]] double fewest_periods() const { return layout_.bands[chain_.front()].periods; }
-  /// Whether the cue is a number of its own, and no band.
+  /// Whether frames give a coordinate with what is known.
+  [[nodiscard]] bool has_coordinate() const { return has_real_cue() || fewest_periods() <= 1; }
+  /// Whether there is a cue that is a number of its own and no band, and can be read.
   [[nodiscard]] bool has_real_cue() const { return cue_.has_value(); }
   /// How many numbers the frames have more than patterns of that shape can give them.
   [[nodiscard]] std::size_t unexplained_count() const {

@@ -34,7 +34,7 @@ Scan skull() {
   scan.scanner = completed(read_scanner(folder / "calibration.xml"), "calibration.xml",
                            scan.frames.size(), scan.sequence.projector);
   // Between which the boards of calibration/ stood, by slipstream calibrate geometry.
-  scan.scanner->calibrated_depths = {342, 436};
+  scan.scanner->calibrated_depths = {306, 450};
   return scan;
 }
 

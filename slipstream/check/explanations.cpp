@@ -29,7 +29,7 @@ struct Explanation {
 class Search {
  public:
   explicit Search(const JudgedScan& scan)
-      : scan_(scan), as_given_(fit(scan.model, scan.model.identity())) {}
+      : scan_(scan), judge_(scan.model), as_given_(fit(scan.model, scan.model.identity())) {}
 
   [[nodiscard]] const Fit& as_given() const { return as_given_; }
 
@@ -66,7 +66,8 @@ class Search {
   }
 
   void try_gamma() {
-    if (scan_.photometry.response) return;
+    constexpr double most_residual = 0.4;  // of a gamma of 3 in eight steps
+    if (scan_.photometry.response || as_given_.frames.residual > most_residual) return;
     Explanation best{.misfit = as_given_.misfit()};
     for (double gamma = 1.3; gamma < 3.05; gamma += 0.1) {
       PhotometricCalibration corrected = scan_.photometry;
@@ -113,8 +114,19 @@ class Search {
     }
   }
 
+  /// Whether it is worth while to look at all groups and at the geometry, from a quarter of them.
+  [[nodiscard]] bool may_fit(const FrameOrder& order) {
+    constexpr std::size_t groups = 192;
+    constexpr double most_residual = 0.1;
+    const FrameEvidence& frames = judge_(scan_.samples, order, groups);
+    const auto agrees = [](const BandRelation& relation) { return relation.agreement >= 0.35; };
+    return frames.residual <= most_residual &&
+           std::all_of(frames.relations.begin(), frames.relations.end(), agrees);
+  }
+
   void try_orders() {
     for (MistakenOrder& mistake : mistaken_orders(scan_.model.layout())) {
+      if (!may_fit(mistake.order)) continue;
       keep(fit(scan_.model, mistake.order),
            {.likely = std::move(mistake.words),
             .advice = "try --order " + text_of(mistake.order),
@@ -236,6 +248,7 @@ class Search {
   }
 
   JudgedScan scan_;
+  FrameJudge judge_;
   Fit as_given_;
   std::vector<Explanation> explanations_;
 };

@@ -115,10 +115,12 @@ void FrameJudge::sum_up(std::size_t groups) {
   evidence_.seams = far_pairs_ > 0 ? static_cast<double>(seams_) / far_pairs_ : 0;
 }
 
-const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const FrameOrder& order) {
+const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const FrameOrder& order,
+                                            std::size_t most_groups) {
   clear();
+  const std::size_t groups = std::min(samples.groups(), most_groups);
   const bool can_leap = !model_.has_real_cue() && model_.fewest_periods() <= 1;
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
+  for (std::size_t g = 0; g < groups; ++g) {
     const float* const levels = samples.levels(g, Place::middle);
     const double variation = variation_of(levels, samples.frames());
     model_.read(levels, order, here_);
@@ -134,7 +136,7 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
       add_far_pair();
     }
   }
-  sum_up(samples.groups());
+  sum_up(groups);
   return evidence_;
 }
 

@@ -40,8 +40,10 @@ class FrameJudge {
   /// Refers to the model.
   explicit FrameJudge(const FrameModel& model);
 
-  /// Of the samples, with the frames in that order. Valid until the next call.
-  const FrameEvidence& operator()(const ScanSamples& samples, const FrameOrder& order);
+  /// Of the samples, or of the first so many groups, which are spread over the picture too, with
+  /// the frames in that order. Valid until the next call.
+  const FrameEvidence& operator()(const ScanSamples& samples, const FrameOrder& order,
+                                  std::size_t most_groups = static_cast<std::size_t>(-1));
 
  private:
   /// Mean of a product over neighbours, without the noise that they do not share.

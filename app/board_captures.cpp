@@ -3,28 +3,9 @@
 #include <filesystem>
 
 #include "app/progress.h"
-#include "slipstream/gamma/correction.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
-namespace {
-
-/// For every N that the poses' patterns have.
-PhaseCorrections corrections_for(const MeasuredResponse& response,
-                                 const std::vector<BoardScans>& poses) {
-  PhaseCorrections corrections;
-  for (const BoardScans& pose : poses) {
-    for (const ScanFiles* files : {&pose.x, &pose.y}) {
-      for (const int steps : step_counts(files->sequence.strategy)) {
-        if (corrections.contains(steps)) continue;
-        corrections.emplace(steps, phase_correction(response.response, steps));
-      }
-    }
-  }
-  return corrections;
-}
-
-}  // namespace
 
 void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
   command
@@ -51,8 +32,8 @@ PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBo
   const std::vector<BoardScans> poses =
       board_scans(flags.folder, amend_by_flags, axis_named(flags.first_axis));
   BoardCaptureSettings settings = flags.capture;
+  settings.response = response;
   if (response) {
-    settings.corrections = corrections_for(*response, poses);
     output.say("phases are corrected for the response in the scanner file, gamma {:.5g}",
                response->gamma);
   }

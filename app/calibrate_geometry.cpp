@@ -144,8 +144,7 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       {"translation_deviation_mm", json_of_vector(calibration.deviation.translation)},
       {"largest_tilt_rad", calibration.largest_tilt},
       {"depths_mm", {scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest}}};
-  told["findings"] = nlohmann::json::array();
-  for (const Finding& finding : report.findings) told["findings"].push_back(app::json_of(finding));
+  told["findings"] = app::json_of(report.findings);
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
     told["compared"] = {{"scanner", report.comparison->name},

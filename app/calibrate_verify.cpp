@@ -75,19 +75,16 @@ void verify(const CalibrateVerifyFlags& flags, Output& output) {
                      {"after", json_of_measure(found.after)},
                      {"rotation_rad", found.rotation},
                      {"translation_mm", found.translation},
-                     {"poses", nlohmann::json::array()},
-                     {"findings", nlohmann::json::array()}};
+                     {"poses", nlohmann::json::array()}};
   for (const VerifiedPose& pose : found.poses) {
     output.document["poses"].push_back({{"name", pose.name},
                                         {"before", json_of_measure(pose.before)},
                                         {"after", json_of_measure(pose.after)}});
   }
-  for (const auto* findings : {&captures.findings, &found.findings}) {
-    warn_of(*findings, output);
-    for (const Finding& finding : *findings) {
-      output.document["findings"].push_back(app::json_of(finding));
-    }
-  }
+  std::vector<Finding> findings = captures.findings;
+  findings.insert(findings.end(), found.findings.begin(), found.findings.end());
+  output.document["findings"] = app::json_of(findings);
+  warn_of(findings, output);
   say_measure("as it is", found.before, output);
   say_measure("corrected", found.after, output);
   output.say("the correction turns the projector by {:.3f} degrees and moves it by {:.3f} mm",

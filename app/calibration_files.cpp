@@ -33,7 +33,7 @@ void check_and_take(const std::vector<std::string>& folders, const ScanFlags& fl
     Scan scan = load_frames(described);
     for (const std::string& warning : scan.warnings) output.warn(warning);
     CheckedScan checked = check_and_repair(scan);
-    if (of_gamma) checked.findings = without_gamma(std::move(checked.findings));
+    if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
     refuse_or_warn(checked, folder, false, output);
     if (!files.scanner && described.scanner) files.scanner = described.scanner->string();
     try {

@@ -34,9 +34,7 @@ void check(const CheckFlags& flags, Output& output) {
     choose_response(scan, flags.input);
     const std::vector<Finding> findings = check_and_repair(scan).findings;
     if (any_wrong(findings)) output.exit_code = 2;
-    nlohmann::json listed = nlohmann::json::array();
-    for (const Finding& finding : findings) listed.push_back(app::json_of(finding));
-    output.document["scans"].push_back({{"scan", folder}, {"findings", std::move(listed)}});
+    output.document["scans"].push_back({{"scan", folder}, {"findings", app::json_of(findings)}});
     progress.finish();
     tell_findings(folder, findings, output);
     progress.advance();

@@ -12,6 +12,12 @@ nlohmann::json json_of(const Finding& finding) {
           {"refused", finding.gravity == Gravity::wrong}};
 }
 
+nlohmann::json json_of(const std::vector<Finding>& findings) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Finding& finding : findings) list.push_back(json_of(finding));
+  return list;
+}
+
 void warn_of(const std::vector<Finding>& findings, Output& output) {
   for (const Finding& finding : findings) output.warn(text_of(finding));
 }

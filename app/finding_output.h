@@ -10,6 +10,8 @@ namespace slipstream::app {
 /// As the JSON document says it: `what`, `evidence` by name, `likely`, `try`, `refused`.
 nlohmann::json json_of(const Finding& finding);
 
+nlohmann::json json_of(const std::vector<Finding>& findings);
+
 /// A warning for each.
 void warn_of(const std::vector<Finding>& findings, Output& output);
 

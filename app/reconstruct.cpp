@@ -53,13 +53,12 @@ struct ReconstructedScan {
 };
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
-  nlohmann::json counts, files = nlohmann::json::object(), findings = nlohmann::json::array();
+  nlohmann::json counts, files = nlohmann::json::object();
   const auto by_validity = count_by_validity(scan.cloud);
   for (std::size_t i = 0; i < validity_count; ++i) {
     counts[std::string(name_of(static_cast<Validity>(i)))] = by_validity[i];
   }
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
-  for (const Finding& finding : scan.checked.findings) findings.push_back(app::json_of(finding));
   nlohmann::json told = {{"scan", scan.folder},
                          {"points", point_count(scan.cloud)},
                          {"pixels", scan.cloud.z.pixel_count()},
@@ -68,7 +67,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                          {"gamma", app::json_of(scan.gamma)},
                          {"files", std::move(files)},
                          {"warnings", scan.warnings},
-                         {"findings", std::move(findings)},
+                         {"findings", app::json_of(scan.checked.findings)},
                          {"repairs", scan.checked.repairs},
                          {"seconds",
                           {{"read", scan.read},

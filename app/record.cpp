@@ -82,10 +82,7 @@ void record(const RecordFlags& flags, Output& output) {
   if (counts.lost > 0) {
     output.warn(fmt::format("{} frames came faster than the disk took them", counts.lost));
   }
-  nlohmann::json findings = nlohmann::json::array();
-  for (const Finding& finding : findings_of_recording(flags.file, output)) {
-    findings.push_back(app::json_of(finding));
-  }
+  nlohmann::json findings = app::json_of(findings_of_recording(flags.file, output));
   output.document = {{"recording", flags.file},           {"findings", std::move(findings)},
                      {"frames", counts.written},          {"lost", counters.lost},
                      {"not_written", counts.lost},        {"resent_packets", counters.resent},

@@ -11,9 +11,6 @@
 namespace slipstream::app {
 namespace {
 
-/// What findings that blame the projector's response begin their likely cause with.
-constexpr std::string_view gamma_is_to_blame = "the projector's gamma";
-
 void check_camera(Scan& camera, const CheckSettings& settings, const std::string& name,
                   CheckedScan& checked) {
   ScanFindings found = check_scan(camera, settings);
@@ -40,15 +37,10 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
   for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
     check_camera(scan.further_cameras[i], settings, fmt::format("camera {}: ", i + 2), checked);
   }
-  if (!scan.further_cameras.empty()) checked.findings = without_gamma(std::move(checked.findings));
+  if (!scan.further_cameras.empty()) {
+    checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
+  }
   return checked;
-}
-
-std::vector<Finding> without_gamma(std::vector<Finding> findings) {
-  std::erase_if(findings, [](const Finding& finding) {
-    return finding.likely.starts_with(gamma_is_to_blame);
-  });
-  return findings;
 }
 
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,

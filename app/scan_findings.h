@@ -1,7 +1,6 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <CLI/App.hpp>
@@ -24,10 +23,6 @@ struct CheckedScan {
 /// of a camera that have slipped are put in the order that was found. Of several cameras nothing is
 /// told of gamma: they match whatever phase the projector shows.
 CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
-
-/// Those that do not blame the projector's response: what measures the response, or does not
-/// depend on it, has no use for the others.
-std::vector<Finding> without_gamma(std::vector<Finding> findings);
 
 /// Warns of all that is doubtful and says what was repaired. Throws Error, naming the scan, for all
 /// that is wrong; with `anyway` it warns of that too.

@@ -64,8 +64,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   source.title = flags.path;
   output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
   if (folder) {
-    nlohmann::json& findings = output.document["findings"] = nlohmann::json::array();
-    for (const Finding& finding : source.findings) findings.push_back(app::json_of(finding));
+    output.document["findings"] = app::json_of(source.findings);
   }
   write_snapshot(source, flags.view, output);
   write_screenshot(source, flags.view, output);

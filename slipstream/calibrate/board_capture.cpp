@@ -1,13 +1,15 @@
 #include "slipstream/calibrate/board_capture.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/projector_corners.h"
+#include "slipstream/check/scan_check.h"
 #include "slipstream/error/error.h"
+#include "slipstream/gamma/correction.h"
 #include "slipstream/strategy/registry.h"
 #include "slipstream/unwrap/decoder.h"
 
@@ -28,11 +30,47 @@ void require_coordinate(const Strategy& strategy) {
   }
 }
 
-BasicMaps<double> decoded(const Scan& scan, const PhaseCorrections& corrections) {
+/// Adds what the frames of a pose along an axis say of how they were taken, and puts those in order
+/// that have slipped.
+void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSettings& settings,
+                      std::vector<Finding>& findings) {
+  const int wanted = frame_count(scan.sequence.strategy);
+  if (scan.frames.count() != wanted) {
+    throw Error(fmt::format("{} frames, but a scan takes {}", scan.frames.count(), wanted));
+  }
+  // Darker pixels would be judged by their noise.
+  const double least = std::max(10.0, 2 * settings.minimum_modulation);
+  ScanFindings found = check_frames(scan.frames, scan.sequence, std::nullopt,
+                                    {.minimum_modulation = least * scan.frames.full_scale() / 255,
+                                     .photometry = {.response = settings.response}});
+  // These are told once, of all poses, by what they do to the boards and their corners.
+  for (const std::string_view known :
+       {gamma_is_to_blame, clipping_is_to_blame, darkness_is_to_blame}) {
+    found.findings = without_cause(std::move(found.findings), known);
+  }
+  for (Finding& finding : found.findings) {
+    finding.what = fmt::format("{} along {}: {}", pose, name_of(scan.sequence.axis), finding.what);
+    findings.push_back(std::move(finding));
+  }
+  if (!found.order.empty()) scan.frames = reordered(std::move(scan.frames), found.order);
+}
+
+/// What a scan says of a board.
+struct ReadScan {
+  BasicMaps<double> maps;
+  FringeSigns signs;
+};
+
+ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSettings& settings) {
   const auto& [strategy, axis, light, projector, marker] = scan.sequence;
+  PhaseCorrections corrections;
+  if (settings.response) {
+    corrections = phase_corrections(settings.response->response, step_counts(strategy));
+  }
   const Decoder decode(strategy.layout(), length_along(axis, projector), PhaseMethod::equation,
                        corrections, {.light = light});
-  return decode(scan.frames);
+  return {decode(scan.frames),
+          fringe_signs(scan, board.pixels, settings.minimum_modulation, corrections)};
 }
 
 void require_valid(const BoardCaptureSettings& settings) {
@@ -75,9 +113,8 @@ const char* why_unlit(const CaptureSigns& signs) {
 
 }  // namespace
 
-BoardCapture board_capture(const std::string& name, const CalibrationBoard& board,
-                           const Scan& along_x, const Scan& along_y,
-                           const BoardCaptureSettings& settings) {
+BoardCapture board_capture(const std::string& name, const CalibrationBoard& board, Scan along_x,
+                           Scan along_y, const BoardCaptureSettings& settings) {
   constexpr int fewest_lit = 8;
   require_valid(settings);
   const Size projector = along_x.sequence.projector;
@@ -92,18 +129,20 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   if (!found) {
     return {std::nullopt, why_none(board, pictures)};
   }
-  const PhaseCorrections& corrections = settings.corrections;
-  const BasicMaps<double> x = decoded(along_x, corrections), y = decoded(along_y, corrections);
-  const CaptureSigns signs{
-      fringe_signs(along_x, found->pixels, settings.minimum_modulation, corrections),
-      fringe_signs(along_y, found->pixels, settings.minimum_modulation, corrections),
-      edge_softness(pictures.mean, board, found->places, found->pixels)};
-  if (auto refusals = refusals_of_frames(name, signs); !refusals.empty()) {
-    std::string told = fmt::format("likely {}", refusals.front().likely);
-    return {std::nullopt, std::move(told), std::move(refusals)};
+  std::vector<Finding> findings;
+  for (Scan* const scan : {&along_x, &along_y}) check_and_repair(*scan, name, settings, findings);
+  const auto wrong = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
+    return finding.gravity == Gravity::wrong;
+  });
+  if (wrong != findings.end()) {
+    std::string told = fmt::format("likely {}", wrong->likely);
+    return {std::nullopt, std::move(told), std::move(findings)};
   }
-  const ProjectorMap map =
-      projector_map(along_x.frames, x, along_y.frames, y, projector, settings.minimum_modulation);
+  const ReadScan x = read(along_x, *found, settings), y = read(along_y, *found, settings);
+  const CaptureSigns signs{x.signs, y.signs,
+                           edge_softness(pictures.mean, board, found->places, found->pixels)};
+  const ProjectorMap map = projector_map(along_x.frames, x.maps, along_y.frames, y.maps, projector,
+                                         settings.minimum_modulation);
   BoardView view{name, std::move(found->places), std::move(found->pixels), {}, {}, signs};
   for (const ProjectorCorner& corner :
        projector_corners(map, view.camera, settings.neighbourhood)) {
@@ -116,11 +155,12 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
         std::nullopt,
         fmt::format("the projector lights {} of {} corners well enough; at least {} are needed; "
                     "likely {}",
-                    lit, view.places.size(), fewest_lit, why_unlit(signs))};
+                    lit, view.places.size(), fewest_lit, why_unlit(signs)),
+        std::move(findings)};
   }
   std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",
                                  view.places.size(), found->detector, lit);
-  return {std::move(view), std::move(told), {}};
+  return {std::move(view), std::move(told), std::move(findings)};
 }
 
 }  // namespace slipstream

@@ -24,19 +24,12 @@ struct FringeSigns {
   /// Modulation of the finest band over that of the coarsest, each by its share: 1 where fringes
   /// are sharp, less where they are blurred.
   double contrast = 1;
-  /// Mean cosine of the difference between the phase of a band and what the next coarser one says
-  /// of it, the least over the bands: 1 where they agree, about 0 where they have nothing to do
-  /// with each other.
-  double agreement = 1;
-  /// Where another order of the frames makes bands agree that do not: frame `order[n]` shows
-  /// pattern n. Empty where the order is right, or none was found.
-  std::vector<int> order{};
 };
 
 /// `corners`: of the board, pixels. Phases are corrected by what `corrections` has for their N.
 /// Nothing is measured where too few pixels are bright. The frames must be the layout's.
 FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
-                         double minimum_modulation, const PhaseCorrections& corrections = {});
+                         double minimum_modulation, const PhaseCorrections& corrections);
 
 /// Whether a ripple is one: larger than noise and than what does no harm.
 bool has_ripple(const FringeSigns& signs);

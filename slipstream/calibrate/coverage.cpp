@@ -9,8 +9,8 @@
 
 namespace slipstream {
 
-Image<std::uint8_t> coverage_map(const std::vector<BoardView>& views, Device device, Size size,
-                                 int columns) {
+Image<std::uint8_t> coverage_map(const std::vector<BoardView>& views, Device device, Size size) {
+  constexpr int columns = 100;
   const double cells_per_pixel = static_cast<double>(columns) / size.width;
   const int rows = std::max(1, static_cast<int>(std::lround(size.height * cells_per_pixel)));
   cv::Mat counts(rows, columns, CV_8U, cv::Scalar(0));

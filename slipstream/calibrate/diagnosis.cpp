@@ -7,7 +7,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/noise/robust.h"
@@ -264,37 +263,7 @@ void add_large_rms(std::vector<Finding>& findings, const ReprojectionRms& rms) {
   }
 }
 
-std::string wrong_order(const FringeSigns& signs) {
-  return fmt::format("frames in the wrong order: pattern n is in frame {}",
-                     fmt::join(signs.order, ","));
-}
-
 }  // namespace
-
-std::vector<Finding> refusals_of_frames(const std::string& pose, const CaptureSigns& signs) {
-  // Nothing in common but chance; a response that bends the phase leaves a ripple.
-  constexpr double unrelated = 0.25;
-  std::vector<Finding> findings;
-  for (const auto& [axis, scan] : {std::pair("x", signs.x), std::pair("y", signs.y)}) {
-    Finding finding{
-        .gravity = Gravity::wrong,
-        .what = fmt::format("{}: coarse and fine fringes along {} disagree", pose, axis),
-        .evidence = {{"agreement", scan.agreement}},
-        .likely = "",
-        .advice = ""};
-    if (!scan.order.empty()) {
-      finding.likely = wrong_order(scan);
-      finding.advice = "take the pose again, or put its frames in order";
-    } else if (scan.agreement < unrelated && !has_ripple(scan)) {
-      finding.likely = "another strategy than said, or other periods and steps";
-      finding.advice = "check --strategy, --high, --low and --steps";
-    } else {
-      continue;
-    }
-    findings.push_back(std::move(finding));
-  }
-  return findings;
-}
 
 std::vector<Finding> findings_of_frames(const std::vector<BoardView>& views) {
   std::vector<Finding> findings;

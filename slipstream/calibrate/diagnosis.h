@@ -11,10 +11,6 @@ namespace slipstream {
 
 struct GeometryCalibration;
 
-/// What the frames of a pose along an axis ("x", "y") cannot be: of another order, or of another
-/// strategy than said. Such a pose is refused.
-std::vector<Finding> refusals_of_frames(const std::string& pose, const CaptureSigns& signs);
-
 /// What the frames of all poses have in common that spoils a calibration: a response that is not
 /// linear, blur of the projector or of the camera. One finding each, whatever the number of poses.
 std::vector<Finding> findings_of_frames(const std::vector<BoardView>& views);

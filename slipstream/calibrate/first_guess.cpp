@@ -115,9 +115,9 @@ BundleState first_guess(const std::vector<BoardView>& views,
   }
 }
 
-BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed,
-                                double reach) {
+BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed) {
   constexpr std::size_t fewest = 6;
+  constexpr double reach = 8;
   std::vector<cv::Point2f> board, projector;
   std::vector<std::size_t> corners;
   for (std::size_t i = 0; i < view.places.size(); ++i) {

@@ -16,10 +16,9 @@ namespace slipstream {
 BundleState first_guess(const std::vector<BoardView>& views,
                         const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector);
 
-/// The view without corners whose projector pixel is none of a plane's: more than `reach`
-/// projector pixels from the homography that most of them agree on. They are set to NaN.
-BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed,
-                                double reach = 8);
+/// The view without corners whose projector pixel is none of a plane's: more than 8 projector
+/// pixels from the homography that most of them agree on. They are set to NaN.
+BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed);
 
 /// Where the board of a view stands by what a camera of known lens sees of it: its frame to the
 /// camera's.

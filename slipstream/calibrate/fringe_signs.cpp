@@ -3,7 +3,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include <Eigen/QR>
@@ -105,101 +104,23 @@ Samples samples_of(const Scan& scan, const std::vector<Eigen::Vector2d>& corners
   return samples;
 }
 
-/// What phases are computed with.
-struct Decoding {
-  std::vector<const Band*> bands;  ///< each of them unwraps the next
-  const PhaseCorrections& corrections;
-};
-
-/// C + i S of every sample, frame `order[n]` taken for pattern n.
-Eigen::VectorXcd phasors(const Samples& samples, const Band& band, const std::vector<int>& order) {
-  Eigen::VectorXcd weights = Eigen::VectorXcd::Zero(samples.light.cols());
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    weights[order[n]] = Complex(band.cosine[n], band.sine[n]);
-  }
-  return samples.light * weights;
+/// C + i S of every sample.
+Eigen::VectorXcd phasors(const Samples& samples, const Band& band) {
+  const auto count = samples.light.cols();
+  return samples.light *
+         (Eigen::Map<const Eigen::VectorXd>(band.cosine.data(), count) +
+          Complex(0, 1) * Eigen::Map<const Eigen::VectorXd>(band.sine.data(), count));
 }
 
 /// Phase of every sample, [0, 2 pi), corrected as decoding corrects it.
-Eigen::VectorXd phases(const Samples& samples, const Band& band, const std::vector<int>& order,
+Eigen::VectorXd phases(const Samples& samples, const Band& band,
                        const PhaseCorrections& corrections) {
   const auto run = step_run(band);
   const auto found = run ? corrections.find(run->steps) : corrections.end();
-  return phasors(samples, band, order).unaryExpr([&](const Complex& phasor) {
+  return phasors(samples, band).unaryExpr([&](const Complex& phasor) {
     const double phase = wrapped_angle(phasor.imag(), phasor.real());
     return found == corrections.end() ? phase : corrected_phase(found->second, phase);
   });
-}
-
-/// The bands of a layout that is unwrapped from band to band, coarse first; none else.
-std::vector<const Band*> ladder(const Layout& layout) {
-  std::vector<const Band*> bands;
-  if (layout.unwrapping != Unwrapping::hierarchical) return bands;
-  for (const std::size_t band : coarse_to_fine(layout)) bands.push_back(&layout.bands[band]);
-  return bands;
-}
-
-/// FringeSigns::agreement of the frames in that order.
-double agreement(const Samples& samples, const Decoding& decoding, const std::vector<int>& order) {
-  const auto& [bands, corrections] = decoding;
-  double least = 1;
-  for (std::size_t b = 1; b < bands.size(); ++b) {
-    const double ratio = bands[b]->periods / bands[b - 1]->periods;
-    const Eigen::VectorXd coarse = phases(samples, *bands[b - 1], order, corrections);
-    const Eigen::VectorXd fine = phases(samples, *bands[b], order, corrections);
-    least = std::min(least, (ratio * coarse - fine).array().cos().mean());
-  }
-  return least;
-}
-
-std::vector<int> in_order(int frames) {
-  std::vector<int> order(static_cast<std::size_t>(frames));
-  std::iota(order.begin(), order.end(), 0);
-  return order;
-}
-
-/// The orders that a slip or a slip of the hand makes: the scan begun late, or a band of it, and
-/// two frames exchanged.
-std::vector<std::vector<int>> wrong_orders(const Layout& layout) {
-  std::vector<std::vector<int>> orders;
-  const auto rotate = [&](int first, int count) {
-    for (int slip = 1; slip < count; ++slip) {
-      orders.push_back(in_order(layout.frames));
-      const auto begin = orders.back().begin() + first;
-      std::rotate(begin, begin + slip, begin + count);
-    }
-  };
-  rotate(0, layout.frames);
-  for (const Band& band : layout.bands) {
-    if (const auto run = step_run(band)) rotate(run->first, run->steps);
-  }
-  for (int a = 0; a < layout.frames; ++a) {
-    for (int b = a + 1; b < layout.frames; ++b) {
-      orders.push_back(in_order(layout.frames));
-      std::swap(orders.back()[static_cast<std::size_t>(a)],
-                orders.back()[static_cast<std::size_t>(b)]);
-    }
-  }
-  return orders;
-}
-
-// Bands agree by 0.95 and more but for noise and a response that bends the phase, which no order of
-// the frames mends: another order is believed where it agrees that well and far better.
-constexpr double agreeing = 0.75, gain = 0.25;
-
-/// The order, of the wrong ones, in which the bands agree best, where they then do.
-std::vector<int> mending_order(const Samples& samples, const Decoding& decoding,
-                               const Layout& layout, double agreement_as_is) {
-  std::vector<int> best;
-  double most = std::max(agreeing, agreement_as_is + gain);
-  if (most >= 1) return best;
-  for (std::vector<int>& order : wrong_orders(layout)) {
-    const double agreed = agreement(samples, decoding, order);
-    if (agreed <= most) continue;
-    most = agreed;
-    best = std::move(order);
-  }
-  return best;
 }
 
 /// The smooth course of a coordinate over a flat board that a lens looks at: y = (cubic in u, v) /
@@ -281,8 +202,8 @@ void measure_ripple(FringeSigns& signs, const Samples& samples, const Eigen::Vec
   signs.ripple_deviation = std::sqrt(2 * errors.squaredNorm()) / count;
 }
 
-double modulation(const Samples& samples, const Band& band, const std::vector<int>& order) {
-  const Eigen::VectorXd sizes = phasors(samples, band, order).cwiseAbs();
+double modulation(const Samples& samples, const Band& band) {
+  const Eigen::VectorXd sizes = phasors(samples, band).cwiseAbs();
   return median({sizes.begin(), sizes.end()}) / band.share;
 }
 
@@ -295,20 +216,17 @@ FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& c
   const Samples samples = samples_of(scan, corners, minimum_modulation);
   FringeSigns signs{.saturated = samples.saturated};
   if (samples.light.rows() == 0) return signs;
-  const std::vector<int> order = in_order(layout.frames);
-  const Decoding decoding{ladder(layout), corrections};
-  if (decoding.bands.size() > 1) {
-    signs.agreement = agreement(samples, decoding, order);
-    signs.order = mending_order(samples, decoding, layout, signs.agreement);
-    signs.contrast = modulation(samples, *decoding.bands.back(), order) /
-                     modulation(samples, *decoding.bands.front(), order);
+  if (layout.unwrapping == Unwrapping::hierarchical) {
+    const std::vector<std::size_t> bands = coarse_to_fine(layout);
+    signs.contrast = modulation(samples, layout.bands[bands.back()]) /
+                     modulation(samples, layout.bands[bands.front()]);
   }
   const Band& measuring = measuring_band(layout);
   signs.period = length_along(axis, projector) / measuring.periods;
   const auto run = step_run(measuring);
   if (!run) return signs;
   signs.steps = run->steps;
-  measure_ripple(signs, samples, phases(samples, measuring, order, corrections));
+  measure_ripple(signs, samples, phases(samples, measuring, corrections));
   return signs;
 }
 

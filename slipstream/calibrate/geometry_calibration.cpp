@@ -17,46 +17,6 @@
 namespace slipstream {
 namespace {
 
-/// Sum of squared distances, pixels^2, and how many there are.
-struct SquaredDistances {
-  double sum = 0;
-  int count = 0;
-
-  void add(const std::vector<Eigen::Vector2d>& residuals) {
-    for (const Eigen::Vector2d& residual : residuals) {
-      if (!residual.allFinite()) continue;
-      sum += residual.squaredNorm();
-      ++count;
-    }
-  }
-  void add(const SquaredDistances& other) {
-    sum += other.sum;
-    count += other.count;
-  }
-  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
-};
-
-struct DeviceDistances {
-  SquaredDistances camera, projector;
-
-  void add(const DeviceDistances& other) {
-    camera.add(other.camera);
-    projector.add(other.projector);
-  }
-  [[nodiscard]] ReprojectionRms rms() const {
-    SquaredDistances both = camera;
-    both.add(projector);
-    return {camera.rms(), projector.rms(), both.rms()};
-  }
-};
-
-DeviceDistances distances(const BoardView& view, const BundleState& state, std::size_t pose) {
-  DeviceDistances result;
-  result.camera.add(camera_residuals(view, state.scanner, state.poses[pose], state.places));
-  result.projector.add(projector_residuals(view, state.scanner, state.poses[pose], state.places));
-  return result;
-}
-
 template <class Item>
 std::vector<Item> without(std::vector<Item> items, std::size_t left_out) {
   items.erase(items.begin() + static_cast<std::ptrdiff_t>(left_out));
@@ -173,9 +133,9 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
   require_valid(state.scanner);
 
   const std::vector<LeftOut> left_out = each_left_out(views, state, printed, bundle);
-  DeviceDistances all;
+  Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const DeviceDistances of_pose = distances(views[v], state, v);
+    const Reprojection of_pose = reprojection(views[v], state, v);
     all.add(of_pose);
     result.poses.push_back({views[v].name, static_cast<int>(views[v].places.size()),
                             lit_corners(views[v]), of_pose.rms(), left_out[v].quality,

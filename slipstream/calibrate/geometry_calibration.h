@@ -12,6 +12,7 @@
 #include "slipstream/calibrate/one_rig.h"
 #include "slipstream/calibrate/print_shape.h"
 #include "slipstream/calibrate/projector_offset.h"
+#include "slipstream/calibrate/reprojection.h"
 #include "slipstream/check/finding.h"
 #include "slipstream/geometry/scanner.h"
 
@@ -24,14 +25,6 @@ struct GeometryCalibrationSettings {
   /// How far a printed corner may be from its place, in spacings: a standard deviation. None: the
   /// print is taken for exact.
   std::optional<double> print_deviation = 0.01;
-};
-
-/// RMS distances between corners as seen and as predicted, pixels of the device; `stereo` over the
-/// corners of both devices together.
-struct ReprojectionRms {
-  double camera = 0;
-  double projector = 0;
-  double stereo = 0;
 };
 
 /// A pose that took part.

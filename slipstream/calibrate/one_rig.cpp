@@ -1,7 +1,6 @@
 #include "slipstream/calibrate/one_rig.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,6 +8,7 @@
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/projector_offset.h"
+#include "slipstream/calibrate/reprojection.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/noise/robust.h"
@@ -27,18 +27,7 @@ Views part(const Views& views, std::size_t first, std::size_t end) {
 std::vector<double> stereo_rms(const Views& views, const BundleState& state) {
   std::vector<double> rms;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    double sum = 0;
-    int count = 0;
-    for (const auto& residuals :
-         {camera_residuals(views[v], state.scanner, state.poses[v], state.places),
-          projector_residuals(views[v], state.scanner, state.poses[v], state.places)}) {
-      for (const Eigen::Vector2d& residual : residuals) {
-        if (!residual.allFinite()) continue;
-        sum += residual.squaredNorm();
-        ++count;
-      }
-    }
-    rms.push_back(count > 0 ? std::sqrt(sum / count) : 0);
+    rms.push_back(reprojection(views[v], state, v).rms().stereo);
   }
   return rms;
 }

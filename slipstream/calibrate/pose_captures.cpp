@@ -32,24 +32,25 @@ Scan read(const ScanFiles& files, const std::string& pose, PoseCaptures& capture
   return scan;
 }
 
-}  // namespace
-
+/// Finds the board in one more pose and adds what it gave; returns that in words.
 std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const CalibrationBoard& board,
                      const BoardCaptureSettings& settings) {
-  const Scan x = read(scans.x, scans.name, captures), y = read(scans.y, scans.name, captures);
+  Scan x = read(scans.x, scans.name, captures), y = read(scans.y, scans.name, captures);
   try {
-    BoardCapture found = board_capture(scans.name, board, x, y, settings);
+    BoardCapture found = board_capture(scans.name, board, std::move(x), std::move(y), settings);
+    captures.findings.insert(captures.findings.end(), found.findings.begin(), found.findings.end());
     if (found.view) {
       captures.views.push_back(std::move(*found.view));
       return found.told;
     }
-    captures.findings.insert(captures.findings.end(), found.findings.begin(), found.findings.end());
     captures.unused.push_back({scans.name, found.told});
     return fmt::format("left out: {}", found.told);
   } catch (const Error& error) {
     throw Error(fmt::format("{}: {}", scans.name, error.what()));
   }
 }
+
+}  // namespace
 
 void require_enough_poses(const PoseCaptures& captures, const std::string& folder) {
   if (captures.views.size() >= fewest_poses) return;

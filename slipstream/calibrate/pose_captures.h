@@ -17,18 +17,13 @@ struct PoseCaptures {
   Size camera{};
   Size projector{};
   std::vector<std::string> warnings{};  ///< of reading the frames
-  std::vector<Finding> findings{};      ///< why poses were refused by what their frames show
+  std::vector<Finding> findings{};      ///< of the poses' frames
 };
 
-/// Finds the board in one more pose and adds what it gave; returns that in words. Throws Error,
-/// naming the pose, where its frames cannot be read, do not serve, or are of another camera or
-/// projector than those before.
-std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const CalibrationBoard& board,
-                     const BoardCaptureSettings& settings = {});
-
 /// Finds the board in all poses but the `excluded`, by name. `told` is called after each with what
-/// it gave in words, with nothing where it was excluded. Throws Error as add_pose, and for a name
-/// that no pose in the folder has.
+/// it gave in words, with nothing where it was excluded. Throws Error, naming the pose, where its
+/// frames cannot be read, do not serve, or are of another camera or projector than those before,
+/// and for an excluded name that no pose in the folder has.
 PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardScans>& poses,
                            const std::vector<std::string>& excluded, const CalibrationBoard& board,
                            const BoardCaptureSettings& settings,

@@ -22,18 +22,6 @@ constexpr double largest_epipolar = 0.5;       // projector pixels
 constexpr double largest_scale_error = 0.002;  // of a length
 constexpr double largest_flatness = 0.002;     // of the board's size
 
-/// Sums of squares over corners.
-struct Squares {
-  double sum = 0;
-  int count = 0;
-
-  void add(double square) {
-    sum += square;
-    ++count;
-  }
-  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
-};
-
 /// Projector pixels from its pixel to the line on which what the camera sees must lie.
 double epipolar_distance(const Scanner& scanner, const Eigen::Vector2d& camera,
                          const Eigen::Vector2d& projector) {
@@ -44,23 +32,16 @@ double epipolar_distance(const Scanner& scanner, const Eigen::Vector2d& camera,
   return distance * scanner.projector.intrinsic(0, 0);
 }
 
-/// One pose under the scanner of `state`, in which it is pose `v`.
-BoardMeasure measured(const BoardView& view, const BundleState& state, std::size_t v,
-                      const std::vector<Eigen::Vector3d>& printed) {
-  Squares epipolar, camera, projector, both;
-  const auto of_camera = camera_residuals(view, state.scanner, state.poses[v], printed);
-  const auto of_projector = projector_residuals(view, state.scanner, state.poses[v], printed);
+/// A view that is pose `v` of the state, under its scanner.
+BoardMeasure measured(const BoardView& view, const BundleState& state, std::size_t v) {
+  Squares epipolar;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
-    camera.add(of_camera[i].squaredNorm());
-    both.add(of_camera[i].squaredNorm());
     if (!view.projector[i].allFinite()) continue;
-    projector.add(of_projector[i].squaredNorm());
-    both.add(of_projector[i].squaredNorm());
     epipolar.add(std::pow(epipolar_distance(state.scanner, view.camera[i], view.projector[i]), 2));
   }
-  const auto quality = board_quality(view, state.scanner, printed);
+  const auto quality = board_quality(view, state.scanner, state.places);
   if (!quality) throw Error(fmt::format("{}: too few corners are lit to measure it", view.name));
-  return {epipolar.rms(), {camera.rms(), projector.rms(), both.rms()}, *quality};
+  return {epipolar.rms(), reprojection(view, state, v).rms(), *quality};
 }
 
 /// Root mean squares over poses.
@@ -86,12 +67,6 @@ bool is_good(const BoardMeasure& measure, double size) {
          measure.quality.flatness <= largest_flatness * size;
 }
 
-std::vector<Evidence> evidence_of(const BoardMeasure& measure) {
-  return {{"epipolar distance, px", measure.epipolar},
-          {"scale error, %", 100 * measure.quality.scale_error},
-          {"flatness, mm", measure.quality.flatness}};
-}
-
 /// Whether all that the boards ask for is another scale: a baseline longer or shorter, as of a
 /// board whose spacing is not as said.
 bool only_scale(const Verification& verification, const Scanner& scanner) {
@@ -105,10 +80,11 @@ bool only_scale(const Verification& verification, const Scanner& scanner) {
 
 Finding finding_of(const Verification& verification, const Scanner& scanner,
                    const CalibrationBoard& board) {
+  const BoardMeasure& before = verification.before;
   Finding finding{.what = "the scanner does not hold any more",
-                  .evidence = evidence_of(verification.before),
-                  .likely = "",
-                  .advice = ""};
+                  .evidence = {{"epipolar distance, px", before.epipolar},
+                               {"scale error, %", 100 * before.quality.scale_error},
+                               {"flatness, mm", before.quality.flatness}}};
   if (verification.mended) {
     finding.likely = fmt::format(
         "camera and projector moved against each other, by {:.2g} degrees and {:.2g} mm",
@@ -149,8 +125,8 @@ Verification verify_scanner(std::vector<BoardView> views, const CalibrationBoard
   result.findings = findings_of_frames(views);
   result.corrected = moved.scanner;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    result.poses.push_back({views[v].name, measured(views[v], state, v, printed),
-                            measured(views[v], moved, v, printed)});
+    result.poses.push_back(
+        {views[v].name, measured(views[v], state, v), measured(views[v], moved, v)});
   }
   result.before = overall(result.poses, &VerifiedPose::before);
   result.after = overall(result.poses, &VerifiedPose::after);

@@ -24,4 +24,10 @@ bool any_wrong(std::span<const Finding> findings) {
                      [](const Finding& finding) { return finding.gravity == Gravity::wrong; });
 }
 
+std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words) {
+  std::erase_if(findings,
+                [&](const Finding& finding) { return finding.likely.starts_with(words); });
+  return findings;
+}
+
 }  // namespace slipstream

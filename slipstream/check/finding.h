@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace slipstream {
@@ -37,5 +38,8 @@ std::string text_of(const Finding& finding);
 
 /// Whether any of them refuses.
 bool any_wrong(std::span<const Finding> findings);
+
+/// Those whose likely cause does not begin with these words.
+std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words);
 
 }  // namespace slipstream

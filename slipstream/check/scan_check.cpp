@@ -58,8 +58,7 @@ double least_range(double modulation) {
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
   const double least = least_modulation(settings, frames.full_scale());
-  const PhotometricCalibration photometry =
-      scanner ? scanner->photometry : PhotometricCalibration{};
+  const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
   const FrameModel model(sequence, photometry);
   ScanSamples samples(frames.size(), frames.count());
   samples.take(frames, {.least_range = least_range(least)});

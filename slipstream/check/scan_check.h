@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "slipstream/check/finding.h"
@@ -8,12 +9,20 @@
 
 namespace slipstream {
 
+/// What findings begin their likely cause with that blame the projector's response, or too much or
+/// too little light: for without_cause, where these are told otherwise or do no harm.
+inline constexpr std::string_view gamma_is_to_blame = "the projector's gamma";
+inline constexpr std::string_view clipping_is_to_blame = "too much light";
+inline constexpr std::string_view darkness_is_to_blame = "far too little light";
+
 struct CheckSettings {
   /// Least modulation of a pixel that becomes a point, grey levels of the frames; by default 15 of
   /// 255.
   std::optional<double> minimum_modulation{};
   /// Whether things may move while the frames are taken: what that does to frames is no finding.
   bool moving = false;
+  /// What is known of the projector's light where no scanner says it.
+  PhotometricCalibration photometry{};
 };
 
 /// Least modulation of a pixel that becomes a point, grey levels of 255.
@@ -30,8 +39,8 @@ struct ScanFindings {
 };
 
 /// Whether frames fit the sequence, the scanner and each other, judged by some hundred lit pixels
-/// spread over the picture: see docs/trust.md. Without a scanner less can be told. The scanner's
-/// response is the one that phases are corrected for.
+/// spread over the picture: see docs/trust.md. Without a scanner less can be told. Phases are
+/// corrected for the scanner's response, or that of the settings.
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner,
                           const CheckSettings& settings = {});

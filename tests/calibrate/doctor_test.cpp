@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/calibrate/ruler.h"
-#include "slipstream/gamma/correction.h"
 #include "tests/calibrate/told_calibration.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/own_strategies.h"
@@ -69,27 +68,29 @@ std::vector<BrokenCase> broken_frames() {
                 {.photometry = with_gamma(1.5)}),
       of_frames("gamma_0_6_under_four_steps", "uncorrected gamma",
                 {.strategy = four, .photometry = with_gamma(0.6)}),
-      of_frames("one_pose_begun_a_frame_late", "wrong order",
+      of_frames("one_pose_begun_a_frame_late",
+                "the frames have slipped: the cycle begins at frame 5",
                 {.spoil =
                      [](Pictures& pictures, int pose, Axis) {
                        if (pose == 2) rotate_by_one(pictures, 0, pictures.size());
                      }}),
-      of_frames("fine_fringes_a_step_late_in_one_scan", "wrong order",
+      of_frames("fine_fringes_a_step_late_in_one_scan", "frames 0 to 3 look rotated by 1",
                 {.strategy = four,
                  .spoil =
                      [](Pictures& pictures, int pose, Axis axis) {
                        if (pose == 4 && axis == Axis::y) rotate_by_one(pictures, 0, 4);
                      }}),
-      of_frames("two_frames_exchanged_in_one_pose", "wrong order",
+      of_frames("two_frames_exchanged_in_one_pose", "frames 1 and 2 look swapped",
                 {.strategy = four,
                  .spoil =
                      [](Pictures& pictures, int pose, Axis) {
                        if (pose == 1) std::swap(pictures[1], pictures[2]);
                      }}),
-      of_frames("all_poses_begun_a_frame_late", "wrong order",
+      of_frames("all_poses_begun_a_frame_late",
+                "the frames have slipped: the cycle begins at frame 5",
                 {.spoil = [](Pictures& pictures, int,
                              Axis) { rotate_by_one(pictures, 0, pictures.size()); }}),
-      of_frames("other_periods_than_said", "another strategy than said",
+      of_frames("other_periods_than_said", "patterns of 8 periods where 16 are said",
                 {.said_strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}}),
       of_frames("camera_out_of_focus", "the camera is out of focus",
                 {.spoil = [](Pictures& pictures, int, Axis) { blur(pictures, 2.2); }}),
@@ -361,7 +362,7 @@ TEST(UncorrectedGamma, IsNotToldOnceItIsCorrected) {
   BoardScene scene{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}, .poses = 4};
   scene.photometry.gamma = 2.2;
   EXPECT_TRUE(names(told_of(scene), "uncorrected gamma"));
-  scene.corrections = {{3, phase_correction(PowerLaw{2.2}, 3)}};
+  scene.response = MeasuredResponse{PowerLaw{2.2}, 2.2};
   const Told told = told_of(scene);
   EXPECT_EQ(told.error, "");
   EXPECT_FALSE(names(told, "gamma")) << text_of(told);

@@ -51,7 +51,7 @@ struct BoardScene {
   int poses = 6;
   std::optional<CalibrationBoard> said_board{};  ///< none: as it is
   std::optional<Strategy> said_strategy{};
-  PhaseCorrections corrections{};  ///< of the response, where that is known
+  std::optional<MeasuredResponse> response{};  ///< where it is known
   /// Does to the pictures of a pose along an axis what went wrong.
   std::function<void(Pictures& pictures, int pose, Axis axis)> spoil{};
 };
@@ -108,7 +108,7 @@ inline Told told_of(const BoardScene& scene) {
       sheet.pose = place;
       BoardCapture capture = board_capture(
           "pose" + std::to_string(pose), said, board_scan(scene, scanner, sheet, pose, Axis::x),
-          board_scan(scene, scanner, sheet, pose, Axis::y), {.corrections = scene.corrections});
+          board_scan(scene, scanner, sheet, pose, Axis::y), {.response = scene.response});
       ++pose;
       if (capture.view) views.push_back(*capture.view);
       if (!capture.view) why_not = capture.told;

@@ -71,7 +71,9 @@ class Search {
     Explanation best{.misfit = as_given_.misfit()};
     for (double gamma = 1.3; gamma < 3.05; gamma += 0.1) {
       PhotometricCalibration corrected = scan_.photometry;
-      corrected.response = MeasuredResponse{PowerLaw{gamma}, gamma};
+      MeasuredResponse& response = corrected.response.emplace();
+      response.response = PowerLaw{gamma};
+      response.gamma = gamma;
       const Fit with = fit(FrameModel(scan_.sequence, corrected), scan_.model.identity());
       // A camera's own curve leaves something of its harmonics.
       const bool fits = with.bands_agree() && with.no_seam() && with.geometry_fits() &&

@@ -67,23 +67,40 @@ class Search {
 
   void try_gamma() {
     constexpr double most_residual = 0.4;  // of a gamma of 3 in eight steps
-    if (scan_.photometry.response || as_given_.frames.residual > most_residual) return;
+    if (as_given_.frames.residual > most_residual) return;
+    if (scan_.photometry.response) {
+      const Fit with = fit_with_gamma(std::nullopt);
+      keep(with, {.likely = "a response that is corrected for and does not show in the frames",
+                  .advice = "try --gamma none",
+                  .gravity = Gravity::doubtful});
+      return;
+    }
     Explanation best{.misfit = as_given_.misfit()};
-    for (double gamma = 1.3; gamma < 3.05; gamma += 0.1) {
-      PhotometricCalibration corrected = scan_.photometry;
-      MeasuredResponse& response = corrected.response.emplace();
-      response.response = PowerLaw{gamma};
-      response.gamma = gamma;
-      const Fit with = fit(FrameModel(scan_.sequence, corrected), scan_.model.identity());
+    for (int tenths = 5; tenths <= 30; ++tenths) {
+      const double gamma = tenths / 10.0;
+      const Fit with = fit_with_gamma(gamma);
       // A camera's own curve leaves something of its harmonics.
       const bool fits = with.bands_agree() && with.no_seam() && with.geometry_fits() &&
                         with.depths_fit() && with.frames.residual <= as_given_.frames.residual;
       if (!fits || with.misfit() >= best.misfit) continue;
       best = {
-          with.misfit(), fmt::format("the projector's gamma of about {:.1f}, not corrected", gamma),
+          with.misfit(),
+          fmt::format("the projector's gamma, with the camera's, of about {:.1f}, not corrected",
+                      gamma),
           "measure it with slipstream calibrate gamma, or try --gamma blind", Gravity::doubtful};
     }
     if (!best.likely.empty()) explanations_.push_back(best);
+  }
+
+  [[nodiscard]] Fit fit_with_gamma(const std::optional<double>& gamma) const {
+    PhotometricCalibration photometry = scan_.photometry;
+    photometry.response.reset();
+    if (gamma) {
+      MeasuredResponse& response = photometry.response.emplace();
+      response.response = PowerLaw{*gamma};
+      response.gamma = *gamma;
+    }
+    return fit(FrameModel(scan_.sequence, photometry), scan_.model.identity());
   }
 
   void try_periods() {
@@ -91,15 +108,21 @@ class Search {
     for (std::size_t i = 0; i < relations; ++i) {
       const auto periods = periods_that_agree(scan_.model, scan_.samples, i);
       if (!periods) continue;
-      const std::vector<std::size_t>& bands = scan_.model.bands();
-      const double said = scan_.model.layout().bands[bands[i + bands.size() - relations]].periods;
-      try_setting(said, *periods);
+      const std::vector<std::size_t>& chain = scan_.model.bands();
+      const std::vector<Band>& bands = scan_.model.layout().bands;
+      const std::size_t fine = chain[i + chain.size() - relations];
+      try_setting(fine, *periods);
+      // Only the ratio of two bands is known: the coarser one may be what was said wrongly.
+      if (relations == chain.size()) continue;
+      const std::size_t coarse = chain[i];
+      try_setting(coarse, bands[coarse].periods * bands[fine].periods / *periods);
     }
   }
 
-  /// The strategy with `periods` in place of those said, by whichever setting says them.
-  void try_setting(double said, double periods) {
+  /// The strategy with `periods` in a band, by whichever setting says them.
+  void try_setting(std::size_t band, double periods) {
     const Strategy& strategy = scan_.sequence.strategy;
+    const double said = strategy.layout().bands[band].periods;
     for (const auto& [name, value] : strategy.settings()) {
       if (value != said) continue;
       StrategySettings settings = strategy.settings();
@@ -107,6 +130,7 @@ class Search {
       try {
         Sequence sequence = scan_.sequence;
         sequence.strategy = make_strategy(strategy.name(), settings);
+        if (frame_count(sequence.strategy) != scan_.samples.frames()) continue;
         keep(fit(FrameModel(sequence, scan_.photometry), scan_.model.identity()),
              {.likely = fmt::format("patterns of {:g} periods where {:g} are said", periods, said),
               .advice = fmt::format("try --{} {:g}", name, periods)});
@@ -119,7 +143,7 @@ class Search {
   /// Whether it is worth while to look at all groups and at the geometry, from a quarter of them.
   [[nodiscard]] bool may_fit(const FrameOrder& order) {
     constexpr std::size_t groups = 192;
-    constexpr double most_residual = 0.1;
+    const double most_residual = scan_.moving ? 0.3 : 0.15;
     const FrameEvidence& frames = judge_(scan_.samples, order, groups);
     const auto agrees = [](const BandRelation& relation) { return relation.agreement >= 0.35; };
     return frames.residual <= most_residual &&
@@ -237,12 +261,11 @@ class Search {
       if (known || too_far || named.size() == most_named) continue;
       named.push_back(other.likely);
       best.likely += ", or " + other.likely;
-      best.advice += ", or " + other.advice;
+      best.advice += "; or " + other.advice;
     }
     // Nothing is set right that may be wrong then.
     if (named.size() == 1 && !best.order.empty()) {
       best.gravity = Gravity::doubtful;
-      best.advice = "they are taken in the order " + text_of(best.order);
     } else {
       best.order.clear();
     }
@@ -261,7 +284,7 @@ std::vector<Evidence> relation_evidence(const FrameEvidence& frames) {
         return a.agreement - std::abs(a.offset) < b.agreement - std::abs(b.offset);
       });
   if (worst == frames.relations.end()) return {};
-  return {{"agreement, at most 1", worst->agreement}, {"offset in periods", worst->offset}};
+  return {{"agreement", worst->agreement}, {"offset in periods", worst->offset}};
 }
 
 /// What of it does not fit, the clearest first.
@@ -271,6 +294,9 @@ Finding seen(const Fit& fit) {
   if (!fit.patterns_made()) {
     finding.what = "the frames are not what these patterns make";
     finding.evidence = {{"left over, share of their variation", fit.frames.residual}};
+  } else if (!fit.bands_alike()) {
+    finding.what = "the bands are lit unlike each other from pixel to pixel";
+    finding.evidence = {{"spread of their modulations' ratio", fit.frames.ratio_spread}};
   } else if (!fit.bands_agree()) {
     finding.what = "the frames disagree about the fringe order";
     finding.evidence = relation_evidence(fit.frames);
@@ -279,7 +305,7 @@ Finding seen(const Fit& fit) {
     finding.evidence = {{"share of the pixels near it", fit.frames.seams}};
   } else if (!fit.geometry_fits()) {
     finding.what = "frames and scanner do not fit together";
-    finding.evidence = {{"slope of the coordinate, 1 is right", geometry->slope},
+    finding.evidence = {{"slope of the coordinate", geometry->slope},
                         {"share outside the projector's light", geometry->outside},
                         {"share without a point", geometry->without_point}};
   } else {
@@ -294,11 +320,17 @@ Finding seen(const Fit& fit) {
 void name_broadly(const Fit& fit, Finding& finding) {
   const auto& geometry = fit.geometry;
   // So few pixels are right then that none can be told from the wrong ones.
-  constexpr double hopeless_agreement = 0.35, hopeless_outside = 0.6;
+  constexpr double hopeless_agreement = 0.35, hopeless_offset = 0.25, hopeless_residual = 0.2;
+  constexpr double hopeless_outside = 0.6;
   finding.gravity = Gravity::doubtful;
   if (!fit.patterns_made() || !fit.bands_agree() || !fit.no_seam()) {
-    for (const BandRelation& relation : fit.frames.relations) {
-      if (relation.agreement < hopeless_agreement) finding.gravity = Gravity::wrong;
+    const auto hopeless = [](const BandRelation& relation) {
+      return relation.agreement < hopeless_agreement || std::abs(relation.offset) > hopeless_offset;
+    };
+    const auto& relations = fit.frames.relations;
+    if (fit.frames.residual > hopeless_residual ||
+        std::any_of(relations.begin(), relations.end(), hopeless)) {
+      finding.gravity = Gravity::wrong;
     }
     finding.likely = "other patterns than said, frames lost or mixed up, or something moved";
     finding.advice = "compare the pictures with those of slipstream patterns";
@@ -319,20 +351,49 @@ void name_broadly(const Fit& fit, Finding& finding) {
 /// Light that changed between frames.
 std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   // Right scans leave more at times, a real skull 0.0085, but then no gains explain it: at most
-  // 0.62 of it, and by half a percent.
+  // 0.62 of it, and by half a percent. Lamps and exposures do not change by more than the last.
   constexpr double least_residual = 0.003, least_explained = 0.7, least_gain = 0.025;
+  constexpr double most_gain = 0.3;
   if (fit.frames.residual < least_residual) return std::nullopt;
   const FrameGains gains = frame_gains(scan.model, scan.samples);
   const auto odd = std::max_element(gains.gains.begin(), gains.gains.end(),
                                     [](double a, double b) { return std::abs(a) < std::abs(b); });
-  if (gains.explained < least_explained || std::abs(*odd) < least_gain) return std::nullopt;
-  const auto frame = odd - gains.gains.begin();
-  return Finding{
+  const double size = std::abs(*odd);
+  if (!(gains.explained >= least_explained && size >= least_gain && size <= most_gain)) {
+    return std::nullopt;
+  }
+  // Motion may look like light, but hardly like that of one frame alone.
+  if (scan.moving && !gains.odd_frame) return std::nullopt;
+  Finding finding{
       .what = "frames are brighter or darker than the patterns make them",
-      .evidence = {{fmt::format("frame {}, percent", frame), 100 * *odd}},
       .likely = "light that flickers, or an exposure or gain that changed between frames",
       .advice =
           "fix exposure and gain, and expose for whole periods of the mains and the projector"};
+  if (gains.odd_frame) {
+    finding.evidence = {
+        {fmt::format("frame {}, percent", gains.odd_frame->frame), 100 * gains.odd_frame->gain}};
+  } else {
+    finding.evidence = {{"the most, percent", 100 * size}};
+  }
+  return finding;
+}
+
+}  // namespace
+
+namespace {
+
+/// Frames without any pattern, where they are no dark part of one.
+std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
+  // Frames that contradict each other so much have lost one; where they cannot, what the scene sees
+  // of the patterns must make it bright somewhere.
+  constexpr double contradicting = 0.2, least_of_pattern = 0.5;
+  if (scan.model.unexplained_count() > 0 && fit.frames.residual < contradicting) return {};
+  if (!scan.model.has_redundancy()) {
+    for (int n = 0; n < scan.samples.frames(); ++n) {
+      if (scan.model.shown_range(n, scan.samples) < least_of_pattern) return {};
+    }
+  }
+  return slipstream::dark_frames(scan.samples);
 }
 
 }  // namespace
@@ -346,17 +407,24 @@ Explained explain(const JudgedScan& scan) {
   auto flickering = flicker(scan, fit);
   if (fit.all()) {
     // Where frames say something of each other a dark one would not have fitted.
-    if (!scan.model.has_redundancy()) result.findings = dark_frames(scan.samples);
+    if (!scan.model.has_redundancy()) result.findings = dark_frames(scan, fit);
     if (flickering && result.findings.empty()) result.findings.push_back(std::move(*flickering));
     return result;
   }
   Finding finding = seen(fit);
+  const bool only_depths =
+      fit.bands_agree() && fit.patterns_made() && fit.no_seam() && fit.geometry_fits();
   if (auto explanation = search.best()) {
+    if (only_depths) {
+      // The scene may be where no board was, as well.
+      explanation->gravity = Gravity::doubtful;
+      explanation->likely += ", or something nearer or farther than the boards were";
+    }
     finding.likely = std::move(explanation->likely);
     finding.advice = std::move(explanation->advice);
     finding.gravity = explanation->gravity;
     result.order = std::move(explanation->order);
-  } else if (std::vector<Finding> faults = dark_frames(scan.samples); !faults.empty()) {
+  } else if (std::vector<Finding> faults = dark_frames(scan, fit); !faults.empty()) {
     result.findings = std::move(faults);
     return result;
   } else if (flickering) {

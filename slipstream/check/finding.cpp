@@ -10,7 +10,7 @@ std::string text_of(const Finding& finding) {
   std::string numbers;
   for (const Evidence& evidence : finding.evidence) {
     numbers +=
-        fmt::format("{}{} {:.3g}", numbers.empty() ? "" : ", ", evidence.name, evidence.value);
+        fmt::format("{}{} = {:.3g}", numbers.empty() ? "" : ", ", evidence.name, evidence.value);
   }
   std::string text = finding.what;
   if (!numbers.empty()) text += fmt::format(" ({})", numbers);

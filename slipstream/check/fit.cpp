@@ -11,8 +11,9 @@ namespace {
 constexpr double least_agreement = 0.6, most_offset = 0.1;
 // Below this noise leaves nothing to judge by.
 constexpr double least_noise = 0.3;
-// Right scans leave 0.014; two frames in each other's place 0.4.
-constexpr double most_residual = 0.05;
+// Right scans leave 0.014, real ones of twelve steps 0.07; two frames in each other's place 0.15 to
+// 0.4.
+constexpr double most_residual = 0.1;
 // Things that move between frames leave up to 0.15.
 constexpr double most_residual_moving = 0.25;
 // Right scans 0.31, a real skull 0.43; frames of two bands mixed up 0.7.
@@ -23,6 +24,12 @@ constexpr double least_slope = 0.35, most_slope = 2.8;
 constexpr double most_outside = 0.25;
 constexpr double most_out_of_range = 0.6;
 
+/// Of the slopes that noise leaves possible.
+double nearest_to_one(const GeometryEvidence& geometry) {
+  return std::clamp(1.0, geometry.slope - geometry.slope_doubt,
+                    geometry.slope + geometry.slope_doubt);
+}
+
 bool agrees(const BandRelation& relation) {
   return relation.noise < least_noise ||
          (relation.agreement >= least_agreement && std::abs(relation.offset) <= most_offset);
@@ -30,9 +37,12 @@ bool agrees(const BandRelation& relation) {
 
 }  // namespace
 
+bool Fit::bands_alike() const {
+  return frames.ratio_spread <= most_ratio_spread;
+}
+
 bool Fit::bands_agree() const {
-  return frames.ordered && frames.ratio_spread <= most_ratio_spread &&
-         std::all_of(frames.relations.begin(), frames.relations.end(), agrees);
+  return bands_alike() && std::all_of(frames.relations.begin(), frames.relations.end(), agrees);
 }
 
 bool Fit::patterns_made() const {
@@ -45,7 +55,8 @@ bool Fit::no_seam() const {
 
 bool Fit::geometry_fits() const {
   if (!geometry) return true;
-  return geometry->slope >= least_slope && geometry->slope <= most_slope &&
+  return geometry->slope + geometry->slope_doubt >= least_slope &&
+         geometry->slope - geometry->slope_doubt <= most_slope &&
          geometry->without_point + geometry->outside <= most_outside;
 }
 
@@ -63,7 +74,7 @@ double Fit::misfit() const {
   if (geometry) {
     sum += (geometry->without_point + geometry->outside) / most_outside +
            geometry->out_of_range / most_out_of_range +
-           std::abs(std::log(std::max(1e-3, geometry->slope)));
+           std::abs(std::log(std::max(1e-3, nearest_to_one(*geometry))));
   }
   return sum;
 }

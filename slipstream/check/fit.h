@@ -14,6 +14,7 @@ struct Fit {
   bool moving = false;                         ///< CheckSettings::moving
   std::optional<GeometryEvidence> geometry{};  ///< where a scanner is known
 
+  [[nodiscard]] bool bands_alike() const;    ///< about modulation
   [[nodiscard]] bool bands_agree() const;    ///< about phase and modulation, and in their order
   [[nodiscard]] bool patterns_made() const;  ///< frames are what such patterns make
   [[nodiscard]] bool no_seam() const;

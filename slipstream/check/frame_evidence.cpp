@@ -50,14 +50,12 @@ FrameJudge::FrameJudge(const FrameModel& model) : model_(model) {
   mean_.resize(relations);
   between_.resize(relations);
   ratios_.resize(bands);
-  turns_.resize(bands);
 }
 
 void FrameJudge::clear() {
   std::fill(mean_.begin(), mean_.end(), Complex{});
   std::fill(between_.begin(), between_.end(), Complex{});
   std::fill(ratios_.begin(), ratios_.end(), SharedSpread{});
-  std::fill(turns_.begin(), turns_.end(), 0.0);
   residual_ = variation_ = 0;
   pairs_ = seams_ = far_pairs_ = 0;
 }
@@ -77,9 +75,8 @@ void FrameJudge::add_pair(double variation) {
     residual_ += here_.unexplained[i] * next_.unexplained[i];
   }
   variation_ += variation;
-  for (std::size_t b = 0; b < turns_.size(); ++b) {
+  for (std::size_t b = 0; b < ratios_.size(); ++b) {
     ratios_[b].add(ratio(here_, b), ratio(next_, b));
-    turns_[b] += 1 - std::cos(here_.phase[b] - next_.phase[b]);
   }
 }
 
@@ -106,11 +103,6 @@ void FrameJudge::sum_up(std::size_t groups) {
   evidence_.ratio_spread = 0;
   for (const SharedSpread& of_band : ratios_) {
     evidence_.ratio_spread = std::max(evidence_.ratio_spread, of_band.deviation());
-  }
-  const std::vector<std::size_t>& bands = model_.bands();
-  evidence_.ordered = true;
-  for (std::size_t i = 1; i < bands.size(); ++i) {
-    if (turns_[bands[i]] * 2 < turns_[bands[i - 1]]) evidence_.ordered = false;
   }
   evidence_.seams = far_pairs_ > 0 ? static_cast<double>(seams_) / far_pairs_ : 0;
 }
@@ -139,6 +131,26 @@ const FrameEvidence& FrameJudge::operator()(const ScanSamples& samples, const Fr
   sum_up(groups);
   return evidence_;
 }
+
+namespace {
+
+/// Of equations normal * gains = right, whose residual is `all`: what each gain accounts for alone.
+std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
+                                              const Eigen::VectorXd& right, double all) {
+  constexpr double least_share = 0.7, least_lead = 0.1;
+  std::optional<FrameGains::OddFrame> best;
+  double most = 0, second = 0;
+  for (Eigen::Index n = 0; n < right.size(); ++n) {
+    const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
+    second = std::max(second, std::min(share, most));
+    if (share <= most) continue;
+    most = share;
+    best = {static_cast<int>(n), right[n] / normal(n, n)};
+  }
+  return most >= least_share && most >= second + least_lead ? best : std::nullopt;
+}
+
+}  // namespace
 
 FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
   const int count = model.layout().frames;
@@ -173,6 +185,7 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
   result.explained = all > 0 ? gains.dot(right) / all : 0;
   std::copy(gains.begin(), gains.end(), result.gains.begin());
+  result.odd_frame = odd_frame(normal, right, all);
   return result;
 }
 

@@ -28,7 +28,6 @@ struct FrameEvidence {
   /// How much the bands' modulations differ from pixel to pixel, over each other: the standard
   /// deviation of the logarithm, without noise; the largest.
   double ratio_spread = 0;
-  bool ordered = true;  ///< bands of more periods vary more from pixel to pixel
   /// Where the coordinate leaps from one end of the field to the other in the middle of the light:
   /// share of the pairs of far pixels that could show it.
   double seams = 0;
@@ -67,7 +66,6 @@ class FrameJudge {
   SampleReading here_, next_;
   std::vector<std::complex<double>> mean_, between_;  ///< of each relation
   std::vector<SharedSpread> ratios_;                  ///< of each band
-  std::vector<double> turns_;                         ///< of each band
   double residual_ = 0, variation_ = 0;
   int pairs_ = 0, seams_ = 0, far_pairs_ = 0;
 };
@@ -77,6 +75,12 @@ class FrameJudge {
 struct FrameGains {
   std::vector<double> gains;
   double explained = 0;  ///< the share of the residual that they account for
+  struct OddFrame {
+    int frame = 0;
+    double gain = 0;
+  };
+  /// The one whose gain alone accounts for nearly all, and for more than any other's does.
+  std::optional<OddFrame> odd_frame{};
 };
 FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -117,14 +118,17 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
   std::vector<float> levels, ranges;
   std::size_t darkest = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    std::vector<float> others(samples.levels(g, ScanSamples::middle),
-                              samples.levels(g, ScanSamples::middle) + samples.frames());
-    const float own = others[static_cast<std::size_t>(n)];
-    others.erase(others.begin() + n);
-    const auto [least, greatest] = std::minmax_element(others.begin(), others.end());
-    if (own <= *least + 1) ++darkest;
+    const float* const all = samples.levels(g, ScanSamples::middle);
+    const float own = all[n];
+    float least = std::numeric_limits<float>::infinity(), greatest = -least;
+    for (int m = 0; m < samples.frames(); ++m) {
+      if (m == n) continue;
+      least = std::min(least, all[m]);
+      greatest = std::max(greatest, all[m]);
+    }
+    if (own <= least + 1) ++darkest;
     levels.push_back(own);
-    ranges.push_back(*greatest - *least);
+    ranges.push_back(greatest - least);
   }
   const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
   const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
@@ -137,11 +141,11 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
                  .advice = "take the scan again; check the trigger, or leave out the marker frame"};
 }
 
-/// Bits that would do for what is in the pictures.
+/// Bits of a camera that would do for what is in the pictures: 8, 10, 12, 14 or 16.
 int bits_used(double brightest, int bits) {
   const double largest = brightest / 255 * ((1 << bits) - 1);
   int used = 8;
-  while (used < bits && largest > (1 << used) - 1) ++used;
+  while (used < bits && largest > (1 << used) - 1) used += 2;
   return used;
 }
 
@@ -160,7 +164,7 @@ double flat_topped(const ScanSamples& samples) {
     if (count >= 1) ++once;
     if (count >= 2) ++flat;
   }
-  if (static_cast<double>(flat) < fewest_of_top * static_cast<double>(once)) return 0;
+  if (flat == 0 || static_cast<double>(flat) < fewest_of_top * static_cast<double>(once)) return 0;
   return static_cast<double>(flat) / static_cast<double>(samples.groups());
 }
 
@@ -173,17 +177,18 @@ Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
                                {"largest change between frames", samples.largest_range()},
                                {"least modulation", light.least_modulation}}};
   const int used = bits_used(samples.brightest(), light.bits);
-  if (light.bits > 8 && used <= light.bits - 2) {
-    finding.likely = fmt::format("pictures of {} bits in files of {}", used, light.bits);
-    finding.advice = fmt::format("try --bits {}", used);
-  } else if (samples.saturated() > 0) {
-    finding.likely = "pictures saturated all over: far too much light";
+  if (samples.saturated_share() > 0.5) {
+    finding.likely = "too much light: pictures saturated all over";
     finding.advice = "expose shorter or close the iris";
+  } else if (light.bits == 16 && used <= 14) {
+    finding.likely =
+        fmt::format("pictures of {} bits in files of 16, or far too little light", used);
+    finding.advice = fmt::format("try --bits {}; or expose longer", used);
   } else if (samples.largest_range() < 4) {
     finding.likely = "no pattern in the pictures: the projector was dark or not in view";
     finding.advice = "look at the pictures";
   } else {
-    finding.likely = "far too little light for this surface";
+    finding.likely = "far too little light for this surface, or a very small one";
     finding.advice =
         "expose longer, open the iris or darken the room; --min-modulation takes "
         "darker pixels";
@@ -224,23 +229,37 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
   // Of all pixels: a needle's share.
   constexpr double least_lit = 0.003;
   std::vector<Finding> findings;
-  const auto lit = static_cast<double>(samples.groups()) + samples.saturated();
+  if (samples.brightest() > 255.5) {
+    const int bits = bits_used(samples.brightest(), 16);
+    return {{.gravity = Gravity::wrong,
+             .what = "grey levels are larger than the camera's largest",
+             .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
+             .likely = "a camera of more bits than said",
+             .advice = light.bits == 0 ? "" : fmt::format("try --bits {}", bits)}};
+  }
   if (samples.groups() < fewest_groups && samples.lit_share() < least_lit) {
     return {too_dark(samples, light)};
   }
   const int used = bits_used(samples.brightest(), light.bits);
-  if (light.bits > 8 && used <= light.bits - 3) {
+  if (light.bits == 16 && used <= 12) {
     findings.push_back(
         {.what = fmt::format("only {} of {} bits are used", used, light.bits),
          .evidence = {{"brightest grey level of 255", samples.brightest()}},
          .likely = fmt::format("pictures of {} bits in files of {}", used, light.bits),
          .advice = fmt::format("try --bits {}", used)});
   }
-  if (samples.saturated() > most_saturated * lit) {
+  if (samples.saturated_share() > most_saturated) {
     findings.push_back({.what = "many lit pixels are saturated and become no points",
-                        .evidence = {{"share of the lit pixels", samples.saturated() / lit}},
+                        .evidence = {{"share of the lit pixels", samples.saturated_share()}},
                         .likely = "too much light: the camera clips",
                         .advice = "expose shorter or close the iris"});
+  }
+  if (light.modulation < light.least_modulation) {
+    findings.push_back({.what = "most of what the patterns light is too dark to become points",
+                        .evidence = {{"modulation", light.modulation},
+                                     {"least modulation", light.least_modulation}},
+                        .likely = "too little light for this surface",
+                        .advice = "expose longer, open the iris or darken the room"});
   }
   if (const double flat = flat_topped(samples); flat > most_flat) {
     findings.push_back(

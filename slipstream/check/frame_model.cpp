@@ -8,6 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "slipstream/gamma/correction.h"
+#include "slipstream/image/quantile.h"
 #include "slipstream/phase/equations.h"
 
 namespace slipstream {
@@ -88,6 +89,19 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
   }
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
   explain(levels, order, reading);
+}
+
+double FrameModel::shown_range(int n, const ScanSamples& samples) const {
+  std::vector<double> shapes;
+  SampleReading reading;
+  const FrameOrder order = identity();
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    read(samples.levels(g, ScanSamples::middle), order, reading);
+    shapes.push_back(sequence_.strategy.shape(n, std::clamp(reading.coordinate, 0.0, 1.0)));
+  }
+  if (shapes.empty()) return 0;
+  const double most = quantile(shapes, 0.95);
+  return most - quantile(shapes, 0.05);
 }
 
 void FrameModel::unwrap(SampleReading& reading, double cue) const {

@@ -60,6 +60,9 @@ class FrameModel {
   /// used again.
   void read(const float* levels, const FrameOrder& order, SampleReading& reading) const;
 
+  /// How much of the range of pattern n the lit pixels see, 0 to 1.
+  [[nodiscard]] double shown_range(int n, const ScanSamples& samples) const;
+
   /// How what is unexplained changes with the gain of frame n, from its intensity: a column.
   [[nodiscard]] Eigen::VectorXd unexplained_by(int n, double level) const {
     return level * complement_.col(n);

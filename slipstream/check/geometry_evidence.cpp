@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slipstream/image/quantile.h"
+#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
@@ -71,7 +72,7 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     const Eigen::Vector3d ray = ray_through(scanner.camera, pixel);
     const double z = stripes.depth(ray, here.coordinate);
     const FieldPlace lit = stripes.place(z * ray);
-    if (!(z > 0) || !lit.in_front) {
+    if (!(z > 0 && std::isfinite(z)) || !lit.in_front) {
       ++without;
       continue;
     }
@@ -94,7 +95,8 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     const Eigen::Vector2d seen(change(ScanSamples::right), change(ScanSamples::below));
     const Eigen::Vector2d flat(expected({turn.columns ? -1 : 1, 0}),
                                expected({0, turn.rows ? -1 : 1}));
-    slopes.push_back(seen.dot(flat) / flat.squaredNorm());
+    const double slope = seen.dot(flat) / flat.squaredNorm();
+    if (std::isfinite(slope)) slopes.push_back(slope);
   }
   GeometryEvidence result;
   if (samples.groups() == 0) return result;
@@ -105,7 +107,14 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
     result.out_of_range = out_of_range / static_cast<double>(depths.size());
     result.median_depth = quantile(depths, 0.5);
   }
-  if (!slopes.empty()) result.slope = quantile(slopes, 0.5);
+  if (!slopes.empty()) {
+    result.slope = quantile(slopes, 0.5);
+    for (double& slope : slopes) slope = std::abs(slope - result.slope);
+    // Of the median of values that scatter as these about their own.
+    const double error = 1.25 * deviation_from_median(quantile(slopes, 0.5)) /
+                         std::sqrt(static_cast<double>(slopes.size()));
+    result.slope_doubt = 3 * error;
+  }
   return result;
 }
 

@@ -17,6 +17,7 @@ struct GeometryEvidence {
   /// much it would on a surface that faces the camera: about 1 where all is right, negative where
   /// the stripes run the other way, near 0 where they run along the other axis.
   double slope = 1;
+  double slope_doubt = 0;  ///< three standard errors of it, by how much the pixels scatter
 };
 
 /// Pictures that were turned over before they were saved.

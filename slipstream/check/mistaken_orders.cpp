@@ -105,6 +105,7 @@ void add_single_turns(const std::vector<StepRun>& runs, Orders& orders) {
 void add_two_runs(const std::vector<StepRun>& runs, Orders& orders) {
   if (runs.size() != 2) return;
   const auto [a, b] = std::pair(runs[0], runs[1]);
+  if (a.steps + b.steps != static_cast<int>(orders.right().size())) return;
   FrameOrder swapped;
   for (int n = 0; n < a.steps; ++n) swapped.push_back(a.first + b.steps + n);
   for (int n = 0; n < b.steps; ++n) swapped.push_back(n);

@@ -57,11 +57,16 @@ double least_range(double modulation) {
 
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
+  // Darker pixels may become points, but are too noisy to judge by.
+  constexpr double dimmest = 10;
   const double least = least_modulation(settings, frames.full_scale());
   const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
   const FrameModel model(sequence, photometry);
   ScanSamples samples(frames.size(), frames.count());
-  samples.take(frames, {.least_range = least_range(least)});
+  samples.take(frames, {.least_range = least_range(std::max(least, dimmest))});
+  if (samples.groups() == 0 && least < dimmest && samples.largest_range() >= least_range(least)) {
+    return {};
+  }
 
   ScanFindings result;
   result.findings = light_faults(samples, light_of(model, samples, frames.bits(), least));
@@ -69,13 +74,19 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   std::vector<Finding> damaged = damaged_frames(samples);
   const bool whole = damaged.empty();
   append(result.findings, std::move(damaged));
-  std::vector<Finding> of_scanner = scanner ? check_scanner(*scanner) : std::vector<Finding>{};
-  const bool usable = scanner && !any_wrong(of_scanner);
-  append(result.findings, std::move(of_scanner));
   // What a damaged frame does to the rest explains nothing more.
   if (!whole || any_wrong(result.findings)) return result;
+  std::vector<Finding> of_scanner;
+  if (scanner) of_scanner = check_scanner(*scanner, false);
+  if (any_wrong(of_scanner)) {
+    append(result.findings, std::move(of_scanner));
+    return result;
+  }
   Explained explained = explain(
-      {model, samples, sequence, usable ? &*scanner : nullptr, photometry, settings.moving});
+      {model, samples, sequence, scanner ? &*scanner : nullptr, photometry, settings.moving});
+  // A picture cut out of the sensor's has its middle elsewhere, and fits.
+  if (scanner && !explained.findings.empty()) of_scanner = check_scanner(*scanner, true);
+  append(result.findings, std::move(of_scanner));
   append(result.findings, std::move(explained.findings));
   result.order = std::move(explained.order);
   return result;

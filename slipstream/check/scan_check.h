@@ -49,7 +49,8 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings = {});
 
 /// Whether a scanner looks like one: signatures of files in metres, of devices swapped, of pictures
-/// of another size.
-std::vector<Finding> check_scanner(const Scanner& scanner);
+/// of another size. `whole_pictures`: of the camera, whose middle may be anywhere in one that was
+/// cut out of the sensor's.
+std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures = true);
 
 }  // namespace slipstream

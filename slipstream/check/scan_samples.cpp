@@ -19,7 +19,7 @@ ScanSamples::Pixel ScanSamples::pixel(int i) const {
   // over a square evenly and without a grid that stripes could fall in step with.
   constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
   const auto place = [&](double part, int length) {
-    return static_cast<int>(part * std::max(1, length - far_));
+    return static_cast<int>(part * (length - std::min(far_, length / 8)));
   };
   return {place(std::fmod(0.5 + i * step_x, 1.0), size_.width),
           place(std::fmod(0.5 + i * step_y, 1.0), size_.height)};
@@ -38,6 +38,13 @@ double ScanSamples::lit_share() const {
   return looked_ == 0
              ? 0
              : static_cast<double>(groups() + static_cast<std::size_t>(saturated_)) / looked_;
+}
+
+double ScanSamples::saturated_share() const {
+  const double lit = static_cast<double>(groups()) + saturated_;
+  // A picture that is white all over shows no pattern.
+  if (lit == 0) return brightest_ >= 255 ? 1 : 0;
+  return saturated_ / lit;
 }
 
 void ScanSamples::take(const FrameViews& frames, const Effort& effort) {

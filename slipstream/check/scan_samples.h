@@ -53,6 +53,8 @@ class ScanSamples {
   [[nodiscard]] int saturated() const { return saturated_; }
   /// Share of the pixels looked at that are lit, saturated ones among them.
   [[nodiscard]] double lit_share() const;
+  /// Of the lit pixels.
+  [[nodiscard]] double saturated_share() const;
   /// The brightest intensity seen, and the largest range of a pixel's frames.
   [[nodiscard]] double brightest() const { return brightest_; }
   [[nodiscard]] double largest_range() const { return largest_range_; }

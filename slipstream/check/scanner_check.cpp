@@ -31,7 +31,7 @@ void look_at_lens(const Lens& lens, std::string_view device, const Middle& allow
 
 }  // namespace
 
-std::vector<Finding> check_scanner(const Scanner& scanner) {
+std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) {
   std::vector<Finding> findings;
   // No camera and projector stand so near to each other; in metres all do.
   constexpr double least_baseline = 3;
@@ -44,7 +44,8 @@ std::vector<Finding> check_scanner(const Scanner& scanner) {
                         .advice = fmt::format("give its translation in mm: it would be {:.4g} mm",
                                               1000 * baseline)});
   }
-  look_at_lens(scanner.camera, "camera", {.across = 0.25, .up = 0.25}, findings);
+  if (whole_pictures)
+    look_at_lens(scanner.camera, "camera", {.across = 0.25, .up = 0.25}, findings);
   look_at_lens(scanner.projector, "projector", {.across = 0.25, .up = 1.2}, findings);
   return findings;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+
 namespace slipstream {
 namespace {
 
@@ -50,16 +51,20 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
   const bool first = checked_ == Clock::time_point{};
   const Suspicion raised = suspicion(window);
   if (!raised.any()) right_sums_.assign(samples_.sums().begin(), samples_.sums().end());
-  harmless_ = harmless_.of(raised);
-  if (!first && harmless_ == raised) {
-    findings_.clear();
-    return {};
-  }
   const Clock::time_point now = Clock::now();
-  if (findings_.empty() || now - checked_ > look_again) {
-    findings_ = check_frames(window, sequence_, scanner_, settings_).findings;
-    checked_ = now;
+  if (!findings_.empty()) {
+    if (suspected_.any() && !raised.any()) {
+      findings_.clear();  // what was seen has gone
+      return {};
+    }
+    if (raised == suspected_ && now - checked_ < look_again) return findings_;
+  } else {
+    harmless_ = harmless_.of(raised);
+    if (!first && harmless_ == raised) return {};
   }
+  findings_ = check_frames(window, sequence_, scanner_, settings_).findings;
+  checked_ = now;
+  suspected_ = raised;
   // What the whole check finds nothing in, as motion, need not be looked into again.
   if (findings_.empty()) {
     harmless_ = raised;

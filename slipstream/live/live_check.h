@@ -53,6 +53,7 @@ class LiveCheck {
   double harmless_residual_ = 0;    ///< likewise
   std::vector<double> right_sums_;  ///< of each frame, when last all was right
   std::vector<Finding> findings_;   ///< of the last whole check
+  Suspicion suspected_;             ///< that led to it
   Clock::time_point checked_{};     ///< when that was; the epoch before the first
 };
 

@@ -10,9 +10,10 @@ TEST(Finding, IsOneLineForPeople) {
                         .evidence = {{"agreement", 0.123456}, {"offset in periods", 0.33}},
                         .likely = "frames 0 to 2 are rotated by one",
                         .advice = "try --order 2,0,1,3,4,5"};
-  EXPECT_EQ(text_of(finding),
-            "the bands disagree about the phase (agreement 0.123, offset in periods 0.33); likely "
-            "frames 0 to 2 are rotated by one; try --order 2,0,1,3,4,5");
+  EXPECT_EQ(
+      text_of(finding),
+      "the bands disagree about the phase (agreement = 0.123, offset in periods = 0.33); likely "
+      "frames 0 to 2 are rotated by one; try --order 2,0,1,3,4,5");
   EXPECT_EQ(text_of({.what = "no light"}), "no light");
 }
 

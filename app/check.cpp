@@ -15,6 +15,7 @@ namespace {
 struct CheckFlags {
   std::vector<std::string> folders;
   ScanInputFlags input;
+  CheckSettings settings;
 };
 
 void tell_findings(const std::string& folder, const std::vector<Finding>& findings,
@@ -31,8 +32,10 @@ void check(const CheckFlags& flags, Output& output) {
   Progress progress("scans", static_cast<int>(flags.folders.size()));
   for (const std::string& folder : flags.folders) {
     Scan scan = load_checkable(folder, flags.input, true, output);
-    choose_response(scan, flags.input);
-    const std::vector<Finding> findings = check_and_repair(scan).findings;
+    CheckSettings settings = flags.settings;
+    settings.photometry = flags.input.photometry;
+    settings.photometry.response = choose_response(scan, flags.input).response;
+    const std::vector<Finding> findings = check_and_repair(scan, settings).findings;
     if (any_wrong(findings)) output.exit_code = 2;
     output.document["scans"].push_back({{"scan", folder}, {"findings", app::json_of(findings)}});
     progress.finish();
@@ -49,6 +52,9 @@ void add_check(CLI::App& program, Command& chosen) {
                   "whether the frames of scans fit their patterns, the scanner and each other");
   command.add("folders", flags.folders, "scan folders: pictures, and scan.yaml or flags")
       ->required();
+  command.add(
+      "--min-modulation", flags.settings.minimum_modulation,
+      "of a pixel that becomes a point, grey levels of the frames; 15 of 255 where not given");
   add_scan_input_flags(command.app, flags.input);
   command.app.footer(
       "Examples:\n  slipstream check scan\n  slipstream check frames --strategy pmp --steps 4\n"

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -168,6 +169,18 @@ EngineSetup setup_of_sound(const ReconstructFlags& flags, Scan& scan, Reconstruc
   return setup;
 }
 
+/// What the check does not see by its pixels, or leaves to --nearest and --farthest.
+void tell_no_points(ReconstructedScan& result, Output& output) {
+  const auto counts = count_by_validity(result.cloud);
+  const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
+  const Finding finding{
+      .what = "not one pixel became a point",
+      .likely = fmt::format("{} in most of them", name_of(static_cast<Validity>(most))),
+      .advice = "look at the frames with slipstream view"};
+  output.warn(fmt::format("{}: {}", result.folder, text_of(finding)));
+  result.checked.findings.push_back(finding);
+}
+
 ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
                                    std::optional<Engine>& engine, Output& output) {
   Stopwatch watch;
@@ -183,6 +196,7 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
     output.say("{}: {}", folder.string(), result.gamma.sentence);
   }
   compute(flags, scan, *engine, result);
+  if (point_count(result.cloud) == 0) tell_no_points(result, output);
   result.computed = watch.lap();
   if (flags.uncertainty) {
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);

@@ -39,7 +39,7 @@ std::vector<Finding> findings_of_recording(const std::string& file, Output& outp
   std::vector<Finding> findings;
   try {
     if (const std::optional<Scan> cycle = first_cycle(file)) {
-      findings = check_scan(*cycle).findings;
+      findings = check_scan(*cycle, {.moving = true}).findings;
     }
   } catch (const Error& error) {
     output.warn(fmt::format("what was recorded cannot be checked: {}", error.what()));

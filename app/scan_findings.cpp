@@ -1,5 +1,6 @@
 #include "app/scan_findings.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -45,12 +46,13 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
 
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
                     Output& output) {
-  std::vector<std::string> wrong;
-  for (const Finding& finding : checked.findings) {
-    if (finding.gravity == Gravity::wrong) wrong.push_back(text_of(finding));
-  }
-  if (!wrong.empty() && !anyway) {
-    throw Error(fmt::format("{}: {}", scan, fmt::join(wrong, " | ")));
+  if (any_wrong(checked.findings) && !anyway) {
+    std::vector<Finding> findings = checked.findings;
+    std::stable_partition(findings.begin(), findings.end(),
+                          [](const Finding& finding) { return finding.gravity == Gravity::wrong; });
+    std::vector<std::string> texts;
+    for (const Finding& finding : findings) texts.push_back(text_of(finding));
+    throw Error(fmt::format("{}: {}", scan, fmt::join(texts, " | ")));
   }
   for (const Finding& finding : checked.findings) {
     output.warn(fmt::format("{}: {}", scan, text_of(finding)));

@@ -24,8 +24,8 @@ struct CheckedScan {
 /// told of gamma: they match whatever phase the projector shows.
 CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
 
-/// Warns of all that is doubtful and says what was repaired. Throws Error, naming the scan, for all
-/// that is wrong; with `anyway` it warns of that too.
+/// Warns of all that is doubtful and says what was repaired. Where something is wrong throws Error,
+/// naming the scan and all findings, what is wrong first; with `anyway` it warns of that too.
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
                     Output& output);
 

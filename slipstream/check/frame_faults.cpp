@@ -237,7 +237,9 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
              .likely = "a camera of more bits than said",
              .advice = light.bits == 0 ? "" : fmt::format("try --bits {}", bits)}};
   }
-  if (samples.groups() < fewest_groups && samples.lit_share() < least_lit) {
+  // A small thing that is lit well is no fault.
+  const bool dim = light.modulation < 1.5 * light.least_modulation;
+  if (samples.groups() < fewest_groups && samples.lit_share() < least_lit && dim) {
     return {too_dark(samples, light)};
   }
   const int used = bits_used(samples.brightest(), light.bits);

@@ -31,8 +31,8 @@ std::string refusal_of(const std::vector<Finding>& findings, bool anyway = false
 TEST(ScanFindings, AllThatIsWrongIsRefusedInOneLine) {
   testing::internal::CaptureStderr();
   EXPECT_EQ(refusal_of({dim, rotated, dark}),
-            "scan: the bands disagree (agreement 0.25); likely frames 0 to 2 are rotated by one; "
-            "try --order 2,0,1,3,4,5 | no frame has light in it");
+            "scan: the bands disagree (agreement = 0.25); likely frames 0 to 2 are rotated by one; "
+            "try --order 2,0,1,3,4,5 | no frame has light in it | the frames are dim");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 

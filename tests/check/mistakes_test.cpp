@@ -216,7 +216,7 @@ std::vector<Mistake> skull_mistakes() {
   add("0 and 5 swapped", {5, 1, 2, 3, 4, 0}, {"swapped"});
   add("interleaved", {0, 3, 1, 4, 2, 5}, {"interleaved"});
   add("interleaved, low first", {3, 0, 4, 1, 5, 2}, {"interleaved"});
-  for (const int high : {8, 12, 15, 17, 32, 64}) {
+  for (const int high : {3, 8, 12, 15, 17, 32, 64}) {
     list.push_back(
         {fmt::format("{} periods said", high), with_setting("high", high), {"16 periods"}});
   }

@@ -46,6 +46,41 @@ TEST_P(RightScans, AreLeftInPeace) {
 
 INSTANTIATE_TEST_SUITE_P(Parts, RightScans, testing::Values(2026, 2027, 2028, 2029));
 
+ScanFindings findings_of(const VirtualWorld& world, const Strategy& strategy) {
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(strategy, Axis::x), world.photometry);
+  return check_scan({.frames = taken.frames,
+                     .sequence = {strategy, Axis::x, {}, world.scanner.projector.size},
+                     .scanner = as_calibrated(world)});
+}
+
+// From one pixel of a large picture to the next a single period changes by less than its noise.
+TEST(LargePictures, AreLeftInPeace) {
+  VirtualWorld world{.scanner = example_scanner({1280, 960})};
+  world.scene = scene_named("board", world.scanner);
+  world.scene.front().texture = uniform_texture(0.25);
+  world.photometry = {.ambient = 3, .noise_variance = 3};
+  for (const char* const name : {"pmp", "pcmp", "dual-frequency"}) {
+    EXPECT_EQ(told(findings_of(world, make_strategy(name, {{"steps", 5}}))), "") << name;
+  }
+  EXPECT_EQ(told(findings_of(world, make_strategy("dual-frequency",
+                                                  {{"steps", 8}, {"low_steps", 3}, {"high", 6}}))),
+            "");
+}
+
+// Seen by a small thing in the middle of the field, the first frame is dark all over.
+TEST(SmallThings, AreLeftInPeace) {
+  VirtualWorld world{.scanner = example_scanner({640, 480})};
+  const WorkingVolume volume = working_volume(world.scanner);
+  world.scene = scene_named("sphere", world.scanner);
+  world.scene.front().shape = Sphere{0.04 * volume.extent};
+  world.photometry = {.ambient = 3, .noise_variance = 1};
+  for (const int steps : {3, 4, 6}) {
+    EXPECT_EQ(told(findings_of(world, make_strategy("pmp", {{"steps", steps}}))), "") << steps;
+    EXPECT_EQ(told(findings_of(world, make_strategy("pcmp", {{"steps", steps}}))), "") << steps;
+  }
+}
+
 TEST(RealScans, AreLeftInPeace) {
   const fs::path folder = shared_data() / "skull";
   if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";

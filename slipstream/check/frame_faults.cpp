@@ -14,9 +14,6 @@
 namespace slipstream {
 namespace {
 
-/// Fewer lit pixels than these tell nothing.
-constexpr std::size_t fewest_groups = 64;
-
 using Places = std::vector<std::size_t>;  ///< groups, from the top of the picture to its bottom
 
 Places from_top(const ScanSamples& samples) {
@@ -200,7 +197,7 @@ Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
 
 std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   std::vector<Finding> findings;
-  if (samples.groups() < fewest_groups) return findings;
+  if (samples.groups() < ScanSamples::fewest_groups) return findings;
   const Places places = from_top(samples);
   const auto add = [&](std::optional<Finding> finding) {
     if (finding) findings.push_back(std::move(*finding));
@@ -214,7 +211,7 @@ std::vector<Finding> damaged_frames(const ScanSamples& samples) {
 
 std::vector<Finding> dark_frames(const ScanSamples& samples) {
   std::vector<Finding> findings;
-  if (samples.groups() < fewest_groups) return findings;
+  if (samples.groups() < ScanSamples::fewest_groups) return findings;
   for (int n = 0; n < samples.frames(); ++n) {
     if (auto finding = without_pattern(samples, n)) findings.push_back(std::move(*finding));
   }
@@ -239,7 +236,7 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
   }
   // A small thing that is lit well is no fault.
   const bool dim = light.modulation < 1.5 * light.least_modulation;
-  if (samples.groups() < fewest_groups && samples.lit_share() < least_lit && dim) {
+  if (samples.groups() < ScanSamples::fewest_groups && samples.lit_share() < least_lit && dim) {
     return {too_dark(samples, light)};
   }
   const int used = bits_used(samples.brightest(), light.bits);

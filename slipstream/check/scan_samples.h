@@ -15,6 +15,8 @@ class ScanSamples {
   /// whether the coordinate goes on.
   enum Place { middle, right, below, far_right, far_below };
   static constexpr int places = 5;
+  /// Fewer groups than these tell nothing.
+  static constexpr std::size_t fewest_groups = 64;
 
   /// How many pixels to look at, and when a pixel is lit: its frames differ by `least_range` grey
   /// levels of 255.

@@ -258,6 +258,7 @@ class Search {
     // Nothing is set right that may be wrong then.
     if (named.size() == 1 && !best.order.empty()) {
       best.gravity = Gravity::doubtful;
+      best.advice = "the order " + text_of(best.order) + " sets them right";
     } else {
       best.order.clear();
     }

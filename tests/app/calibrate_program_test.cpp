@@ -191,7 +191,7 @@ TEST_F(CalibrateProgram, FramesInTheWrongOrderAndAPrintOfTheWrongSizeAreToldByTh
   ASSERT_EQ(run.exit_code, 0) << run.err;
   for (const char* part : {"\"findings\"", "\"evidence\"", "board02 along x",
                            "the frames have slipped: the cycle begins at frame 5",
-                           "they are taken in the order 5,0,1,2,3,4", "wrong scale",
+                           "the order 5,0,1,2,3,4 sets them right", "wrong scale",
                            "give --spacing 22.35", "\"try\"", "\"depths_mm\""}) {
     EXPECT_NE(run.out.find(part), std::string::npos) << part << "\n" << run.out;
   }

@@ -257,7 +257,7 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
     findings.push_back({.what = "most of what the patterns light is too dark to become points",
                         .evidence = {{"modulation", light.modulation},
                                      {"least modulation", light.least_modulation}},
-                        .likely = "too little light for this surface",
+                        .likely = "far too little light for this surface",
                         .advice = "expose longer, open the iris or darken the room"});
   }
   if (const double flat = flat_topped(samples); flat > most_flat) {

@@ -50,23 +50,29 @@ double least_modulation(const CheckSettings& settings, double full_scale) {
   return settings.minimum_modulation.value_or(15 * full_scale / 255) * 255 / full_scale;
 }
 
-double least_range(double modulation) {
-  // Of the cosines of any phase and the phases a step on some differ by so much.
-  return 1.5 * modulation;
+namespace {
+
+/// Frames of a sinusoid differ by 1.5 modulations at least: of three steps, where one of them is at
+/// the crest.
+constexpr double range_of_modulation = 1.5;
+
+}  // namespace
+
+double least_range(const CheckSettings& settings, double full_scale) {
+  constexpr double dimmest = 10;
+  return range_of_modulation * std::max(dimmest, least_modulation(settings, full_scale));
 }
 
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
-  // Darker pixels may become points, but are too noisy to judge by.
-  constexpr double dimmest = 10;
   const double least = least_modulation(settings, frames.full_scale());
   const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
   const FrameModel model(sequence, photometry);
   ScanSamples samples(frames.size(), frames.count());
-  samples.take(frames, {.least_range = least_range(std::max(least, dimmest))});
-  if (samples.groups() == 0 && least < dimmest && samples.largest_range() >= least_range(least)) {
-    return {};
-  }
+  samples.take(frames, {.least_range = least_range(settings, frames.full_scale())});
+  const bool too_dim_to_judge = samples.groups() == 0 && samples.saturated() == 0 &&
+                                samples.largest_range() >= range_of_modulation * least;
+  if (too_dim_to_judge) return {};
 
   ScanFindings result;
   result.findings = light_faults(samples, light_of(model, samples, frames.bits(), least));

@@ -27,8 +27,9 @@ struct CheckSettings {
 
 /// Least modulation of a pixel that becomes a point, grey levels of 255.
 double least_modulation(const CheckSettings& settings, double full_scale);
-/// How much the frames of such a pixel differ at least.
-double least_range(double modulation);
+/// How much the frames of a pixel differ at least by which a scan is judged, grey levels of 255.
+/// Darker ones may become points where the settings say so, but are noise to judge by.
+double least_range(const CheckSettings& settings, double full_scale);
 
 /// What was found out about a scan.
 struct ScanFindings {

@@ -7,6 +7,12 @@
 
 namespace slipstream {
 
+SpreadPlace spread_place(int i) {
+  // The inverses of 1.3247..., the root of x^3 = x + 1, and of its square.
+  constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
+  return {std::fmod(0.5 + i * step_x, 1.0), std::fmod(0.5 + i * step_y, 1.0)};
+}
+
 ScanSamples::ScanSamples(Size size, int frames)
     : size_(size),
       frames_(frames),
@@ -15,14 +21,11 @@ ScanSamples::ScanSamples(Size size, int frames)
       sums_(static_cast<std::size_t>(frames)) {}
 
 ScanSamples::Pixel ScanSamples::pixel(int i) const {
-  // Steps of the inverses of 1.3247..., the root of x^3 = x + 1, and of its square spread points
-  // over a square evenly and without a grid that stripes could fall in step with.
-  constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
+  const auto [x, y] = spread_place(i);
   const auto place = [&](double part, int length) {
     return static_cast<int>(part * (length - std::min(far_, length / 8)));
   };
-  return {place(std::fmod(0.5 + i * step_x, 1.0), size_.width),
-          place(std::fmod(0.5 + i * step_y, 1.0), size_.height)};
+  return {place(x, size_.width), place(y, size_.height)};
 }
 
 double ScanSamples::range(const float* levels) const {

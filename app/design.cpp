@@ -87,7 +87,7 @@ void add_design(CLI::App& program, Command& chosen) {
       add_command(program, chosen, design, "design",
                   "the pcmp patterns of least noise for a given light, noise and surface");
   command.add("--steps", flags.goal.steps, "frames of one scan, 3 or more");
-  command.add("--reflectivity", flags.goal.alpha, "the least that is to be measured");
+  command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
   command.add("--ambient", flags.ambient, "grey levels of 255; 0 where nothing says it");
   command.add("--noise-variance", flags.noise_variance, "sigma_w^2, grey levels^2 of 255");
   command.add("--scanner", flags.scanner, "scanner file that says both");
@@ -96,8 +96,8 @@ void add_design(CLI::App& program, Command& chosen) {
   command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
   command.add("--plot", flags.plot, "noise over f_h: .png");
   command.app.footer(
-      "Example:\n  slipstream design --steps 4 --noise-variance 1.55 --ambient -7 --reflectivity "
-      "0.3 --plot design.png");
+      "Example:\n  slipstream design --steps 4 --noise-variance 1.55 --ambient -7 "
+      "--least-reflectivity 0.3 --plot design.png");
 }
 
 }  // namespace slipstream::app

@@ -219,7 +219,7 @@ void add_live(CLI::App& program, Command& chosen) {
   add_view_flags(command.app, flags.view);
 #endif
   add_pattern_flags(command.app, flags.source.scan);
-  add_virtual_flags(command.app, flags.source.virtual_scanner, "--virtual-gamma");
+  add_virtual_flags(command.app, flags.source.virtual_scanner);
   add_camera_flags(command.app, flags.source.camera);
   command.app.footer(
       "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "

@@ -77,8 +77,8 @@ void add_patterns(CLI::App& program, Command& chosen) {
                   "write a strategy's patterns as images for any projector");
   command.add("folder", flags.folder, "where the pictures and scan.yaml go")->required();
   add_pattern_flags(command.app, flags.scan);
-  CLI::Option* const bits =
-      command.add("--bits", flags.bits, "grey levels of the projector: 8 to 16 bits");
+  CLI::Option* const bits = command.add("--pattern-bits", flags.bits,
+                                        "of the pictures, as the projector takes them: 8 to 16");
   CLI::Option* const precompensate =
       command.add("--precompensate", flags.precompensate,
                   "a gamma, or a scanner file that holds one: its inverse is applied to the "

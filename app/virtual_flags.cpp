@@ -22,13 +22,13 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
   group.add("--motion", flags.motion, "motion from frame to frame: X Y Z, mm")->expected(3);
 }
 
-void add_device_flags(CLI::App& command, VirtualFlags& flags, const std::string& gamma_flag) {
+void add_device_flags(CLI::App& command, VirtualFlags& flags) {
   const FlagGroup group{command, "Devices"};
   Photometry& photometry = flags.photometry;
   group.add("--camera", flags.camera, "size of the example's camera, as 640x480");
-  group.add("--ambient", photometry.ambient, "ambient light beta, grey levels of 255");
-  group.add(gamma_flag, photometry.gamma, "response of projector and camera");
-  group.add("--noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255");
+  group.add("--virtual-ambient", photometry.ambient, "ambient light beta, grey levels of 255");
+  group.add("--virtual-gamma", photometry.gamma, "response of projector and camera");
+  group.add("--virtual-noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255");
   group.add("--bits", flags.bits, "of the camera, 8 to 16");
   group.add("--seed", photometry.seed, "of the noise");
   group.add("--rays", photometry.rays,
@@ -37,9 +37,9 @@ void add_device_flags(CLI::App& command, VirtualFlags& flags, const std::string&
 
 }  // namespace
 
-void add_virtual_flags(CLI::App& command, VirtualFlags& flags, const std::string& gamma_flag) {
+void add_virtual_flags(CLI::App& command, VirtualFlags& flags) {
   add_scene_flags(command, flags);
-  add_device_flags(command, flags, gamma_flag);
+  add_device_flags(command, flags);
 }
 
 Scanner virtual_scanner(const VirtualFlags& flags) {

@@ -25,10 +25,10 @@ struct VirtualFlags {
   int bits = 8;
 };
 
-/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --ambient, --gamma
-/// (called `gamma_flag`), --noise, --bits, --seed and --rays.
-void add_virtual_flags(CLI::App& command, VirtualFlags& flags,
-                       const std::string& gamma_flag = "--gamma");
+/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --bits, --seed, --rays,
+/// and --virtual-ambient, --virtual-gamma and --virtual-noise: what is simulated, where --ambient,
+/// --gamma and --noise-variance are what is reckoned with.
+void add_virtual_flags(CLI::App& command, VirtualFlags& flags);
 
 /// Of the file that --scanner names, else the example with a camera of that size.
 Scanner virtual_scanner(const VirtualFlags& flags);

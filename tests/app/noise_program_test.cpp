@@ -20,8 +20,9 @@ class NoiseProgram : public testing::Test {
   void simulate(const std::string& name, const std::vector<std::string>& strategy,
                 const std::string& seed) const {
     std::vector<std::string> arguments{
-        "simulate", path(name), "--scene",   "board", "--camera", "160x120", "--alpha-p", "200",
-        "--beta-p", "40",       "--ambient", "-5",    "--noise",  "2",       "--seed",    seed};
+        "simulate",        path(name), "--scene",  "board", "--camera",          "160x120",
+        "--alpha-p",       "200",      "--beta-p", "40",    "--virtual-ambient", "-5",
+        "--virtual-noise", "2",        "--seed",   seed};
     arguments.insert(arguments.end(), strategy.begin(), strategy.end());
     const ProgramRun run = run_program(arguments);
     ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -60,10 +61,11 @@ TEST_F(NoiseProgram, CalibratesAmbientLightAndNoiseIntoTheScannerFile) {
 
 TEST_F(NoiseProgram, AmbientLightTakesTheResponseFirst) {
   const std::string scan = path("bent"), file = path("bent.yaml");
-  ASSERT_EQ(run_program({"simulate",  scan,         "--scene",  "board",   "--camera",
-                         "160x120",   "--strategy", "pmp",      "--steps", "8",
-                         "--alpha-p", "200",        "--beta-p", "0",       "--ambient",
-                         "5",         "--noise",    "1",        "--gamma", "2.2"})
+  ASSERT_EQ(run_program({"simulate",        scan,      "--scene",           "board",
+                         "--camera",        "160x120", "--strategy",        "pmp",
+                         "--steps",         "8",       "--alpha-p",         "200",
+                         "--beta-p",        "0",       "--virtual-ambient", "5",
+                         "--virtual-noise", "1",       "--virtual-gamma",   "2.2"})
                 .exit_code,
             0);
   const ProgramRun refused = run_program({"calibrate", "ambient", scan, "-o", file});
@@ -87,7 +89,8 @@ TEST_F(NoiseProgram, MeasuresNoiseOfOnePcmpScanAndWarnsOfIt) {
 }
 
 TEST_F(NoiseProgram, SaysWhyMeasurementsDisagree) {
-  const std::vector<std::string> bent{"--strategy", "pmp", "--steps", "4", "--gamma", "1.2"};
+  const std::vector<std::string> bent{"--strategy",      "pmp", "--steps", "4",
+                                      "--virtual-gamma", "1.2"};
   simulate("one", bent, "1");
   simulate("two", bent, "2");
   const ProgramRun run = run_program({"calibrate", "noise", path("one"), path("two")});
@@ -133,7 +136,7 @@ TEST_F(NoiseProgram, WarnsOfPatternsThatAreUnwise) {
 TEST_F(NoiseProgram, ProposesPatterns) {
   const ProgramRun run =
       run_program({"design", "--steps", "4", "--noise-variance", "1.55", "--ambient", "-7",
-                   "--reflectivity", "0.3", "--plot", path("design.png"), "--json"});
+                   "--least-reflectivity", "0.3", "--plot", path("design.png"), "--json"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   for (const char* const key : {"high", "share", "alpha_p", "beta_p", "success", "plot"}) {
     EXPECT_NE(run.out.find("\"" + std::string(key) + "\": "), std::string::npos) << key;

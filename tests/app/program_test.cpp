@@ -146,7 +146,7 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
   for (const char* const steps : {"3", "4", "5"}) {
     ASSERT_EQ(run_program({"simulate", path("pcmp"), "--camera", "160x120", "--scene", "board",
                            "--strategy", "pcmp", "--steps", steps, "--alpha-p", "200", "--beta-p",
-                           "40", "--ambient", "-4"})
+                           "40", "--virtual-ambient", "-4"})
                   .exit_code,
               0);
     for (const char* const rule : {"published", "likelihood", "consensus"}) {
@@ -187,8 +187,9 @@ TEST_F(Program, TakesSeveralScans) {
 }
 
 TEST_F(Program, WritesPatterns) {
-  const ProgramRun run = run_program({"patterns", path("patterns"), "--strategy", "pmp", "--steps",
-                                      "4", "--projector", "64x48", "--axis", "y", "--bits", "10"});
+  const ProgramRun run =
+      run_program({"patterns", path("patterns"), "--strategy", "pmp", "--steps", "4", "--projector",
+                   "64x48", "--axis", "y", "--pattern-bits", "10"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const Image<std::uint16_t> pattern = read_grey_image(path("patterns/pattern_00.png"));
   EXPECT_EQ(pattern.size(), (Size{64, 48}));
@@ -336,14 +337,14 @@ TEST_F(Program, BadFlags) {
       {"simulate", path("new"), "--scene", "teapot"},
       {"simulate", path("new"), "--mesh", path("scan/scan.yaml")},
       {"simulate", path("new"), "--bits", "7"},
-      {"simulate", path("new"), "--noise", "-1"},
+      {"simulate", path("new"), "--virtual-noise", "-1"},
       {"simulate", path("new"), "--reflectivity", "2"},
       {"simulate", path("new"), "--boards", "2", "--second-camera"},
       {"simulate", path("new"), "--high", "4000"},
       {"simulate", path("new"), "--alpha-p", "300"},
       {"patterns", path("new"), "--steps", "2"},
-      {"patterns", path("new"), "--bits", "4"},
-      {"patterns", path("new"), "--uniform", "8", "--bits", "10"},
+      {"patterns", path("new"), "--pattern-bits", "4"},
+      {"patterns", path("new"), "--uniform", "8", "--pattern-bits", "10"},
       {"patterns", path("new"), "--uniform", "8", "--precompensate", "2.2"},
       {"patterns", path("new"), "--axis", "z"},
       {"patterns", path("new"), "--high", "nan"},

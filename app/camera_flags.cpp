@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/camera/camera_region.h"
+#include "slipstream/image/rectangle.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {
@@ -29,7 +29,7 @@ CameraSettings camera_settings(const CameraFlags& flags) {
   settings.trigger = flags.trigger;
   settings.packet_size = flags.packet_size;
   if (flags.exposure) settings.exposure = *flags.exposure / 1e3;
-  if (flags.region) settings.region = region_of_text(*flags.region);
+  if (flags.region) settings.region = rectangle_of_text(*flags.region);
   if (flags.region && !settings.region) {
     throw Error(fmt::format(
         "--region '{}' is no region; give width x height + x + y, as 640x480+16+8", *flags.region));

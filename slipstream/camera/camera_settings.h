@@ -4,16 +4,9 @@
 #include <string>
 
 #include "slipstream/camera/mono_pixels.h"
-#include "slipstream/image/size.h"
+#include "slipstream/image/rectangle.h"
 
 namespace slipstream {
-
-/// A part of the sensor.
-struct CameraRegion {
-  int x = 0;
-  int y = 0;
-  Size size;
-};
 
 /// What a camera is set to; what is not given stays as the camera has it. Cameras of V4L2 take less
 /// than those of GenICam, as said at each.
@@ -22,7 +15,7 @@ struct CameraSettings {
   std::optional<double> gain;        ///< in the camera's unit, mostly dB; V4L2: rounded
   std::optional<double> frame_rate;  ///< Hz, of a camera that runs freely; V4L2: the nearest
   /// V4L2: begins at 0, 0, and is 640x480 where not given.
-  std::optional<CameraRegion> region;
+  std::optional<Rectangle> region;
   /// V4L2: mono8 (the driver's GREY, or the luma of its YUYV), mono10 (Y10) or mono12 (Y12).
   MonoFormat pixel_format = MonoFormat::mono8;
   /// What starts each frame: empty: the camera runs freely, as V4L2 must; "Software":

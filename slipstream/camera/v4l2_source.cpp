@@ -89,7 +89,7 @@ FrameFormat format_from(const CameraSettings& settings) {
     throw Error(fmt::format(
         "--pixel-format {} is not of a v4l2 camera; Mono8, Mono10 or Mono12 are", name_of(pixels)));
   }
-  const CameraRegion region = settings.region.value_or(CameraRegion{.size = {640, 480}});
+  const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   if (region.x != 0 || region.y != 0) {
     throw Error(
         fmt::format("--region {}x{}+{}+{}: a v4l2 camera has sizes, but no region; as 640x480",

@@ -150,7 +150,7 @@ V4l2Source::Open opener(const std::shared_ptr<MadeUpCamera>& camera) {
 }
 
 CameraSettings small_frames(MonoFormat format = MonoFormat::mono8) {
-  return {.region = CameraRegion{.size = {6, 4}}, .pixel_format = format, .cycle = 4};
+  return {.region = Rectangle{.size = {6, 4}}, .pixel_format = format, .cycle = 4};
 }
 
 TEST(V4l2Source, GivesTheGreyFramesOfTheDriver) {
@@ -313,7 +313,7 @@ TEST(V4l2Source, RefusesWhatNoSuchCameraHas) {
   };
   expect_error([&] { open_with({.pixel_format = MonoFormat::mono10p}); },
                {"Mono10p", "Mono8, Mono10 or Mono12"});
-  expect_error([&] { open_with({.region = CameraRegion{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
+  expect_error([&] { open_with({.region = Rectangle{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
   expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "run freely"});
   expect_error([&] { open_with({.gain = 1e12}); }, {"--gain"});
   expect_error([&] { open_with({.cycle = 0}); }, {"0 patterns"});

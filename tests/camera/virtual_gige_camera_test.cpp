@@ -254,7 +254,7 @@ TEST(VirtualGigeCamera, GivesTheRegionThatIsAskedFor) {
   const auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
   CameraSettings settings = settings_at(100, 3);
-  settings.region = CameraRegion{16, 8, {64, 32}};
+  settings.region = Rectangle{16, 8, {64, 32}};
   AravisSource source(address, settings);
   EXPECT_EQ(source.format().size, (Size{64, 32}));
   source.start();

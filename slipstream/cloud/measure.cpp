@@ -1,0 +1,259 @@
+#include "slipstream/cloud/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <random>
+#include <string_view>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/image/quantile.h"
+
+namespace slipstream {
+namespace {
+
+using Vector = Eigen::Vector3d;
+using Points = std::vector<MeasuredPoint>;
+
+/// What one standard deviation of the noise does to a point: along its ray.
+Vector moved_by_noise(const MeasuredPoint& point) {
+  return point.position * (point.sigma->z() / point.position.z());
+}
+
+Vector normal_at(const FittedPlane& plane, const Vector& /*point*/) {
+  return plane.normal;
+}
+Vector normal_at(const FittedSphere& sphere, const Vector& point) {
+  return (point - sphere.centre).normalized();
+}
+double signed_distance(const FittedPlane& plane, const Vector& point) {
+  return plane.normal.dot(point - plane.centre);
+}
+double signed_distance(const FittedSphere& sphere, const Vector& point) {
+  return (point - sphere.centre).norm() - sphere.radius;
+}
+
+Vector mean_of(std::span<const MeasuredPoint> points) {
+  Vector sum = Vector::Zero();
+  for (const MeasuredPoint& point : points) sum += point.position;
+  return sum / static_cast<double>(points.size());
+}
+
+/// The plane of least squares.
+FittedPlane plane_of(std::span<const MeasuredPoint> points) {
+  FittedPlane plane{.centre = mean_of(points), .residuals = {}};
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const MeasuredPoint& point : points) {
+    const Vector offset = point.position - plane.centre;
+    scatter += offset * offset.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
+  if (!(axes.eigenvalues()(1) > 1e-9 * axes.eigenvalues()(2))) {
+    throw Error("the points lie on a line, which makes out no plane");
+  }
+  plane.normal = axes.eigenvectors().col(0);
+  if (plane.normal.dot(plane.centre) > 0) plane.normal = -plane.normal;
+  return plane;
+}
+
+/// The sphere of least squares in |p|^2 = 2 c p + k, about the points' mean.
+FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
+  const Vector mean = mean_of(points);
+  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
+  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  for (const MeasuredPoint& point : points) {
+    const Vector offset = point.position - mean;
+    const Eigen::Vector4d row = (2 * offset).homogeneous();
+    normal += row * row.transpose();
+    right += row * offset.squaredNorm();
+  }
+  const Eigen::Vector4d solved = normal.ldlt().solve(right);
+  const Vector centre = solved.head<3>();
+  return {.centre = mean + centre,
+          .radius = std::sqrt(solved(3) + centre.squaredNorm()),
+          .residuals = {}};
+}
+
+/// The sphere of least squares by Gauss and Newton, from one near it.
+FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
+  constexpr int most_steps = 50;
+  double squares = 0;
+  Eigen::Matrix4d normal;
+  for (int i = 0; i < most_steps; ++i) {
+    normal.setZero();
+    squares = 0;
+    Eigen::Vector4d right = Eigen::Vector4d::Zero();
+    for (const MeasuredPoint& point : points) {
+      const double residual = signed_distance(sphere, point.position);
+      const Eigen::Vector4d row = normal_at(sphere, point.position).homogeneous();
+      normal += row * row.transpose();
+      right += row * residual;
+      squares += residual * residual;
+    }
+    const Eigen::Vector4d step = normal.ldlt().solve(right);
+    sphere.centre += step.head<3>();
+    sphere.radius += step(3);
+    if (!(step.norm() > 1e-10 * sphere.radius)) break;
+  }
+  const double freedom = std::max(static_cast<double>(points.size()) - 4, 1.0);
+  sphere.radius_sigma = std::sqrt(squares / freedom * normal.inverse()(3, 3));
+  // Points on a plane have some radius by chance; five standard deviations are not by chance.
+  if (!(5 * sphere.radius_sigma < sphere.radius)) {
+    throw Error(
+        fmt::format("the points are too flat for a sphere: its radius would be {:.4g} mm "
+                    "with a standard deviation of {:.2g} mm",
+                    sphere.radius, sphere.radius_sigma));
+  }
+  return sphere;
+}
+
+/// Of the points in even steps; all where there are fewer.
+template <class Shape>
+double median_distance(const Shape& shape, std::span<const MeasuredPoint> points,
+                       std::size_t most_looked_at) {
+  std::vector<double> distances;
+  const std::size_t step = std::max<std::size_t>(points.size() / most_looked_at, 1);
+  for (std::size_t i = 0; i < points.size(); i += step) {
+    distances.push_back(std::abs(signed_distance(shape, points[i].position)));
+  }
+  if (!std::isfinite(distances.front())) return std::numeric_limits<double>::infinity();
+  return quantile(distances, 0.5);
+}
+
+/// Of shapes through `drawn` points each, taken at random, the one of least median distance. With a
+/// third of outliers 200 draws of 6 are all spoilt once in 10^8.
+template <class Shape, class Through>
+Shape least_median_shape(std::span<const MeasuredPoint> points, std::size_t drawn,
+                         const Through& through) {
+  constexpr int draws = 200;
+  constexpr std::size_t most_looked_at = 1000;
+  std::mt19937 random(1);
+  Shape best = through(points);
+  double least = median_distance(best, points, most_looked_at);
+  for (int draw = 0; draw < draws; ++draw) {
+    Points few;
+    for (std::size_t i = 0; i < drawn; ++i) few.push_back(points[random() % points.size()]);
+    const Shape shape = through(few);
+    const double median = median_distance(shape, points, most_looked_at);
+    if (median < least) {
+      least = median;
+      best = shape;
+    }
+  }
+  return best;
+}
+
+template <class Shape>
+Residuals residuals_of(const Shape& shape, const Points& used, std::size_t outliers) {
+  Residuals residuals{.points = used.size(), .outliers = outliers, .noise = {}};
+  double squares = 0, noise_squares = 0;
+  for (const MeasuredPoint& point : used) {
+    const double distance = signed_distance(shape, point.position);
+    residuals.largest = std::max(residuals.largest, std::abs(distance));
+    squares += distance * distance;
+    const Vector normal = normal_at(shape, point.position);
+    noise_squares += point.sigma ? std::pow(normal.dot(moved_by_noise(point)), 2)
+                                 : std::numeric_limits<double>::quiet_NaN();
+  }
+  const auto count = static_cast<double>(used.size());
+  residuals.rms = std::sqrt(squares / count);
+  if (std::isfinite(noise_squares)) residuals.noise = std::sqrt(noise_squares / count);
+  return residuals;
+}
+
+/// From a shape that outliers have no part in: the shape of least squares of the points near it,
+/// which are told by it anew until they stay the same.
+template <class Shape, class Fit>
+Shape fit_without_outliers(std::span<const MeasuredPoint> points, Shape shape, const Fit& fit) {
+  constexpr double to_sigma = 1.4826;  // of Gaussian distances, from their median
+  constexpr double limit = 4;
+  constexpr int most_rounds = 20;
+  Points used;
+  for (int round = 0; round < most_rounds; ++round) {
+    const double farthest = limit * to_sigma * median_distance(shape, points, points.size());
+    Points near;
+    std::copy_if(points.begin(), points.end(), std::back_inserter(near), [&](const auto& point) {
+      return std::abs(signed_distance(shape, point.position)) <= farthest;
+    });
+    const bool settled = near.size() == used.size();
+    used = std::move(near);
+    shape = fit(used, shape);
+    if (settled) break;
+  }
+  shape.residuals = residuals_of(shape, used, points.size() - used.size());
+  return shape;
+}
+
+void require_points(std::span<const MeasuredPoint> points, std::size_t least,
+                    std::string_view shape) {
+  if (points.size() < least) {
+    throw Error(fmt::format("{} points are too few for a {}; {} or more are wanted", points.size(),
+                            shape, least));
+  }
+}
+
+}  // namespace
+
+std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* uncertainty,
+                                      int column, int row) {
+  const Size size = cloud.size();
+  if (column < 0 || row < 0 || column >= size.width || row >= size.height) return std::nullopt;
+  if (cloud.validity(column, row) != Validity::valid) return std::nullopt;
+  MeasuredPoint point{{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)}};
+  if (uncertainty != nullptr && std::isfinite(uncertainty->z(column, row))) {
+    point.sigma = Vector(uncertainty->x(column, row), uncertainty->y(column, row),
+                         uncertainty->z(column, row));
+  }
+  return point;
+}
+
+std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* uncertainty,
+                                     const Rectangle& rectangle) {
+  Points points;
+  const int bottom = std::min(rectangle.y + rectangle.size.height, cloud.size().height);
+  const int right = std::min(rectangle.x + rectangle.size.width, cloud.size().width);
+  for (int row = rectangle.y; row < bottom; ++row) {
+    for (int column = rectangle.x; column < right; ++column) {
+      if (const auto point = point_at(cloud, uncertainty, column, row)) points.push_back(*point);
+    }
+  }
+  return points;
+}
+
+Distance distance(const MeasuredPoint& from, const MeasuredPoint& to) {
+  const Vector difference = to.position - from.position;
+  Distance result{.length = difference.norm(), .sigma = {}};
+  if (from.sigma && to.sigma) {
+    const Vector along = difference.normalized();
+    result.sigma = std::hypot(along.dot(moved_by_noise(from)), along.dot(moved_by_noise(to)));
+  }
+  return result;
+}
+
+FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
+  constexpr std::size_t least = 3;
+  require_points(points, least, "plane");
+  const auto through = [](std::span<const MeasuredPoint> few) {
+    const Vector first = few[0].position;
+    const Vector normal = (few[1].position - first).cross(few[2].position - first);
+    return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
+  };
+  return fit_without_outliers(
+      points, least_median_shape<FittedPlane>(points, least, through),
+      [](const Points& used, const FittedPlane&) { return plane_of(used); });
+}
+
+FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
+  constexpr std::size_t least = 4, drawn = 6;
+  require_points(points, least, "sphere");
+  return fit_without_outliers(
+      points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), sphere_of);
+}
+
+}  // namespace slipstream

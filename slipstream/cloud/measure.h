@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/uncertainty.h"
+#include "slipstream/image/rectangle.h"
+
+namespace slipstream {
+
+/// A point of a cloud, in the camera's frame, mm.
+struct MeasuredPoint {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  /// One standard deviation of each coordinate by the frames' noise, where it is known. Noise moves
+  /// a point along the ray of its pixel, so the three err as one.
+  std::optional<Eigen::Vector3d> sigma{};
+};
+
+/// The point of a pixel; none where the cloud has none or the pixel lies outside of it. The
+/// uncertainty is that of the same cloud; null: not known.
+std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* uncertainty,
+                                      int column, int row);
+
+/// The points of the pixels in a rectangle, as far as it lies in the cloud.
+std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* uncertainty,
+                                     const Rectangle& rectangle);
+
+struct Distance {
+  double length = 0;            ///< mm
+  std::optional<double> sigma;  ///< mm, where both points have one, taken to be independent
+};
+
+Distance distance(const MeasuredPoint& from, const MeasuredPoint& to);
+
+/// How far from a fitted shape the points lie that it was fitted to, mm.
+struct Residuals {
+  double rms = 0;
+  double largest = 0;
+  std::size_t points = 0;    ///< that it was fitted to
+  std::size_t outliers = 0;  ///< farther than 4 robust standard deviations, left out
+  std::optional<double>
+      noise;  ///< the rms that the frames' noise alone gives, where all have sigma
+};
+
+struct FittedPlane {
+  Eigen::Vector3d normal = -Eigen::Vector3d::UnitZ();  ///< unit length, towards the camera
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< mean of its points
+  Residuals residuals;
+};
+
+struct FittedSphere {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  double radius = 0;
+  double radius_sigma = 0;  ///< one standard deviation, by the residuals, taken to be independent
+  Residuals residuals;
+};
+
+/// The shape of least squared distances from the points, outliers left out: of shapes through
+/// points drawn at random (always the same) the one of least median distance tells them, so that
+/// they may be up to a third of the points. Throws Error for fewer than 3 (plane) or 4 (sphere)
+/// points, or where they do not make out one shape: on a line, or for a sphere on a plane.
+FittedPlane fit_plane(std::span<const MeasuredPoint> points);
+FittedSphere fit_sphere(std::span<const MeasuredPoint> points);
+
+}  // namespace slipstream

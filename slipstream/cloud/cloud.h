@@ -20,9 +20,18 @@ enum class Validity : std::uint8_t {
   no_point,        ///< ray and stripe meet nowhere in front of camera and projector
   outside_field,   ///< the point lies where the projector sends no light: its coordinate is wrong
   out_of_range,    ///< depth outside the range asked for
+  // What follows is left out of a finished cloud, see CleanSettings.
+  low_trust,        ///< standard deviation of depth, as the noise predicts it, above the limit
+  mixed,            ///< at a depth edge, on neither side of it: the pixel sees both
+  outlier,          ///< off the surface that its neighbours agree on
+  small_component,  ///< connected with too few others
+  outside_region,   ///< outside the box or the outline asked for
 };
 
-inline constexpr std::size_t validity_count = 7;
+inline constexpr std::size_t validity_count = 12;
+
+/// Pixels of each kind of Validity, in its order.
+using ValidityCounts = std::array<std::size_t, validity_count>;
 
 /// "valid", "too dark", ... as printed.
 std::string_view name_of(Validity validity);
@@ -69,11 +78,10 @@ struct Depth {
   Image<Validity> validity;
 };
 
-/// Pixels of each kind of Validity, in its order.
-std::array<std::size_t, validity_count> count_by_validity(const Image<Validity>& validity);
+ValidityCounts count_by_validity(const Image<Validity>& validity);
 
 template <class Real>
-std::array<std::size_t, validity_count> count_by_validity(const BasicCloud<Real>& cloud) {
+ValidityCounts count_by_validity(const BasicCloud<Real>& cloud) {
   return count_by_validity(cloud.validity);
 }
 

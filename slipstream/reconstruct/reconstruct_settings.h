@@ -4,6 +4,7 @@
 #include <optional>
 #include <string_view>
 
+#include "slipstream/clean/clean_settings.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/phase/phase_correction.h"
 #include "slipstream/phase/phase_decoder.h"
@@ -38,6 +39,8 @@ struct ReconstructSettings {
   double field_margin = 0.02;
   double nearest = 0;                                         ///< mm, least depth
   double farthest = std::numeric_limits<double>::infinity();  ///< mm, largest depth
+  /// Which points of a finished cloud are left out.
+  CleanSettings clean{};
 
   friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;
 };

@@ -12,7 +12,7 @@
 #include "app/scan_input.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/stored_cloud.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/view/still_source.h"
@@ -60,7 +60,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
     throw Error(fmt::format("{}: {} is of scan folders", flags.path, option->get_name()));
   }
   view::ViewSource source =
-      folder ? source_of_scan(flags, output) : view::still_source(read_cloud(flags.path));
+      folder ? source_of_scan(flags, output) : view::still_source(read_cloud(flags.path).cloud);
   source.title = flags.path;
   output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
   if (folder) {

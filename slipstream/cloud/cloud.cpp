@@ -1,5 +1,8 @@
 #include "slipstream/cloud/cloud.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace slipstream {
 namespace {
 
@@ -18,6 +21,10 @@ constexpr std::array<std::string_view, validity_count> validity_names{
 
 std::string_view name_of(Validity validity) {
   return validity_names[static_cast<std::size_t>(validity)];
+}
+
+std::uint8_t grey_level(float intensity) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(intensity, 0.0F, 255.0F)));
 }
 
 ValidityCounts count_by_validity(const Image<Validity>& validity) {

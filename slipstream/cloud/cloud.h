@@ -78,6 +78,9 @@ struct Depth {
   Image<Validity> validity;
 };
 
+/// An intensity as a pixel of 8 bits: rounded, what is darker or brighter taken to the nearest end.
+std::uint8_t grey_level(float intensity);
+
 ValidityCounts count_by_validity(const Image<Validity>& validity);
 
 template <class Real>

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <iterator>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,7 +11,6 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/ply_elements.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -88,13 +85,15 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
                      const std::vector<std::string>& remarks) {
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n{}"
-      "obj_info num_cols {}\nobj_info num_rows {}\nelement vertex {}\n",
-      comments_of(remarks, "comment"), cloud.size().width, cloud.size().height, point_count(cloud));
-  file += "property float x\nproperty float y\nproperty float z\nproperty float intensity\n";
+      "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float intensity\n",
+      comments_of(remarks, "comment"), point_count(cloud));
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
-  file += "end_header\n";
-  for_each_point(cloud,
-                 [&](int column, int row) { append_point(file, cloud, extras, column, row); });
+  file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  for_each_point(cloud, [&](int column, int row) {
+    append_point(file, cloud, extras, column, row);
+    file.append(3, static_cast<char>(grey_level(cloud.intensity(column, row))));
+  });
   return file;
 }
 
@@ -118,97 +117,20 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
   return file;
 }
 
-std::string xyz_file(const Cloud& cloud) {
+std::string xyz_file(const Cloud& cloud, const std::vector<Extra>& extras) {
   std::string file;
   for_each_point(cloud, [&](int column, int row) {
-    fmt::format_to(std::back_inserter(file), "{:.6f} {:.6f} {:.6f} {:.3f}\n", cloud.x(column, row),
+    fmt::format_to(std::back_inserter(file), "{:.6f} {:.6f} {:.6f} {:.3f}", cloud.x(column, row),
                    cloud.y(column, row), cloud.z(column, row), cloud.intensity(column, row));
+    for (const Extra& extra : extras) {
+      fmt::format_to(std::back_inserter(file), " {:.6g}", extra.values(column, row));
+    }
+    file += '\n';
   });
   return file;
 }
 
-/// A vertex of a PLY file as far as a cloud has use for it.
-struct Vertex {
-  double x = 0, y = 0, z = 0, intensity = 0;
-};
-
-/// Where a property of that name goes, and how much of it.
-struct Target {
-  double Vertex::*field = nullptr;
-  double share = 1;
-};
-
-Target target_of(const ply::Property& property) {
-  if (property.count_type) return {};
-  if (property.name == "x") return {&Vertex::x};
-  if (property.name == "y") return {&Vertex::y};
-  if (property.name == "z") return {&Vertex::z};
-  if (property.name == "intensity" || property.name == "scalar_intensity") {
-    return {&Vertex::intensity};
-  }
-  // The weights of the luminance of ITU-R BT.601.
-  if (property.name == "red") return {&Vertex::intensity, 0.299};
-  if (property.name == "green") return {&Vertex::intensity, 0.587};
-  if (property.name == "blue") return {&Vertex::intensity, 0.114};
-  return {};
-}
-
-/// The targets of an element's properties; where it has an intensity, its colours have none.
-std::vector<Target> targets_of(const ply::Element& element) {
-  std::vector<Target> targets;
-  bool has_intensity = false;
-  for (const ply::Property& property : element.properties) {
-    targets.push_back(target_of(property));
-    const Target& target = targets.back();
-    has_intensity |= target.field == &Vertex::intensity && target.share == 1;
-  }
-  for (Target& target : targets) {
-    if (has_intensity && target.share != 1) target = {};
-  }
-  return targets;
-}
-
-std::vector<Vertex> ply_vertices(std::span<const std::uint8_t> bytes) {
-  ply::Reader reader(bytes);
-  std::vector<Vertex> vertices;
-  for (const ply::Element& element : ply::read_header(reader)) {
-    if (element.properties.empty()) continue;
-    const std::vector<Target> targets = targets_of(element);
-    for (std::size_t i = 0; i < element.count; ++i) {
-      Vertex vertex;
-      for (std::size_t k = 0; k < targets.size(); ++k) {
-        const std::vector<double> numbers = ply::read_property(element.properties[k], reader);
-        if (targets[k].field != nullptr) vertex.*targets[k].field += targets[k].share * numbers[0];
-      }
-      const bool finite =
-          std::isfinite(vertex.x) && std::isfinite(vertex.y) && std::isfinite(vertex.z);
-      if (element.name == "vertex" && finite) vertices.push_back(vertex);
-    }
-  }
-  return vertices;
-}
-
 }  // namespace
-
-Cloud read_cloud(const fs::path& path) {
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  std::vector<Vertex> vertices;
-  try {
-    vertices = ply_vertices(bytes);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{} is not a good PLY file: {}", path.string(), error.what()));
-  }
-  if (vertices.empty()) throw Error(fmt::format("{}: no point in it", path.string()));
-  Cloud cloud({static_cast<int>(vertices.size()), 1});
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    cloud.x.begin()[i] = static_cast<float>(vertices[i].x);
-    cloud.y.begin()[i] = static_cast<float>(vertices[i].y);
-    cloud.z.begin()[i] = static_cast<float>(vertices[i].z);
-    cloud.intensity.begin()[i] = static_cast<float>(vertices[i].intensity);
-    cloud.validity.begin()[i] = Validity::valid;
-  }
-  return cloud;
-}
 
 void require_cloud_ending(const fs::path& path) {
   const std::string extension = lower_case_extension(path);
@@ -221,12 +143,13 @@ void require_cloud_ending(const fs::path& path) {
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {
   require_cloud_ending(path);
   const std::string extension = lower_case_extension(path);
+  const std::vector<Extra> columns = extras_of(extras);
   if (extension == ".ply") {
-    write_file(path, ply_file(cloud, extras_of(extras), extras.remarks));
+    write_file(path, ply_file(cloud, columns, extras.remarks));
   } else if (extension == ".pcd") {
-    write_file(path, pcd_file(cloud, extras_of(extras), extras.remarks));
+    write_file(path, pcd_file(cloud, columns, extras.remarks));
   } else {
-    write_file(path, xyz_file(cloud));
+    write_file(path, xyz_file(cloud, columns));
   }
 }
 

@@ -23,20 +23,15 @@ void require_cloud_ending(const std::filesystem::path& path);
 
 /// Writes the cloud by the file's ending, coordinates in mm, 32-bit float:
 ///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
-///         [sigma_coordinate sigma_x sigma_y sigma_z], the valid points; the picture's
-///         size stands in obj_info num_cols, num_rows;
-///   .pcd  binary PCD 0.7, organised: every pixel of the picture, NaN where there is no point;
-///   .xyz  text: x y z intensity, a point a line, the valid points.
-/// The extras are not written to .xyz, which has no header. Throws Error for another ending,
-/// WorldError when it cannot be written; never leaves half a file.
+///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the colours
+///         are the intensity in 8 bits;
+///   .pcd  binary PCD 0.7, organised: x y z intensity [normal_x normal_y normal_z]
+///         [sigma_coordinate sigma_x sigma_y sigma_z] of every pixel of the picture, NaN where
+///         there is no point;
+///   .xyz  text: the columns of .ply less the colours, a point a line, the valid points; without
+///         the remarks, as it has no header.
+/// Throws Error for another ending, WorldError when it cannot be written; never leaves half a file.
 void write_cloud(const std::filesystem::path& path, const Cloud& cloud,
                  const CloudExtras& extras = {});
-
-/// The points of a PLY file (ASCII, binary of either byte order), as one row: x y z of its
-/// vertices, and their intensity, which is that of the colours where it has red green blue, and 0
-/// where it has neither; other elements and properties are passed over, and points that are not
-/// finite are left out. Throws Error, naming the file, for what is no PLY file, ends too soon, or
-/// holds no point.
-Cloud read_cloud(const std::filesystem::path& path);
 
 }  // namespace slipstream

@@ -20,7 +20,7 @@ int index_from(double number) {
   return static_cast<int>(number);
 }
 
-void read_vertex(const ply::Element& element, ply::Reader& reader, Mesh& mesh) {
+void read_vertex(const ply::Element& element, NumberReader& reader, Mesh& mesh) {
   Eigen::Vector3d vertex = Eigen::Vector3d::Zero();
   for (const ply::Property& property : element.properties) {
     const std::vector<double> numbers = ply::read_property(property, reader);
@@ -31,7 +31,7 @@ void read_vertex(const ply::Element& element, ply::Reader& reader, Mesh& mesh) {
   mesh.vertices.push_back(vertex);
 }
 
-void read_face(const ply::Element& element, ply::Reader& reader, Mesh& mesh) {
+void read_face(const ply::Element& element, NumberReader& reader, Mesh& mesh) {
   for (const ply::Property& property : element.properties) {
     const std::vector<double> corners = ply::read_property(property, reader);
     if (property.name != "vertex_indices" && property.name != "vertex_index") continue;
@@ -45,7 +45,7 @@ void read_face(const ply::Element& element, ply::Reader& reader, Mesh& mesh) {
 }  // namespace
 
 Mesh ply_mesh(std::span<const std::uint8_t> bytes) {
-  ply::Reader reader(bytes);
+  NumberReader reader(bytes);
   Mesh mesh;
   for (const ply::Element& element : ply::read_header(reader)) {
     if (element.properties.empty()) continue;

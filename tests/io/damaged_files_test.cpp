@@ -18,6 +18,7 @@
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/io/stored_cloud.h"
 #include "slipstream/strategy/dual_frequency.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
@@ -90,6 +91,18 @@ const auto write_curve = [](const auto& path) {
 };
 const auto read_light = [](const auto& path) { (void)read_photometric_calibration(path); };
 
+const auto write_some_cloud = [](const auto& path) {
+  Cloud cloud({3, 2});
+  for (int i = 1; i < 6; ++i) {
+    cloud.x.begin()[i] = cloud.y.begin()[i] = static_cast<float>(i);
+    cloud.z.begin()[i] = 500;
+    cloud.validity.begin()[i] = Validity::valid;
+  }
+  const Uncertainty sigma(cloud.size());
+  write_cloud(path, cloud, {.uncertainty = &sigma});
+};
+const auto read_any_cloud = [](const auto& path) { (void)read_cloud(path); };
+
 const std::vector<Format> formats{
     {"scan.yaml",
      [](const auto& path) {
@@ -128,6 +141,9 @@ const std::vector<Format> formats{
                   "0 0 500 3 17\n1 0 501.5 4 18\nnan 1 2 3 4\n");
      },
      [](const auto& path) { (void)read_cloud(path); }},
+    {"written.ply", write_some_cloud, read_any_cloud},
+    {"cloud.pcd", write_some_cloud, read_any_cloud},
+    {"cloud.xyz", write_some_cloud, read_any_cloud},
     {"frames.recording",
      [](const auto& path) {
        RecordingWriter writer(path, {.format = some_format,

@@ -8,6 +8,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
+#include "slipstream/io/stored_cloud.h"
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -41,7 +42,7 @@ int coloured_pixels(const Image<Colour>& picture) {
 TEST(StillSource, ShowsACloudFromAFileThatHasNoFrames) {
   const TemporaryFolder folder;
   write_cloud(folder.path() / "wall.ply", cloud_of(wall({160, 120}, 600)));
-  const ViewSource source = still_source(read_cloud(folder.path() / "wall.ply"));
+  const ViewSource source = still_source(read_cloud(folder.path() / "wall.ply").cloud);
   EXPECT_EQ(source.newest().frames.count(), 0);
   EXPECT_TRUE(source.newest().is(source.newest()));
   EXPECT_FALSE(source.change) << "there is nothing to make another cloud of";

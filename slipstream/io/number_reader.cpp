@@ -1,0 +1,97 @@
+#include "slipstream/io/number_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  while (true) {
+    const std::size_t start = line.find_first_not_of(" \t");
+    if (start == std::string_view::npos) return words;
+    line.remove_prefix(start);
+    const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+}
+
+std::size_t count_from(std::string_view text) {
+  std::size_t count = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (failure != std::errc() || end != text.data() + text.size()) {
+    throw Error(fmt::format("'{}' is no number of elements", text.substr(0, 20)));
+  }
+  return count;
+}
+
+std::string_view NumberReader::line() {
+  if (text_.empty()) throw Error("it ends within its header");
+  const std::size_t end = std::min(text_.find('\n'), text_.size());
+  std::string_view line = text_.substr(0, end);
+  text_.remove_prefix(std::min(end + 1, text_.size()));
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+template <class Stored>
+double NumberReader::binary_number() {
+  if (text_.size() < sizeof(Stored)) throw Error("it is truncated");
+  std::array<char, sizeof(Stored)> bytes;
+  std::copy_n(text_.begin(), sizeof(Stored), bytes.begin());
+  if (swapped_) std::reverse(bytes.begin(), bytes.end());
+  text_.remove_prefix(sizeof(Stored));
+  return static_cast<double>(std::bit_cast<Stored>(bytes));
+}
+
+double NumberReader::ascii_number() {
+  const std::size_t start = text_.find_first_not_of(" \t\r\n");
+  if (start == std::string_view::npos) throw Error("it is truncated");
+  text_.remove_prefix(start);
+  const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
+  double number = 0;
+  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
+  if (failure != std::errc() || end != word.data() + word.size()) {
+    throw Error(fmt::format("'{}' is not a number", word.substr(0, 20)));
+  }
+  text_.remove_prefix(word.size());
+  return number;
+}
+
+double NumberReader::number(NumberType type) {
+  if (ascii_) return ascii_number();
+  switch (type) {
+    case NumberType::int8:
+      return binary_number<std::int8_t>();
+    case NumberType::uint8:
+      return binary_number<std::uint8_t>();
+    case NumberType::int16:
+      return binary_number<std::int16_t>();
+    case NumberType::uint16:
+      return binary_number<std::uint16_t>();
+    case NumberType::int32:
+      return binary_number<std::int32_t>();
+    case NumberType::uint32:
+      return binary_number<std::uint32_t>();
+    case NumberType::float32:
+      return binary_number<float>();
+    case NumberType::float64:
+      return binary_number<double>();
+  }
+  return 0;
+}
+
+void NumberReader::set_format(NumberFormat format) {
+  constexpr bool native_is_little = std::endian::native == std::endian::little;
+  ascii_ = format == NumberFormat::ascii;
+  swapped_ = format == (native_is_little ? NumberFormat::big_endian : NumberFormat::little_endian);
+}
+
+}  // namespace slipstream

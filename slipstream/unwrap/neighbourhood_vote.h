@@ -21,6 +21,9 @@ struct NeighbourhoodChoice {
   double roughest = 0.05;      ///< periods; what a step may differ from those before and after it
   double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
   double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
+  /// Evidence, four standard deviations, that stands against the rest of the window: that of the
+  /// pixel itself, or of a line of five pixels, as a wire is a line and noise is none.
+  double sure = 16;
   /// So many of the eight neighbours that hold in the end what the pixel said alone show an edge
   /// that the wrapped phase does not, one of whole periods: there the pixel's own choice stands.
   int hidden_edge = 1;
@@ -131,6 +134,30 @@ class NeighbourhoodVote {
   static constexpr Cells whole_window = bit(cells) - 1;
   static constexpr Cells inner_window = 0b00000'01110'01110'01110'00000;
 
+  /// Five pixels through the middle, straight on or bent by one.
+  static constexpr auto lines = [] {
+    std::array<Cells, 20> found{};
+    std::size_t count = 0;
+    const auto add = [&](std::array<int, side> across) {
+      Cells down = 0, right = 0;
+      for (int i = 0; i < side; ++i) {
+        down |= bit(side * i + 2 + across[index(i)]);
+        right |= bit(side * (2 + across[index(i)]) + i);
+      }
+      found[count++] = down;
+      if (right != down) found[count++] = right;
+    };
+    add({0, 0, 0, 0, 0});
+    for (const int sign : {-1, 1}) {
+      add({2 * sign, sign, 0, -sign, -2 * sign});
+      add({sign, sign, 0, 0, 0});
+      add({0, 0, 0, sign, sign});
+      add({sign, 0, 0, 0, 0});
+      add({0, 0, 0, 0, sign});
+    }
+    return found;
+  }();
+
   /// Between the pixels of a window and those right of and below them.
   struct Links {
     Cells right = 0, down = 0;
@@ -220,33 +247,87 @@ class NeighbourhoodVote {
     /// The shift of the middle that costs least, among its own and those that neighbours imply;
     /// first come those that most of them do.
     [[nodiscard]] int least_cost_shift() {
-      struct Candidate {
-        int shift = 0, votes = 0;
-      };
-      std::array<Candidate, cells> candidates;
-      auto end = candidates.begin();
-      for_each_cell(surface_.pixels, [&](int cell) {
-        const int implied = shift_[index(cell)] - surface_.shift_step[index(cell)];
-        auto known = std::find_if(candidates.begin(), end,
-                                  [implied](const auto& c) { return c.shift == implied; });
-        if (known == end) *end++ = {implied, 0};
-        ++known->votes;
-      });
-      std::sort(candidates.begin(), end, [](const auto& a, const auto& b) {
-        return a.votes != b.votes ? a.votes > b.votes : a.shift < b.shift;
-      });
+      const auto end = name_candidates();
       int best = 0;
       double least = std::numeric_limits<double>::infinity();
-      for (auto candidate = candidates.begin(); candidate != end; ++candidate) {
+      for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
         const double here = total(candidate->shift, least);
         if (!(here < least)) continue;
         best = candidate->shift;
         least = here;
       }
-      return best;
+      return shift_of_a_line(best, end);
     }
 
    private:
+    struct Candidate {
+      int shift = 0;
+      Cells voters = 0;
+    };
+    using Candidates = std::array<Candidate, cells>;
+
+    /// Fills `candidates_` with those that the pixel itself does not rule out; gives their end.
+    typename Candidates::iterator name_candidates() {
+      auto end = candidates_.begin();
+      for_each_cell(surface_.pixels, [&](int cell) {
+        const int implied = shift_[index(cell)] - surface_.shift_step[index(cell)];
+        auto known = std::find_if(candidates_.begin(), end,
+                                  [implied](const auto& c) { return c.shift == implied; });
+        if (known == end) *end++ = {implied, 0};
+        known->voters |= bit(cell);
+      });
+      end = std::remove_if(candidates_.begin(), end, [&](const Candidate& candidate) {
+        return cost(middle, candidate.shift) - cost(middle, 0) > vote_.settings_.sure;
+      });
+      std::sort(candidates_.begin(), end, [](const auto& a, const auto& b) {
+        const int votes = std::popcount(a.voters), of_b = std::popcount(b.voters);
+        return votes != of_b ? votes > of_b : a.shift < b.shift;
+      });
+      return end;
+    }
+
+    /// A wire one pixel wide is outvoted in every window, but not on the line that it makes. Where
+    /// a line of the wire and one of the surface behind it cross, the pixel itself decides.
+    [[nodiscard]] int shift_of_a_line(int best, typename Candidates::iterator end) {
+      int chosen = best;
+      double most = vote_.settings_.sure;
+      for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
+        if (candidate->shift == best) continue;
+        const LineEvidence evidence = line_evidence(best, *candidate);
+        if (!(evidence.for_candidate > most)) continue;
+        const bool crossing = evidence.for_best > vote_.settings_.sure;
+        if (crossing && !(cost(middle, candidate->shift) < cost(middle, best))) continue;
+        chosen = candidate->shift;
+        most = evidence.for_candidate;
+      }
+      return chosen;
+    }
+
+    /// By how much a choice is the cheaper of two, along the line that says so most.
+    struct LineEvidence {
+      double for_best = 0, for_candidate = 0;
+    };
+
+    /// Nothing where no line has three pixels, the middle among them, that the candidate suits.
+    [[nodiscard]] LineEvidence line_evidence(int best, const Candidate& candidate) {
+      LineEvidence found;
+      const Cells voters = candidate.voters | bit(middle);
+      if (std::none_of(lines.begin(), lines.end(),
+                       [voters](Cells line) { return std::popcount(line & voters) >= 3; })) {
+        return found;
+      }
+      for (const Cells line : lines) {
+        double saved = 0;
+        for_each_cell(line & surface_.pixels, [&](int cell) {
+          const int step = surface_.shift_step[index(cell)];
+          saved += cost(cell, best + step) - cost(cell, candidate.shift + step);
+        });
+        found.for_best = std::max(found.for_best, -saved);
+        found.for_candidate = std::max(found.for_candidate, saved);
+      }
+      return found;
+    }
+
     /// The cost of a shift of the middle to the whole surface; or, where nobody's share can be
     /// negative, a part of it that is not below `enough`.
     [[nodiscard]] double total(int shift, double enough) {
@@ -279,6 +360,7 @@ class NeighbourhoodVote {
     PixelPlace at_;
     const Surface& surface_;
     std::array<int, cells> shift_;
+    Candidates candidates_;
     Cells known_ = 0;
     std::array<typename Field::Evidence, cells> evidence_;
     std::array<double, cells> own_cost_;

@@ -36,9 +36,8 @@ FrameSet frames_of(const std::vector<Pooled<Frame>>& window) {
 std::optional<FrameSet> first_window(const RecordingReader& reader, const Sequence& sequence) {
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
   const FrameFormat& format = reader.header().format;
-  PatternWindows windows(sequence.strategy,
-                         sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
-                         format.size);
+  PatternWindows windows(
+      sequence, sequence.marker ? PatternIndexing::marker : PatternIndexing::told, format.size);
   const std::uint64_t searched = std::min(reader.count(), searched_cycles * cycle);
   Pool<Frame> pool(std::min(searched, kept_cycles * cycle + 1), [&] { return Frame(format); });
   std::vector<Pooled<Frame>> window;
@@ -68,7 +67,7 @@ std::optional<Scan> first_cycle(const std::filesystem::path& recording) {
         completed(*header.scanner, recording.string(), scan.frames.size(), scan.sequence.projector);
     scan.sequence.projector = scan.scanner->projector.size;
   }
-  return scan;
+  return merged(std::move(scan));
 }
 
 }  // namespace slipstream::app

@@ -25,12 +25,13 @@ std::string flag_of(std::string setting) {
 }
 
 /// The numbers of "2,0,1"; empty where it is anything else.
-std::vector<int> numbers_of(std::string_view text) {
-  std::vector<int> numbers;
+template <class Number>
+std::vector<Number> numbers_of(std::string_view text) {
+  std::vector<Number> numbers;
   const char* at = text.data();
   const char* const end = at + text.size();
   while (true) {
-    int number = 0;
+    Number number = 0;
     const auto [after, error] = std::from_chars(at, end, number);
     if (error != std::errc()) return {};
     numbers.push_back(number);
@@ -40,10 +41,19 @@ std::vector<int> numbers_of(std::string_view text) {
   }
 }
 
+std::vector<double> exposures_from(const std::string& text) {
+  std::vector<double> exposures = numbers_of<double>(text);
+  if (exposures.empty()) {
+    throw Error(
+        fmt::format("--exposures {} are no numbers with commas between, as 1,4,16 are", text));
+  }
+  return exposures;
+}
+
 std::vector<std::filesystem::path> in_order(const std::vector<std::filesystem::path>& pictures,
                                             const std::string& text,
                                             const std::filesystem::path& folder) {
-  const std::vector<int> order = numbers_of(text);
+  const std::vector<int> order = numbers_of<int>(text);
   if (!is_order_of(order, static_cast<int>(pictures.size()))) {
     throw Error(
         fmt::format("{}: --order {} is no order of its {} pictures; name each of 0 to {} "
@@ -69,6 +79,8 @@ void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
   group.add("--projector", flags.projector, "projector pixels, as 1824x1140");
   group.add("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", flags.beta_p, "darkest grey level of the patterns");
+  group.add("--exposures", flags.exposures,
+            "all patterns once for each, as 1,4,16: relative, or in ms; merged to one scan");
 }
 
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
@@ -83,6 +95,7 @@ SequenceChanges changes_from(const ScanFlags& flags) {
                           .settings = flags.settings,
                           .alpha_p = flags.alpha_p,
                           .beta_p = flags.beta_p};
+  if (flags.exposures) changes.exposures = exposures_from(*flags.exposures);
   if (flags.axis) changes.axis = axis_named(*flags.axis);
   if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");
   return changes;

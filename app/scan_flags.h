@@ -20,11 +20,12 @@ struct ScanFlags {
   std::optional<std::string> projector;  ///< "1824x1140"
   std::optional<double> alpha_p;
   std::optional<double> beta_p;
-  std::optional<std::string> order;  ///< of pictures: "2,0,1"
+  std::optional<std::string> exposures;  ///< "1,4,16"
+  std::optional<std::string> order;      ///< of pictures: "2,0,1"
 };
 
-/// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p and
-/// --beta-p.
+/// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p,
+/// --beta-p and --exposures.
 void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// Adds these and --order, for what reads the pictures of scans.

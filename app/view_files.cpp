@@ -25,7 +25,7 @@ void draw(const view::ViewSource& source, const ViewFlags& flags, view::Surround
 std::string save_in_new_folder(const view::ShownCloud& shown, const EngineSetup& setup,
                                const ViewFlags& flags) {
   Sequence sequence = setup.sequence;
-  if (shown.frames.count() != frame_count(sequence.strategy)) {
+  if (shown.frames.count() != frame_count(sequence)) {
     throw Error("the frames shown are not of the strategy looked for");
   }
   sequence.projector = setup.scanner.projector.size;

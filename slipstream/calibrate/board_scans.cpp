@@ -27,8 +27,7 @@ ScanFiles one_axis(const fs::path& folder, const AmendScan& amend, Axis axis) {
   }
   amend(scan, folder);
   scan.sequence.axis = axis;
-  require_count(folder, scan.frames.size(), frame_count(scan.sequence.strategy),
-                "a scan with these steps");
+  require_count(folder, scan.frames.size(), frame_count(scan.sequence), "a scan with these steps");
   return scan;
 }
 
@@ -39,7 +38,7 @@ BoardScans both_in_one(const fs::path& folder, const AmendScan& amend, Axis firs
   first.sequence.axis = first_axis;
   second.sequence.axis = first_axis == Axis::x ? Axis::y : Axis::x;
   const std::vector<fs::path> pictures = images_in_folder(folder);
-  const int each = frame_count(first.sequence.strategy);
+  const int each = frame_count(first.sequence);
   require_count(folder, pictures.size(), 2 * each, "a scan along x and one along y");
   first.frames.assign(pictures.begin(), pictures.begin() + each);
   second.frames.assign(pictures.begin() + each, pictures.end());

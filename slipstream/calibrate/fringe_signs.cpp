@@ -84,7 +84,8 @@ Samples samples_of(const Scan& scan, const std::vector<Eigen::Vector2d>& corners
   const Eigen::MatrixXd light = light_at(scan.frames, pixels);
   const Eigen::VectorXd range = light.rowwise().maxCoeff() - light.rowwise().minCoeff();
   if (range.size() == 0) return {};
-  constexpr double full_scale = 255;
+  const FrameViews frames = scan.frames;
+  const double full_scale = 255 * frames.saturation() / frames.full_scale();
   const double saturated = (light.rowwise().maxCoeff().array() >= full_scale).cast<double>().mean();
   std::vector<double> ranges(range.begin(), range.end());
   const double least =
@@ -211,8 +212,7 @@ double modulation(const Samples& samples, const Band& band) {
 
 FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
                          double minimum_modulation, const PhaseCorrections& corrections) {
-  const auto& [strategy, axis, light, projector, marker] = scan.sequence;
-  const Layout& layout = strategy.layout();
+  const Layout& layout = scan.sequence.strategy.layout();
   const Samples samples = samples_of(scan, corners, minimum_modulation);
   FringeSigns signs{.saturated = samples.saturated};
   if (samples.light.rows() == 0) return signs;
@@ -222,7 +222,7 @@ FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& c
                      modulation(samples, layout.bands[bands.front()]);
   }
   const Band& measuring = measuring_band(layout);
-  signs.period = length_along(axis, projector) / measuring.periods;
+  signs.period = length_along(scan.sequence.axis, scan.sequence.projector) / measuring.periods;
   const auto run = step_run(measuring);
   if (!run) return signs;
   signs.steps = run->steps;

@@ -29,6 +29,11 @@ FrameSet::FrameSet(Images8 images) : images_(checked(std::move(images))) {}
 FrameSet::FrameSet(Images16 images, int bits)
     : images_(checked(std::move(images), bits)), bits_(bits) {}
 
+FrameSet::FrameSet(Images16 images, int bits, Image<float> gain)
+    : FrameSet(std::move(images), bits) {
+  gain_ = std::move(gain);
+}
+
 FrameSet::FrameSet(ImagesUnquantised images) : images_(checked(std::move(images))) {}
 
 FrameViews FrameSet::views() const {
@@ -38,6 +43,7 @@ FrameViews FrameSet::views() const {
         FrameViews views;
         views.assign<Pixel>(
             images, bits_, [](const Image<Pixel>& image) { return ImageView<const Pixel>(image); });
+        views.set_gain(gain_);
         return views;
       },
       images_);

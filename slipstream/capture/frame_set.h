@@ -21,6 +21,8 @@ class FrameSet {
   /// Throws Error when the frames are of different sizes or `bits` do not fit the pixel.
   explicit FrameSet(Images8 images);
   FrameSet(Images16 images, int bits);
+  /// Merged frames: see merged_exposures.
+  FrameSet(Images16 images, int bits, Image<float> gain);
   explicit FrameSet(ImagesUnquantised images);
 
   /// Of these frames, where they stand now.
@@ -47,6 +49,7 @@ class FrameSet {
  private:
   std::variant<Images8, Images16, ImagesUnquantised> images_;
   int bits_ = 8;
+  Image<float> gain_;
 };
 
 /// Whether it has each of 0 to `count` - 1 in it, once.

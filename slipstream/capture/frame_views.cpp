@@ -67,6 +67,7 @@ FrameViews FrameViews::part(int first, int count) const {
     FrameViews part;
     part.frames_ = Frames<Pixel>(views.begin() + first, views.begin() + first + count);
     part.bits_ = bits_;
+    part.gain_ = gain_;
     return part;
   });
 }
@@ -75,7 +76,7 @@ Image<std::uint8_t> saturation_mask(const FrameViews& frames) {
   Image<std::uint8_t> mask(frames.size());
   if (!frames.quantised()) return mask;
   for_each_level(frames, [&](double level, int column, int row) {
-    if (level >= frames.full_scale()) mask(column, row) = 1;
+    if (level >= frames.saturation()) mask(column, row) = 1;
   });
   return mask;
 }
@@ -83,7 +84,7 @@ Image<std::uint8_t> saturation_mask(const FrameViews& frames) {
 Image<std::uint8_t> unclipped_mask(const FrameViews& frames) {
   Image<std::uint8_t> mask(frames.size(), 1);
   for_each_level(frames, [&](double level, int column, int row) {
-    if (level <= 0 || (frames.quantised() && level >= frames.full_scale())) mask(column, row) = 0;
+    if (level <= 0 || (frames.quantised() && level >= frames.saturation())) mask(column, row) = 0;
   });
   return mask;
 }

@@ -30,6 +30,15 @@ class FrameViews {
   [[nodiscard]] int bits() const { return bits_; }
   /// Largest grey level, 2^bits - 1: a pixel that shows it may be saturated.
   [[nodiscard]] double full_scale() const { return (1 << bits_) - 1; }
+  /// Merged frames, see merge_exposures: how many times as bright as in the shortest exposure each
+  /// pixel is in them. Empty where the frames are as a camera gave them.
+  [[nodiscard]] const ImageView<const float>& gain() const { return gain_; }
+  [[nodiscard]] bool merged() const { return gain_.width() > 0; }
+  void set_gain(const ImageView<const float>& gain) { gain_ = gain; }
+  /// The grey level from which on a pixel may be saturated: the full scale, but in merged frames,
+  /// which go beyond it and mark saturated pixels so.
+  [[nodiscard]] double saturation() const { return merged() ? merged_saturation : full_scale(); }
+  static constexpr std::uint16_t merged_saturation = 65535;
   [[nodiscard]] bool quantised() const { return !std::holds_alternative<Frames<double>>(frames_); }
 
   /// The frames [first, first + count).
@@ -43,6 +52,7 @@ class FrameViews {
     views.clear();
     for (const auto& owner : owners) views.push_back(view_of(owner));
     bits_ = bits;
+    gain_ = {};
   }
 
   /// Calls `visitor` with the frames as `Frames<Pixel>`.
@@ -54,6 +64,7 @@ class FrameViews {
  private:
   std::variant<Frames<std::uint8_t>, Frames<std::uint16_t>, Frames<double>> frames_;
   int bits_ = 8;
+  ImageView<const float> gain_{};
 };
 
 /// 1 where any frame shows the largest grey level, so that the true intensity may have been more.

@@ -76,7 +76,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
       brightest_ = std::max(brightest_, greatest);
       largest_range_ = std::max(largest_range_, range(one_.data()));
       if (range(one_.data()) < least_range_) continue;
-      if (saturates && greatest >= 255) {
+      if (saturates && greatest * grey_level >= frames.saturation()) {
         ++saturated_;
         continue;
       }

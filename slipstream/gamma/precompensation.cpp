@@ -9,9 +9,9 @@ PatternSet changed(const PatternSet& patterns, const Change& change) {
   return {.count = patterns.count,
           .axis = patterns.axis,
           .light = {.alpha_p = 255, .beta_p = 0},
-          .shape = [patterns, change](int n, double y) {
-            return change(patterns.intensity(n, y) / 255);
-          }};
+          .shape = [patterns, change](int n,
+                                      double y) { return change(patterns.intensity(n, y) / 255); },
+          .exposures = patterns.exposures};
 }
 
 }  // namespace

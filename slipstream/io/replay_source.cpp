@@ -80,11 +80,11 @@ void ReplaySource::open_recording(const fs::path& path) {
 
 void ReplaySource::open_folder(const fs::path& folder) {
   const ScanFiles scan = read_scan_files(folder / "scan.yaml");
-  const Strategy& strategy = scan.sequence.strategy;
   const FrameSet set = read_frames(scan.frames, scan.bits).frames;
-  if (set.count() != frame_count(strategy)) {
+  if (set.count() != frame_count(scan.sequence)) {
     throw Error(fmt::format("{}: has {} frames; its strategy, {}, has {}", folder.string(),
-                            set.count(), strategy.name(), frame_count(strategy)));
+                            set.count(), scan.sequence.strategy.name(),
+                            frame_count(scan.sequence)));
   }
   frames_ = frames_of(set, folder);
   count_ = frames_.size();

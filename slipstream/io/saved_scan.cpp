@@ -27,15 +27,16 @@ std::string folder_of(const ScanFiles& files) {
 }  // namespace
 
 Scan load_frames(const ScanFiles& files) {
-  const int wanted = frame_count(files.sequence.strategy);
+  const int wanted = frame_count(files.sequence);
   if (static_cast<int>(files.frames.size()) != wanted) {
-    throw Error(fmt::format("{}: {} frames, but {} with these steps takes {}", folder_of(files),
-                            files.frames.size(), files.sequence.strategy.name(), wanted));
+    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures takes {}",
+                            folder_of(files), files.frames.size(), files.sequence.strategy.name(),
+                            wanted));
   }
   LoadedFrames loaded = read_frames(files.frames, files.bits);
-  return {.frames = std::move(loaded.frames),
-          .sequence = files.sequence,
-          .warnings = std::move(loaded.warnings)};
+  return merged({.frames = std::move(loaded.frames),
+                 .sequence = files.sequence,
+                 .warnings = std::move(loaded.warnings)});
 }
 
 Scan load_scan(const ScanFiles& files) {

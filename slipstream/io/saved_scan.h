@@ -12,8 +12,9 @@
 
 namespace slipstream {
 
-/// The frames of a scan and what they show, without its scanner. Throws Error, naming the folder of
-/// the frames, where they cannot be read or are not as many as the strategy's.
+/// The frames of a scan, several exposures merged, and what they show, without its scanner. Throws
+/// Error, naming the folder of the frames, where they cannot be read or are not as many as the
+/// strategy's.
 Scan load_frames(const ScanFiles& files);
 
 /// What one camera took: frames, sequence and the scanner that `files` names, completed by what

@@ -75,14 +75,16 @@ class YamlMap {
     return number;
   }
 
-  [[nodiscard]] std::vector<std::string> names(const std::string& key) const {
+  template <class Value>
+  [[nodiscard]] std::vector<Value> list(const std::string& key, const char* of,
+                                        const char* wanted) const {
     const YAML::Node list = required(key);
-    std::vector<std::string> names;
+    std::vector<Value> values;
     if (list.IsSequence()) {
-      for (const auto& item : list) names.push_back(convert<std::string>(item, key, "a name"));
+      for (const auto& item : list) values.push_back(convert<Value>(item, key, wanted));
     }
-    if (names.empty()) throw Error(fmt::format("{}: {} is not a list of files", where_, key));
-    return names;
+    if (values.empty()) throw Error(fmt::format("{}: {} is not a list of {}", where_, key, of));
+    return values;
   }
 
   [[nodiscard]] std::vector<std::string> keys() const {
@@ -135,8 +137,8 @@ PatternLight read_light(const YamlMap& map) {
 
 ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   constexpr int largest_picture = 65536;
-  map.require_known_keys(
-      {"slipstream", "strategy", "projector", "bits", "frames", "scanner", "second_camera"});
+  map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
+                          "scanner", "second_camera"});
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
 
   ScanFiles scan;
@@ -151,9 +153,13 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
     scan.sequence.projector = {projector.whole_number("width", 1, largest_picture),
                                projector.whole_number("height", 1, largest_picture)};
   }
+  if (map.has("exposures"))
+    scan.sequence.exposures = map.list<double>("exposures", "numbers", "numbers");
+  require_mergeable(scan.sequence);
   if (map.has("bits")) scan.bits = map.whole_number("bits", 8, 16);
   if (map.has("frames")) {
-    for (const std::string& name : map.names("frames")) scan.frames.push_back(folder / name);
+    for (const std::string& name : map.list<std::string>("frames", "files", "a name"))
+      scan.frames.push_back(folder / name);
   }
   if (map.has("scanner")) scan.scanner = folder / map.value<std::string>("scanner", "a file");
   if (map.has("second_camera")) {
@@ -218,7 +224,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
-  const auto& [strategy, axis, light, projector, marker] = scan.sequence;
+  const auto& [strategy, axis, light, projector, marker, exposures] = scan.sequence;
   yaml << YAML::Key << "name" << YAML::Value << strategy.name();
   for (const auto& [name, value] : strategy.settings()) {
     yaml << YAML::Key << name << YAML::Value << value;
@@ -228,6 +234,9 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   yaml << YAML::Key << "beta_p" << YAML::Value << light.beta_p;
   if (marker) yaml << YAML::Key << "marker" << YAML::Value << true;
   yaml << YAML::EndMap;
+  if (exposures != Sequence{}.exposures) {
+    yaml << YAML::Key << "exposures" << YAML::Value << YAML::Flow << exposures;
+  }
   if (projector != Size{}) {
     yaml << YAML::Key << "projector" << YAML::Value << YAML::Flow << YAML::BeginMap;
     yaml << YAML::Key << "width" << YAML::Value << projector.width;

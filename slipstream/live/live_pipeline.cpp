@@ -17,8 +17,8 @@ std::size_t clouds_needed(const LiveSettings& settings) {
 
 /// A cloud keeps the frames of its window; the rolling window and the check of indices keep those
 /// of three cycles, with a marker; one is being filled and one passed on.
-std::size_t frames_needed(const LiveSettings& settings, const Strategy& strategy) {
-  const auto window = static_cast<std::size_t>(frame_count(strategy));
+std::size_t frames_needed(const LiveSettings& settings, const Sequence& sequence) {
+  const auto window = static_cast<std::size_t>(frame_count(sequence));
   return clouds_needed(settings) * window + 3 * (window + 1) + settings.waiting_frames + 2;
 }
 
@@ -29,7 +29,7 @@ LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetu
     : source_(std::move(source)), format_(source_->format()), settings_(settings) {
   require_valid(format_);
   plan_ = plan_for(setup);
-  const auto count = static_cast<std::size_t>(frame_count(setup.sequence.strategy));
+  const auto count = static_cast<std::size_t>(frame_count(setup.sequence));
   const std::vector<Pooled<Frame>> black(count, frames_->take());
   clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
     LiveCloud cloud;
@@ -50,7 +50,7 @@ std::shared_ptr<const LivePlan> LivePipeline::plan_for(const EngineSetup& setup)
                             format_.size.width, format_.size.height, camera.width, camera.height));
   }
   auto reconstruct = std::make_shared<WindowEngine>(setup, settings_);
-  const std::size_t needed = frames_needed(settings_, setup.sequence.strategy);
+  const std::size_t needed = frames_needed(settings_, setup.sequence);
   if (needed > frame_count_) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
     frame_count_ = needed;

@@ -17,7 +17,7 @@ constexpr auto look_again = 200us;
 constexpr auto patience = 200ms;
 
 bool same_patterns(const Sequence& a, const Sequence& b) {
-  return a.strategy == b.strategy && a.axis == b.axis;
+  return a.strategy == b.strategy && a.axis == b.axis && a.exposures == b.exposures;
 }
 
 const Sequence& sequence_of(const LivePlan& plan) {
@@ -26,9 +26,9 @@ const Sequence& sequence_of(const LivePlan& plan) {
 
 /// LiveCheck as a function that can be copied.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
-  const auto check =
-      std::make_shared<LiveCheck>(setup.sequence, setup.scanner, setup.scanner.camera.size,
-                                  CheckSettings{setup.settings.minimum_modulation, true});
+  const auto check = std::make_shared<LiveCheck>(
+      merged_sequence(setup.sequence), setup.scanner, setup.scanner.camera.size,
+      CheckSettings{setup.settings.minimum_modulation, true});
   return [check](const FrameViews& window) { return check->look(window); };
 }
 
@@ -48,7 +48,7 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
 std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
-  return check(views);
+  return check(engine.merged(views));
 }
 
 LiveRun::LiveRun(FrameSource& source, const LiveSettings& settings,
@@ -216,7 +216,7 @@ void LiveRun::make_windows() {
       if (!windows || !same_patterns(sequence, sequence_of(*current))) {
         lost_before = windows_lost_;
         resynchronised_before = resynchronisations_;
-        windows.emplace(sequence.strategy, settings_.indexing, format_.size);
+        windows.emplace(sequence, settings_.indexing, format_.size);
       }
       current = std::move(wanted);
     }

@@ -5,12 +5,12 @@
 
 namespace slipstream {
 
-PatternWindows::PatternWindows(const Strategy& strategy, PatternIndexing indexing, Size size)
-    : patterns_(frame_count(strategy)),
+PatternWindows::PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size)
+    : patterns_(frame_count(sequence)),
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
       indexing_(indexing),
       grid_(size),
-      alignment_(strategy.layout()),
+      alignment_(sequence.strategy.layout()),
       watch_(cycle_, grid_.count()),
       window_(patterns_),
       aligned_(indexing != PatternIndexing::marker) {

@@ -11,7 +11,7 @@
 #include "slipstream/live/live_settings.h"
 #include "slipstream/live/rolling_window.h"
 #include "slipstream/live/slip_watch.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 
@@ -23,7 +23,7 @@ namespace slipstream {
 /// there. One thread uses it.
 class PatternWindows {
  public:
-  PatternWindows(const Strategy& strategy, PatternIndexing indexing, Size size);
+  PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size);
 
   /// False where the frame came again, or too late.
   bool put(const Pooled<Frame>& frame);
@@ -55,7 +55,7 @@ class PatternWindows {
   /// By how many places the last cycle shows its indices to be wrong; none where it shows nothing.
   [[nodiscard]] std::optional<int> realignment();
 
-  int patterns_;  ///< N
+  int patterns_;  ///< N, for each exposure
   int cycle_;     ///< and a marker where there is one
   PatternIndexing indexing_;
   SampleGrid grid_;

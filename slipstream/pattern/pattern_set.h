@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "slipstream/image/image.h"
 #include "slipstream/pattern/axis.h"
@@ -28,7 +30,13 @@ struct PatternSet {
   PatternLight light;
   /// s of pattern n at projector coordinate y in [0, 1): see PatternLight.
   std::function<double(int n, double y)> shape;
+  /// How long the camera looks at each pattern, relative to its usual exposure; 1 where not said.
+  std::vector<double> exposures{};
 
+  [[nodiscard]] double exposure(int n) const {
+    const auto index = static_cast<std::size_t>(n);
+    return index < exposures.size() ? exposures[index] : 1;
+  }
   /// I_n^p in grey levels of an 8-bit projector, not quantised.
   [[nodiscard]] double intensity(int n, double y) const {
     return light.alpha_p * shape(n, y) + light.beta_p;

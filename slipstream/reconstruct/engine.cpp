@@ -1,14 +1,33 @@
 #include "slipstream/reconstruct/engine.h"
 
+#include <algorithm>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <utility>
+#include <vector>
 
+#include "slipstream/capture/merged_exposures.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 
 namespace slipstream {
+namespace {
+
+/// One scale of brightness for all pixels: that of the shortest exposure.
+void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
+  if (!frames.merged()) return;
+  const auto& gain = frames.gain();
+  for_each_row(intensity.height(), [&](int row) {
+    std::transform(intensity.row(row), intensity.row(row) + intensity.width(), gain.row(row),
+                   intensity.row(row), std::divides<>());
+  });
+}
+
+}  // namespace
+
 /// What copies of an engine share.
 struct Engine::Tables {
   explicit Tables(const EngineSetup& of) : setup(of), corrections(phase_corrections(of)) {
@@ -36,6 +55,7 @@ struct Engine::Tables {
 
 struct Engine::Memory {
   FusedMemory fused;
+  MergedFrames merged;
 };
 
 Engine::Engine(const EngineSetup& setup) : memory_(std::make_unique<Memory>()) {
@@ -63,14 +83,25 @@ const EngineSetup& Engine::setup() const {
   return tables_->setup;
 }
 
-void Engine::cloud(const FrameViews& frames, Cloud& cloud) {
-  if (tables_->is_fused(frames)) {
-    return (*tables_->fused)(frames, {.cloud = &cloud}, memory_->fused);
-  }
-  convert(tables_->reference()(frames).cloud, cloud);
+const FrameViews& Engine::merged(const FrameViews& frames) {
+  const std::vector<double>& exposures = setup().sequence.exposures;
+  if (exposures.size() == 1 || frames.merged()) return frames;
+  merge_exposures(frames, exposures, memory_->merged);
+  return memory_->merged.views;
 }
 
-void Engine::depth(const FrameViews& frames, Depth& depth) {
+void Engine::cloud(const FrameViews& given, Cloud& cloud) {
+  const FrameViews& frames = merged(given);
+  if (tables_->is_fused(frames)) {
+    (*tables_->fused)(frames, {.cloud = &cloud}, memory_->fused);
+  } else {
+    convert(tables_->reference()(frames).cloud, cloud);
+  }
+  divide_by_gain(frames, cloud.intensity);
+}
+
+void Engine::depth(const FrameViews& given, Depth& depth) {
+  const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
     return (*tables_->fused)(frames, {.depth = &depth}, memory_->fused);
   }
@@ -79,24 +110,28 @@ void Engine::depth(const FrameViews& frames, Depth& depth) {
   depth.validity = cloud.validity;
 }
 
-void Engine::maps(const FrameViews& frames, Maps& maps) {
+void Engine::maps(const FrameViews& given, Maps& maps) {
+  const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
     return (*tables_->fused)(frames, {.maps = &maps}, memory_->fused);
   }
   convert(tables_->reference().maps(frames), maps);
 }
 
-void Engine::cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps) {
+void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
+  const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
-    return (*tables_->fused)(frames, {.cloud = &cloud, .maps = &maps}, memory_->fused);
+    (*tables_->fused)(frames, {.cloud = &cloud, .maps = &maps}, memory_->fused);
+  } else {
+    const ReferenceResult result = tables_->reference()(frames);
+    convert(result.cloud, cloud);
+    convert(result.maps, maps);
   }
-  const ReferenceResult result = tables_->reference()(frames);
-  convert(result.cloud, cloud);
-  convert(result.maps, maps);
+  divide_by_gain(frames, cloud.intensity);
 }
 
-Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& frames) {
-  return tables_->reference().uncertainty(cloud, maps, frames.full_scale());
+Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {
+  return tables_->reference().uncertainty(cloud, maps, merged(given).full_scale());
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {

@@ -31,8 +31,12 @@ class Engine {
 
   [[nodiscard]] const EngineSetup& setup() const;
 
+  /// The frames of several exposures merged, in memory that lasts until others are; those of one,
+  /// or merged before, as they are. What follows does that of itself.
+  [[nodiscard]] const FrameViews& merged(const FrameViews& frames);
+
   // Each throws Error when the frames are not of the camera's size or not as many as the
-  // strategy's. Memory that the output has is used where it is of the size.
+  // sequence's. Memory that the output has is used where it is of the size.
 
   void cloud(const FrameViews& frames, Cloud& cloud);
   /// Less is computed and written than for a cloud.

@@ -23,4 +23,8 @@ struct Scan {
   std::vector<std::string> warnings{};
 };
 
+/// The scan with the frames of its exposures merged to those of one, where there are several: all
+/// that decodes reads it then as any other. Throws Error where the frames are not as many.
+Scan merged(Scan scan);
+
 }  // namespace slipstream

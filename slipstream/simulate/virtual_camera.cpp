@@ -34,6 +34,7 @@ PatternSet pattern_at(const PatternSet& patterns, int frame) {
   one.shape = [shape = patterns.shape, n = frame % patterns.count](int, double y) {
     return shape(n, y);
   };
+  one.exposures = {patterns.exposure(frame % patterns.count)};
   return one;
 }
 

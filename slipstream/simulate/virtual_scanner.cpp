@@ -124,13 +124,14 @@ template <class Seen>
 void add_light(Image<double>& frame, const Seen& view, const PatternSet& patterns, int n,
                const Photometry& photometry, double share) {
   const double beta = photometry.ambient, gamma = photometry.gamma;
+  const double weight = share * patterns.exposure(n);
   for_each_row(frame.height(), [&](int row) {
     for (int column = 0; column < frame.width(); ++column) {
       const double y = view.coordinate(column, row);
       double projected = std::isnan(y) ? 0 : patterns.intensity(n, y);
       if (gamma != 1) projected = 255 * std::pow(projected / 255, gamma);  // (4.2)
       const double alpha = view.reflectivity(column, row);
-      frame(column, row) += share * (alpha * (projected + beta) + beta);  // (3.2)
+      frame(column, row) += weight * (alpha * (projected + beta) + beta);  // (3.2)
     }
   });
 }

@@ -36,7 +36,8 @@ struct VirtualScan {
 
 /// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each
 /// pixel's centre or as many as the photometry says: I = alpha (I^p + beta) + beta + w, Eq. (3.2),
-/// I^p = 0 in the projector's shadow and outside its field. Patterns are exact: not sampled by
+/// I^p = 0 in the projector's shadow and outside its field; the light is as many times as
+/// much as the pattern's exposure says. Patterns are exact: not sampled by
 /// projector pixels nor quantised. Throws Error where the scanner or the photometry is not valid.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {});

@@ -1,16 +1,58 @@
 #include "slipstream/strategy/sequence.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/error/error.h"
 
 namespace slipstream {
 
+int frame_count(const Sequence& sequence) {
+  return static_cast<int>(sequence.exposures.size()) * frame_count(sequence.strategy);
+}
+
 int cycle_length(const Sequence& sequence) {
-  return frame_count(sequence.strategy) + (sequence.marker ? 1 : 0);
+  return frame_count(sequence) + (sequence.marker ? 1 : 0);
 }
 
 PatternSet pattern_set(const Sequence& sequence) {
   PatternSet patterns = pattern_set(sequence.strategy, sequence.axis, sequence.light);
+  patterns.shape = [shape = patterns.shape, N = patterns.count](int n, double y) {
+    return shape(n % N, y);
+  };
+  for (const double exposure : sequence.exposures) {
+    patterns.exposures.insert(patterns.exposures.end(), static_cast<std::size_t>(patterns.count),
+                              exposure);
+  }
+  patterns.count = frame_count(sequence);
   return sequence.marker ? with_marker(std::move(patterns)) : patterns;
+}
+
+Sequence merged_sequence(Sequence sequence) {
+  sequence.exposures = {1};
+  return sequence;
+}
+
+void require_mergeable(const Sequence& sequence) {
+  constexpr std::size_t most = 16;
+  const std::vector<double>& exposures = sequence.exposures;
+  const bool positive = std::all_of(exposures.begin(), exposures.end(),
+                                    [](double t) { return t > 0 && std::isfinite(t); });
+  if (exposures.empty() || exposures.size() > most || !positive) {
+    throw Error(fmt::format("exposures {} are out of range; 1 to {} numbers above 0",
+                            fmt::join(exposures, ", "), most));
+  }
+  if (exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout())) {
+    throw Error(
+        fmt::format("{} of {} frames takes one exposure: its cue is read from the ambient "
+                    "light, which merged frames do not hold alike",
+                    sequence.strategy.name(), frame_count(sequence.strategy)));
+  }
 }
 
 void require_shown(const Sequence& sequence) {

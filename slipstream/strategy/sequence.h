@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "slipstream/image/size.h"
 #include "slipstream/pattern/axis.h"
 #include "slipstream/pattern/pattern_set.h"
@@ -16,15 +18,29 @@ struct Sequence {
   /// Shown again and again, a dark frame after the last pattern marks where each cycle ends. It is
   /// no frame of the scan.
   bool marker = false;
+  /// Relative exposures of the camera, in any unit: all patterns are shown again for each, exposure
+  /// by exposure. Several are merged to one set of frames: see merged_exposures.
+  std::vector<double> exposures{1};
 
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };
 
-/// Frames from one scan to the next: those of the strategy, and the marker.
+/// Frames of one scan: those of the strategy, for each exposure.
+int frame_count(const Sequence& sequence);
+
+/// Frames from one scan to the next: with the marker.
 int cycle_length(const Sequence& sequence);
 
-/// The patterns with the marker, where there is one, as the last.
+/// The patterns for each exposure, and the marker, where there is one, as the last.
 PatternSet pattern_set(const Sequence& sequence);
+
+/// What the frames show once their exposures are merged into one.
+Sequence merged_sequence(Sequence sequence);
+
+/// Throws Error unless there are 1 to 16 exposures above 0, and several only of a strategy that is
+/// read without knowing the ambient light, whose share of the merged frames differs from pixel to
+/// pixel.
+void require_mergeable(const Sequence& sequence);
 
 /// Throws Error where the projector's size is known and cannot show the strategy.
 void require_shown(const Sequence& sequence);

@@ -17,6 +17,8 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
   sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
   require_valid(sequence.light);
   sequence.projector = changes.projector.value_or(known.projector);
+  sequence.exposures = changes.exposures.value_or(known.exposures);
+  require_mergeable(sequence);
   return sequence;
 }
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slipstream/strategy/sequence.h"
 
@@ -16,6 +17,7 @@ struct SequenceChanges {
   std::optional<double> alpha_p{};
   std::optional<double> beta_p{};
   std::optional<Size> projector{};
+  std::optional<std::vector<double>> exposures{};
 };
 
 /// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is

@@ -60,7 +60,7 @@ bool CloudScreen::take_newest() {
 }
 
 const Maps* CloudScreen::maps_of(const FrameViews& frames) {
-  if (!engine_ || frames.count() != frame_count(engine_->setup().sequence.strategy)) return nullptr;
+  if (!engine_ || frames.count() != frame_count(engine_->setup().sequence)) return nullptr;
   engine_->maps(frames, maps_);
   return &maps_;
 }

@@ -40,7 +40,7 @@ Outcome run(const Strategy& strategy, PatternIndexing indexing, const std::vecto
             const std::vector<Shown>& script) {
   const int patterns = frame_count(strategy);
   const int cycle = patterns + (indexing == PatternIndexing::marker ? 1 : 0);
-  PatternWindows windows(strategy, indexing, loop.front().format().size);
+  PatternWindows windows({.strategy = strategy}, indexing, loop.front().format().size);
   Pool<Frame> pool(static_cast<std::size_t>(6 * cycle),
                    [&] { return Frame(loop.front().format()); });
   Outcome outcome;

@@ -452,7 +452,8 @@ void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output
       const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
       memory.limits.clear();
       for (const FusedStages::BandStage& band : stages_.bands) {
-        memory.limits.push_back(sinusoid_limits(band.sinusoid, settings_, full_scale, mean_of));
+        memory.limits.push_back(
+            sinusoid_limits(band.sinusoid, settings_, full_scale, frames.saturation(), mean_of));
       }
       prepare(output, size, stages_.bands.size() > 1 || stages_.cue);
       const Pass<Pixel> pass{

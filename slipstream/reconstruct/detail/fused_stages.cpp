@@ -334,7 +334,7 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
 }
 
 SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
-                               double full_scale, double mean_of) {
+                               double full_scale, double saturation, double mean_of) {
   // No pixel's modulation reaches twice the full scale, whatever a user asks for.
   const double least = std::min(least_modulation(settings, full_scale), 2 * full_scale);
   SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
@@ -348,7 +348,7 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
     const double in_sums = least / stage.modulation_scale;
     limits.least_square = static_cast<float>(in_sums * in_sums);
   }
-  if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(full_scale);
+  if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(saturation);
   return limits;
 }
 

@@ -56,10 +56,10 @@ struct FusedStages {
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections);
 
-/// The limits of one sinusoid for frames whose largest grey level is `full_scale`. `mean_of`: what
-/// one grey level of the frames counts for in the mean.
+/// The limits of one sinusoid for frames of such full scale and saturation: see FrameViews.
+/// `mean_of`: what one grey level of the frames counts for in the mean.
 SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSettings& settings,
-                               double full_scale, double mean_of);
+                               double full_scale, double saturation, double mean_of);
 
 /// The limits of a cue likewise.
 CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,

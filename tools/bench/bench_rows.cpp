@@ -73,7 +73,7 @@ class StageByStage {
       : frames_(bytes_of(scan.frames)),
         stages_(fused_stages(setup_for(scan), {}).value()),
         sinusoid_(stages_.bands.front().sinusoid),
-        limits_(sinusoid_limits(sinusoid_, {}, 255, 1)),
+        limits_(sinusoid_limits(sinusoid_, {}, 255, 255, 1)),
         turn_(scan.frames.size()),
         mean_(turn_.size()),
         x_(turn_.size()),

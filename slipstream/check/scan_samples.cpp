@@ -73,7 +73,7 @@ void ScanSamples::take(const FrameViews& frames, const Effort& effort) {
       read(at.column, at.row);
       for (std::size_t n = 0; n < one_.size(); ++n) sums_[n] += one_[n];
       const double greatest = *std::max_element(one_.begin(), one_.end());
-      brightest_ = std::max(brightest_, greatest * frames.full_scale() / frames.saturation());
+      brightest_ = std::max(brightest_, frames.merged() ? std::min(greatest, 255.0) : greatest);
       largest_range_ = std::max(largest_range_, range(one_.data()));
       if (range(one_.data()) < least_range_) continue;
       if (saturates && greatest * grey_level >= frames.saturation()) {

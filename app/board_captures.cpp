@@ -1,16 +1,15 @@
 #include "app/board_captures.h"
 
-#include <filesystem>
-
 #include "app/progress.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 
 void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
   command
-      .add("folder", flags.folder,
-           "holds a folder for each pose: scan folders x and y, or the pictures of both")
+      .add(
+          "folder", flags.folder,
+          "holds a folder for each pose: scans x and y (folders, or recordings x.slip and y.slip), "
+          "or the pictures of both")
       ->required();
   command.add("--exclude", flags.excluded, "poses to leave out, by name");
   command.add("--first-axis", flags.first_axis,
@@ -26,11 +25,8 @@ void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags)
 
 PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
                              const std::optional<MeasuredResponse>& response, Output& output) {
-  const auto amend_by_flags = [&](ScanFiles& files, const fs::path& folder) {
-    amend(files, folder, flags.scan);
-  };
   const std::vector<BoardScans> poses =
-      board_scans(flags.folder, amend_by_flags, axis_named(flags.first_axis));
+      board_scans(flags.folder, scan_changes_from(flags.scan), axis_named(flags.first_axis));
   BoardCaptureSettings settings = flags.capture;
   settings.response = response;
   if (response) {

@@ -65,7 +65,9 @@ void add_calibrate_ambient(CLI::App& calibrate, Command& chosen) {
   const auto [command, flags] =
       add_command(calibrate, chosen, calibrate_ambient, "ambient",
                   "the ambient light, from scans of a bright surface with many steps");
-  command.add("folders", flags.folders, "scan folders of one unmoved scene, pmp; averaged")
+  command
+      .add("folders", flags.folders,
+           "scan folders or recordings of one unmoved scene, pmp; averaged")
       ->required();
   command.add("--least-reflectivity", flags.least_alpha, "of the pixels that count, 0 to 1");
   command.add("--histogram", flags.histogram, "of the pixels' ambient light: .png");

@@ -120,7 +120,7 @@ void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
       add_command(calibrate, chosen, calibrate_gamma, "gamma",
                   "the projector's response, from scans of any surface or uniform patterns");
   command.add("folders", flags.folders,
-              "scan folders of one unmoved scene, best of 5 steps or more; averaged");
+              "scan folders or recordings of one unmoved scene, best of 5 steps or more; averaged");
   command.add("--uniform", flags.uniform,
               "folder of pictures of uniform patterns, named by grey level: level_017.png");
   command.add("--response", flags.response,
@@ -128,10 +128,8 @@ void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
   add_calibration_files(command.app, flags.files);
   command.add("--map", flags.map, "gamma of every pixel: .tiff");
   command.add("--histogram", flags.histogram, "gamma of the pixels, counted: .png");
-  command
-      .add("--min-modulation", flags.minimum_modulation,
-           "least modulation, grey levels of 255; 16 where not given")
-      ->default_str("");
+  command.add("--min-modulation", flags.minimum_modulation, "least modulation, grey levels of 255")
+      ->default_str("16");
   add_scan_flags(command.app, flags.scan);
   command.app.footer(
       "Examples:\n  slipstream calibrate gamma scan_1 scan_2 scan_3 -o scanner.yaml\n  slipstream "

@@ -211,7 +211,7 @@ void add_calibrate_geometry(CLI::App& calibrate_command, Command& chosen) {
                                             "scans of a board in several poses to a scanner file");
   command.add("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")->required();
   command.add("--report", flags.report, "a folder for a report with pictures");
-  command.add("--compare", flags.compare, "a scanner file to hold beside the result");
+  command.add_file("--compare", flags.compare, "a scanner file to hold beside the result");
   command.add("--measured", flags.measured,
               "mm by a ruler on the print, from the first to the last corner: row x column");
   add_board_capture_flags(command, flags.boards);

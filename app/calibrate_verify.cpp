@@ -102,7 +102,7 @@ void add_calibrate_verify(CLI::App& calibrate, Command& chosen) {
   const auto [command, flags] =
       add_command(calibrate, chosen, verify, "verify",
                   "whether a scanner file still holds, by scans of a board; corrects its pose");
-  command.add("--scanner", flags.scanner, "the scanner file")->required();
+  command.add_file("--scanner", flags.scanner, "the scanner file")->required();
   command.add("-o,--output", flags.output,
               "where it does not hold, the corrected scanner file: .yaml or .xml");
   add_board_capture_flags(command, flags.boards);

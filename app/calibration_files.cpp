@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "app/flag_group.h"
 #include "app/progress.h"
 #include "app/scan_findings.h"
 #include "slipstream/error/error.h"
@@ -14,9 +15,9 @@ namespace slipstream::app {
 namespace fs = std::filesystem;
 
 void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
-  command.add_option("--scanner", files.scanner,
-                     "scanner file to add to; where not that of scan.yaml");
-  command.add_option("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
+  const FlagGroup group{command};
+  group.add_file("--scanner", files.scanner, "scanner file to add to; where not that of the scan");
+  group.add("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
 }
 
 namespace {
@@ -29,7 +30,7 @@ void check_and_take(const std::vector<std::string>& folders, const ScanFlags& fl
                     CalibrationFiles& files, bool of_gamma, Output& output, const TakeScan& take) {
   Progress progress("scans", static_cast<int>(folders.size()));
   for (const std::string& folder : folders) {
-    const ScanFiles described = describe(folder, flags);
+    const ScanFiles described = scan_files_in(folder, scan_changes_from(flags));
     Scan scan = load_frames(described);
     for (const std::string& warning : scan.warnings) output.warn(warning);
     CheckedScan checked = check_and_repair(scan);

@@ -32,6 +32,7 @@ struct ServeFlags {
 };
 
 void serve(const ServeFlags& flags, Output& output) {
+  require_duration(flags.duration);
   if (!(flags.packet_loss >= 0 && flags.packet_loss <= 1)) {
     throw Error(fmt::format("--packet-loss {} is out of range; 0 to 1", flags.packet_loss));
   }
@@ -79,8 +80,8 @@ void add_camera_serve(CLI::App& camera, Command& chosen) {
               "scans that are rendered before and then served over and over");
   command.add("--duration", flags.duration, "so long, s");
   command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
-  command.add("--scanner", flags.scene.scanner,
-              "scanner file to imitate; an example where not given");
+  command.add_file("--scanner", flags.scene.scanner,
+                   "scanner file to imitate; an example where not given");
   command.add("--write-scanner", flags.write_scanner, "scanner file to write, to reconstruct with");
   add_virtual_flags(command.app, flags.scene);
   add_pattern_flags(command.app, flags.scan);

@@ -50,11 +50,12 @@ void add_check(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, check, "check",
                   "whether the frames of scans fit their patterns, the scanner and each other");
-  command.add("folders", flags.folders, "scan folders: pictures, and scan.yaml or flags")
+  command
+      .add("folders", flags.folders,
+           "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
-  command.add(
-      "--min-modulation", flags.settings.minimum_modulation,
-      "of a pixel that becomes a point, grey levels of the frames; 15 of 255 where not given");
+  command.add("--min-modulation", flags.settings.minimum_modulation,
+              "of a pixel that becomes a point, grey levels of 255 whatever the camera's bits");
   add_scan_input_flags(command.app, flags.input);
   command.app.footer(
       "Examples:\n  slipstream check scan\n  slipstream check frames --strategy pmp --steps 4\n"

@@ -88,9 +88,10 @@ void add_design(CLI::App& program, Command& chosen) {
                   "the pcmp patterns of least noise for a given light, noise and surface");
   command.add("--steps", flags.goal.steps, "frames of one scan, 3 or more");
   command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
-  command.add("--ambient", flags.ambient, "grey levels of 255; 0 where nothing says it");
+  command.add("--ambient", flags.ambient, "grey levels of 255, where not that of the scanner file")
+      ->default_str("0");
   command.add("--noise-variance", flags.noise_variance, "sigma_w^2, grey levels^2 of 255");
-  command.add("--scanner", flags.scanner, "scanner file that says both");
+  command.add_file("--scanner", flags.scanner, "scanner file that says both");
   command.add("--success", flags.goal.success,
               "share of the pixels to be unwrapped rightly each by itself");
   command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");

@@ -7,6 +7,9 @@
 
 namespace slipstream::app {
 
+/// What the help shows for the value of a flag that names a file or a folder to read.
+inline constexpr const char* file_type = "FILE";
+
 /// Flags of a subcommand that its help shows together.
 struct FlagGroup {
   CLI::App& app;
@@ -24,6 +27,12 @@ struct FlagGroup {
           std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>;
       return has_default ? option->capture_default_str() : option;
     }
+  }
+
+  /// The same of a file or a folder to read: in a rig file its path is relative to that.
+  template <class Value>
+  CLI::Option* add_file(const std::string& flag, Value& value, const std::string& help) const {
+    return add(flag, value, help)->type_name(file_type);
   }
 };
 

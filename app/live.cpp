@@ -209,8 +209,8 @@ void add_live(CLI::App& program, Command& chosen) {
   command.add("--indexing", flags.indexing,
               "how it is known which pattern a frame shows: told (by the source), counted "
               "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
-  command.add("--scanner", flags.source.scanner,
-              "scanner file; where not that of the recording or of the virtual scanner");
+  command.add_file("--scanner", flags.source.scanner,
+                   "scanner file; where not that of the recording or of the virtual scanner");
   command.add("--gamma", flags.gamma,
               "the response the phase is corrected for: scanner (as its file says, if it "
               "does), none, or a number");

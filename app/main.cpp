@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -9,6 +12,8 @@
 #include <tbb/global_control.h>
 
 #include "app/commands.h"
+#include "app/rig_flag.h"
+#include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {
@@ -19,31 +24,69 @@ constexpr int bad_input = 2;
 
 /// Flags that every subcommand has.
 struct SharedFlags {
-  bool json = false;
-  int threads = 0;  ///< 0: as many as the machine has cores
+  bool json = false;  ///< seen by main
+  int threads = 0;    ///< 0: as many as the machine has cores
 };
 
-/// Adds them to each subcommand that does work.
-void add_shared_flags(CLI::App& program, SharedFlags& shared) {
-  for (CLI::App* const command : program.get_subcommands(nullptr)) {
-    add_shared_flags(*command, shared);
+/// Adds them, and --rig, to each subcommand of `app` that does work.
+void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared) {
+  for (CLI::App* const command : app.get_subcommands(nullptr)) {
+    add_shared_flags(*command, program, shared);
     if (!command->get_subcommands(nullptr).empty()) continue;
+    add_rig_flag(*command, program);
     const FlagGroup group{*command};
     group.add("--json", shared.json, "one JSON document on stdout, words to stderr");
     group.add("--threads", shared.threads, "at most so many; 0: one for each core");
   }
 }
 
-int fail(int code, std::string message) {
-  for (char& c : message) {
-    if (c == '\n') c = ' ';
-  }
+/// In one line, and in the document with what that held already.
+int fail(Output& output, int code, std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
   fmt::print(stderr, "slipstream: {}\n", message);
+  output.document["error"] = message;
+  try {
+    output.finish();
+  } catch (const WorldError&) {  // nobody reads stdout
+  }
   return code;
 }
 
+std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {
+  std::vector<std::string> names;
+  for (const CLI::App* const command : commands) names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> flags_of(const CLI::App& command) {
+  std::vector<std::string> flags;
+  for (const CLI::Option* const option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
+  }
+  return flags;
+}
+
+/// Why the arguments cannot be read, of words that are not known first, and which was meant.
+std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App* command = &program;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  const std::vector<std::string> words = program.remaining(true);
+  const auto all = [](const CLI::App*) { return true; };
+  const auto flag = std::find_if(words.begin(), words.end(),
+                                 [](const std::string& word) { return word.starts_with("-"); });
+  const auto commands = command->get_subcommands(all);
+  if (!commands.empty() && !words.empty() && !words.front().starts_with("-")) {
+    return fmt::format("there is no command '{}'{}", words.front(),
+                       did_you_mean(words.front(), names_of(commands)));
+  }
+  if (flag == words.end()) return error.what();
+  const std::string name = flag->substr(0, flag->find('='));
+  return fmt::format("{} has no {}{}", command->get_name(), name,
+                     did_you_mean(name, flags_of(*command)));
+}
+
 /// Returns the exit code.
-int run(const Command& command, const SharedFlags& shared) {
+int run(const Command& command, const SharedFlags& shared, Output& output) {
   if (shared.threads < 0) {
     throw Error(fmt::format("--threads {} is out of range; 0 (all cores) or more", shared.threads));
   }
@@ -52,13 +95,12 @@ int run(const Command& command, const SharedFlags& shared) {
     limit.emplace(tbb::global_control::max_allowed_parallelism,
                   static_cast<std::size_t>(shared.threads));
   }
-  Output output(shared.json);
   command(output);
   output.finish();
   return output.exit_code;
 }
 
-int run_program(int argc, char** argv) {
+int run_program(int argc, char** argv, Output& output) {
   CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
   program.require_subcommand(1);
   program.set_version_flag("--version", SLIPSTREAM_VERSION);
@@ -79,15 +121,15 @@ int run_program(int argc, char** argv) {
   add_reproduce(program, chosen);
   add_bench(program, chosen);
   SharedFlags shared;
-  add_shared_flags(program, shared);
+  add_shared_flags(program, program, shared);
 
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return program.exit(error);
-    return fail(bad_input, fmt::format("{}; see --help", error.what()));
+    return fail(output, bad_input, refusal(program, error) + "; see --help");
   }
-  return run(chosen, shared);
+  return run(chosen, shared, output);
 }
 
 }  // namespace
@@ -96,13 +138,15 @@ int run_program(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   using namespace slipstream;
+  const auto is_json = [](const char* argument) { return std::string_view(argument) == "--json"; };
+  app::Output output(std::any_of(argv, argv + argc, is_json));  // also where flags are not read
   try {
-    return app::run_program(argc, argv);
+    return app::run_program(argc, argv, output);
   } catch (const Error& error) {
-    return app::fail(app::bad_input, error.what());
+    return app::fail(output, app::bad_input, error.what());
   } catch (const std::bad_alloc&) {
-    return app::fail(app::failure_of_the_world, "not enough memory");
+    return app::fail(output, app::failure_of_the_world, "not enough memory");
   } catch (const std::exception& error) {
-    return app::fail(app::failure_of_the_world, error.what());
+    return app::fail(output, app::failure_of_the_world, error.what());
   }
 }

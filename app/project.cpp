@@ -136,7 +136,7 @@ void add_project(CLI::App& program, Command& chosen) {
   command.add("--monitor", flags.monitor, "its number in --list");
   command.add("--rate", flags.rate,
               "patterns per second: the monitor's refreshes divided by a whole number");
-  command.add("--hold", flags.hold, "refreshes that each pattern stays for; 1 if not given");
+  command.add("--hold", flags.hold, "refreshes that each pattern stays for")->default_str("1");
   command.add("--duration", flags.duration, "seconds, then it ends");
   command.add("--log", flags.log, "which pattern was shown when: .csv");
   add_pattern_flags(command.app, flags.scan);

@@ -117,19 +117,19 @@ void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSet
   }
 }
 
+void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
+                   ReconstructedScan& result) {
+  const Scan& second = scan.further_cameras.front();
+  const PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence, setup.settings,
+                           flags.match);
+  PhaseMatcher::Result matched = match(scan.frames, second.frames);
+  result.cloud = std::move(matched.cloud);
+  result.maps = std::move(matched.maps);
+  result.backend = match.method_for(scan.frames);
+}
+
 void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
              ReconstructedScan& result) {
-  const EngineSetup& setup = engine.setup();
-  if (!scan.further_cameras.empty()) {
-    const Scan& second = scan.further_cameras.front();
-    const PhaseMatcher match(setup.scanner, setup_for(second).scanner, setup.sequence,
-                             setup.settings, flags.match);
-    PhaseMatcher::Result matched = match(scan.frames, second.frames);
-    result.cloud = std::move(matched.cloud);
-    result.maps = std::move(matched.maps);
-    result.backend = match.method_for(scan.frames);
-    return;
-  }
   result.backend = engine.backend_for(scan.frames);
   if (flags.files.any_map() || flags.uncertainty) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
@@ -186,16 +186,19 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
   Stopwatch watch;
   ReconstructedScan result;
   result.folder = folder.string();
-  Scan scan = load(folder, flags.input, !flags.one_camera, output);
+  Scan scan = load(folder.string(), flags.input, !flags.one_camera, output);
   result.warnings = scan.warnings;
   result.read = watch.lap();
   const EngineSetup setup = setup_of_sound(flags, scan, result, watch, output);
-  if (!engine || engine->setup() != setup) engine.emplace(setup);  // else its tables serve again
+  const bool two_cameras = !scan.further_cameras.empty();
+  if (!two_cameras && (!engine || engine->setup() != setup)) {
+    engine.emplace(setup);  // else its tables serve again
+  }
   result.tables = watch.lap();
   if (!result.gamma.sentence.empty()) {
     output.say("{}: {}", folder.string(), result.gamma.sentence);
   }
-  compute(flags, scan, *engine, result);
+  two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (point_count(result.cloud) == 0) tell_no_points(result, output);
   result.computed = watch.lap();
   if (flags.uncertainty) {
@@ -255,8 +258,10 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
 
 void add_reconstruct(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, reconstruct, "reconstruct",
-                                            "scan folder(s) to cloud, depth, phase, preview");
-  command.add("folders", flags.folders, "scan folders: pictures, and scan.yaml or flags")
+                                            "scans to cloud, depth, phase, preview");
+  command
+      .add("folders", flags.folders,
+           "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
   command.add("--backend", flags.backend, "fused, lut, closed-form or equation");
   command.add("--unwrapping", flags.unwrapping,
@@ -273,7 +278,7 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
       "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "
       "preview.png\n  slipstream reconstruct frames --strategy dual-frequency --steps 3 --high 16 "
       "--low 1 --axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply\nSeveral scans: "
-      "{name} in a path stands for each scan's folder, as in -o clouds/{name}.ply");
+      "{name} in a path stands for each scan's name, as in -o clouds/{name}.ply");
 }
 
 }  // namespace slipstream::app

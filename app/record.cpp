@@ -9,12 +9,12 @@
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/progress.h"
-#include "app/recorded_cycle.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
 #include "slipstream/check/scan_check.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/recorder.h"
+#include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {
 namespace {
@@ -38,9 +38,7 @@ void require_valid(const RecordFlags& flags) {
 std::vector<Finding> findings_of_recording(const std::string& file, Output& output) {
   std::vector<Finding> findings;
   try {
-    if (const std::optional<Scan> cycle = first_cycle(file)) {
-      findings = check_scan(*cycle, {.moving = true}).findings;
-    }
+    findings = check_scan(load_scan(file), {.moving = true}).findings;
   } catch (const Error& error) {
     output.warn(fmt::format("what was recorded cannot be checked: {}", error.what()));
   }
@@ -102,7 +100,8 @@ void add_record(CLI::App& program, Command& chosen) {
   command.add("--rate", flags.source.rate,
               "frames per second; 0: as fast as it goes; else the source's own");
   command.add("--loop", flags.source.loop, "a replay begins again at its end");
-  command.add("--scanner", flags.source.scanner, "scanner file, which is kept in the recording");
+  command.add_file("--scanner", flags.source.scanner,
+                   "scanner file, which is kept in the recording");
   add_camera_flags(command.app, flags.source.camera);
   add_pattern_flags(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner);

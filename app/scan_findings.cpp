@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/finding_output.h"
 #include "app/flag_group.h"
+#include "slipstream/check/mistaken_orders.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {
@@ -21,8 +23,9 @@ void check_camera(Scan& camera, const CheckSettings& settings, const std::string
   }
   if (found.order.empty()) return;
   camera.frames = reordered(std::move(camera.frames), found.order);
+  camera.order = composed(camera.order, found.order);
   checked.repairs.push_back(
-      fmt::format("{}frames put in the order {}", name, fmt::join(found.order, ",")));
+      fmt::format("{}frames put in the order {}", name, fmt::join(camera.order, ",")));
 }
 
 }  // namespace
@@ -52,6 +55,7 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool an
                           [](const Finding& finding) { return finding.gravity == Gravity::wrong; });
     std::vector<std::string> texts;
     for (const Finding& finding : findings) texts.push_back(text_of(finding));
+    output.document["findings"] = json_of(findings);
     throw Error(fmt::format("{}: {}", scan, fmt::join(texts, " | ")));
   }
   for (const Finding& finding : checked.findings) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <filesystem>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/size_text.h"
 #include "slipstream/strategy/registry.h"
@@ -24,7 +22,7 @@ std::string flag_of(std::string setting) {
   return "--" + setting;
 }
 
-/// The numbers of "2,0,1"; empty where it is anything else.
+/// The numbers of "2,0,1"; none where it is anything else.
 template <class Number>
 std::vector<Number> numbers_of(std::string_view text) {
   std::vector<Number> numbers;
@@ -50,26 +48,16 @@ std::vector<double> exposures_from(const std::string& text) {
   return exposures;
 }
 
-std::vector<std::filesystem::path> in_order(const std::vector<std::filesystem::path>& pictures,
-                                            const std::string& text,
-                                            const std::filesystem::path& folder) {
-  const std::vector<int> order = numbers_of<int>(text);
-  if (!is_order_of(order, static_cast<int>(pictures.size()))) {
+std::vector<int> order_from(const std::string& text) {
+  std::vector<int> order = numbers_of<int>(text);
+  if (order.empty()) {
     throw Error(
-        fmt::format("{}: --order {} is no order of its {} pictures; name each of 0 to {} "
-                    "once, with commas between",
-                    folder.string(), text, pictures.size(), pictures.size() - 1));
+        fmt::format("--order {} is no order; give numbers with commas between, as 2,0,1", text));
   }
-  std::vector<std::filesystem::path> ordered;
-  ordered.reserve(order.size());
-  for (const int place : order) ordered.push_back(pictures[static_cast<std::size_t>(place)]);
-  return ordered;
+  return order;
 }
 
-}  // namespace
-
-void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
-  const FlagGroup group{subcommand, "What the patterns are"};
+void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
   group.add("--strategy", flags.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
   for (const SettingDescription& setting : strategy_settings()) {
     group.add(flag_of(setting.name), flags.settings[setting.name],
@@ -83,11 +71,22 @@ void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
             "all patterns once for each, as 1,4,16: relative, or in ms; merged to one scan");
 }
 
+}  // namespace
+
+void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
+  add_sequence_flags({subcommand, "What the patterns are"}, flags);
+  const Sequence usual = default_sequence({1024, 1024}, {});
+  subcommand.get_option("--strategy")->default_str(usual.strategy.name());
+  subcommand.get_option("--axis")->default_str(std::string(name_of(usual.axis)));
+  subcommand.get_option("--alpha-p")->default_str(fmt::format("{:g}", usual.light.alpha_p));
+  subcommand.get_option("--beta-p")->default_str(fmt::format("{:g}", usual.light.beta_p));
+}
+
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
-  add_pattern_flags(subcommand, flags);
-  const FlagGroup group{subcommand, "What the patterns are"};
+  const FlagGroup group{subcommand, "What the patterns are, where not as the scan says"};
+  add_sequence_flags(group, flags);
   group.add("--order", flags.order,
-            "which picture shows each pattern, counted from 0, as 2,0,1; else as they are named");
+            "which frame shows each pattern, counted from 0, as 2,0,1; else as they come");
 }
 
 SequenceChanges changes_from(const ScanFlags& flags) {
@@ -101,19 +100,10 @@ SequenceChanges changes_from(const ScanFlags& flags) {
   return changes;
 }
 
-void amend(ScanFiles& files, const std::filesystem::path& folder, const ScanFlags& flags) {
-  if (!flags.strategy && !std::filesystem::exists(folder / "scan.yaml")) {
-    throw Error(fmt::format("{}: no scan.yaml in it; say what the pictures are with --strategy",
-                            folder.string()));
-  }
-  files.sequence = changed(files.sequence, changes_from(flags));
-  if (flags.order) files.frames = in_order(files.frames, *flags.order, folder);
-}
-
-ScanFiles describe(const std::filesystem::path& folder, const ScanFlags& flags) {
-  ScanFiles files = scan_files_in(folder);
-  amend(files, folder, flags);
-  return files;
+ScanChanges scan_changes_from(const ScanFlags& flags) {
+  ScanChanges changes{.sequence = changes_from(flags)};
+  if (flags.order) changes.order = order_from(*flags.order);
+  return changes;
 }
 
 Size size_from(const std::string& text, const std::string& flag) {

@@ -21,26 +21,21 @@ struct ScanFlags {
   std::optional<double> alpha_p;
   std::optional<double> beta_p;
   std::optional<std::string> exposures;  ///< "1,4,16"
-  std::optional<std::string> order;      ///< of pictures: "2,0,1"
+  std::optional<std::string> order;      ///< of frames: "2,0,1"
 };
 
 /// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p,
 /// --beta-p and --exposures.
 void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags);
 
-/// Adds these and --order, for what reads the pictures of scans.
+/// Adds these and --order, for what reads scans.
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// What they say, by the library's words. Throws Error for an axis or a size that is none.
 SequenceChanges changes_from(const ScanFlags& flags);
 
-/// Puts what the flags say in place of what `files` do, and the pictures in the order that they
-/// say. Throws Error where neither says what the pictures in `folder` are, or where that is no
-/// order of as many pictures.
-void amend(ScanFiles& files, const std::filesystem::path& folder, const ScanFlags& flags);
-
-/// The scan in a folder, as scan.yaml and the flags say it.
-ScanFiles describe(const std::filesystem::path& folder, const ScanFlags& flags);
+/// The same and the order. Throws Error for one that is none.
+ScanChanges scan_changes_from(const ScanFlags& flags);
 
 /// "1824x1140". Throws Error, naming the flag, for anything else.
 Size size_from(const std::string& text, const std::string& flag);

@@ -7,11 +7,10 @@
 #include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 
 void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags) {
   const FlagGroup options{subcommand};
-  options.add("--scanner", flags.scanner, "scanner file; where not that of scan.yaml");
+  options.add_file("--scanner", flags.scanner, "scanner file; where not that of the scan");
   options.add("--ambient", flags.photometry.ambient,
               "ambient light, grey levels of 255, where not that of the scanner file");
   options.add("--noise-variance", flags.photometry.noise_variance,
@@ -26,34 +25,34 @@ void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags) {
 void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
   const FlagGroup group{subcommand, "Which pixels become points"};
   group.add("--min-modulation", settings.minimum_modulation,
-            "least modulation, grey levels of the frames; 15 of 255 where not given");
+            "least modulation, grey levels of 255 whatever the camera's bits");
   subcommand
       .add_flag_callback(
           "--keep-saturated", [&settings] { settings.drop_saturated = false; },
           "keep pixels with a saturated frame")
       ->group(group.name);
   group.add("--nearest", settings.nearest, "least depth, mm");
-  group.add("--farthest", settings.farthest, "largest depth, mm")->default_str("");
+  group.add("--farthest", settings.farthest, "largest depth, mm");
 }
 
 namespace {
 
-/// The files of a scan, as scan.yaml and the flags say it.
-ScanFiles files_from(const fs::path& folder, const ScanInputFlags& flags) {
-  ScanFiles files = describe(folder, flags.scan);
-  files.bits = flags.bits.value_or(files.bits);
-  if (files.bits != 0 && (files.bits < 8 || files.bits > 16)) {
-    throw Error(fmt::format("--bits {} is out of range; 8 to 16", files.bits));
-  }
-  if (flags.scanner) files.scanner = *flags.scanner;
-  return files;
+GammaChoice choose_response_of_camera(Scan& scan, const std::string& how) {
+  std::optional<MeasuredResponse> known;
+  if (scan.scanner) known = scan.scanner->photometry.response;
+  GammaChoice choice = choose_gamma(how, known, scan.sequence.strategy.layout(), scan.frames);
+  if (scan.scanner) scan.scanner->photometry.response = choice.response;
+  return choice;
 }
 
-Scan load(const ScanFiles& files, const ScanInputFlags& flags, bool all_cameras, Output& output) {
-  Scan scan = load_scan(files);
-  if (all_cameras && files.second_camera) {
-    add_camera(scan, describe(*files.second_camera, flags.scan));
-  }
+}  // namespace
+
+Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool all_cameras,
+                    Output& output) {
+  ScanChanges changes = scan_changes_from(flags.scan);
+  changes.bits = flags.bits;
+  if (flags.scanner) changes.scanner = *flags.scanner;
+  Scan scan = all_cameras ? load_scan(path, changes) : load_scan(scan_files_in(path, changes));
   if (scan.scanner) {
     PhotometricCalibration& known = scan.scanner->photometry;
     if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
@@ -66,28 +65,11 @@ Scan load(const ScanFiles& files, const ScanInputFlags& flags, bool all_cameras,
   return scan;
 }
 
-GammaChoice choose_response_of_camera(Scan& scan, const std::string& how) {
-  std::optional<MeasuredResponse> known;
-  if (scan.scanner) known = scan.scanner->photometry.response;
-  GammaChoice choice = choose_gamma(how, known, scan.sequence.strategy.layout(), scan.frames);
-  if (scan.scanner) scan.scanner->photometry.response = choice.response;
-  return choice;
-}
-
-}  // namespace
-
-Scan load(const fs::path& folder, const ScanInputFlags& flags, bool all_cameras, Output& output) {
-  const ScanFiles files = files_from(folder, flags);
-  if (!files.scanner) {
-    throw Error(fmt::format("{}: no scanner; name its file with --scanner or in scan.yaml",
-                            folder.string()));
-  }
-  return load(files, flags, all_cameras, output);
-}
-
-Scan load_checkable(const fs::path& folder, const ScanInputFlags& flags, bool all_cameras,
-                    Output& output) {
-  return load(files_from(folder, flags), flags, all_cameras, output);
+Scan load(const std::string& path, const ScanInputFlags& flags, bool all_cameras, Output& output) {
+  Scan scan = load_checkable(path, flags, all_cameras, output);
+  if (scan.scanner) return scan;
+  throw Error(fmt::format(
+      "{}: no scanner is known for it; name its file with --scanner or in scan.yaml", path));
 }
 
 GammaChoice choose_response(Scan& scan, const ScanInputFlags& flags) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -14,7 +13,7 @@
 
 namespace slipstream::app {
 
-/// Flags that say, or say otherwise, what the pictures in a folder are and what took them.
+/// Flags that say, or say otherwise, what the frames of a scan are and what took them.
 struct ScanInputFlags {
   ScanFlags scan;
   std::optional<std::string> scanner;
@@ -29,15 +28,13 @@ void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags);
 /// Adds --min-modulation, --keep-saturated, --nearest and --farthest.
 void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
 
-/// The scan in a folder with its scanner: what scan.yaml and the files it names say, where flags do
-/// not say otherwise; that of a second camera with it where `all_cameras`. Warns of what the
-/// frames' reader had to say.
-Scan load(const std::filesystem::path& folder, const ScanInputFlags& flags, bool all_cameras,
-          Output& output);
+/// A scan, a folder or a recording, with its scanner: what it says and the flags over that; that of
+/// a second camera with it where `all_cameras`. Warns of what the frames' reader had to say.
+Scan load(const std::string& path, const ScanInputFlags& flags, bool all_cameras, Output& output);
 
 /// The same of a scan whose scanner need not be known.
-Scan load_checkable(const std::filesystem::path& folder, const ScanInputFlags& flags,
-                    bool all_cameras, Output& output);
+Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool all_cameras,
+                    Output& output);
 
 /// Puts the response that --gamma chooses into the scanner of each camera that is known, so that
 /// what looks at the scan next corrects phases for it. Returns that of the first camera.

@@ -11,6 +11,7 @@
 #include "app/stopwatch.h"
 #include "app/virtual_flags.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/virtual_scan.h"
 #include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -39,6 +40,9 @@ void simulate(const SimulateFlags& flags, Output& output) {
     return;
   }
 
+  if (flags.second_camera && lower_case_extension(flags.folder) == ".slip") {
+    throw Error("--second-camera takes a folder; a recording holds the frames of one");
+  }
   world.scene = virtual_scene(flags.devices, world.scanner);
   Stopwatch watch;
   const VirtualScan virtual_scan =
@@ -68,8 +72,8 @@ void simulate(const SimulateFlags& flags, Output& output) {
 
 void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   const FlagGroup group{command, "Devices"};
-  group.add("--scanner", flags.devices.scanner,
-            "scanner file to imitate; an example where not given");
+  group.add_file("--scanner", flags.devices.scanner,
+                 "scanner file to imitate; an example where not given");
   group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
   group.add("--second-camera", flags.second_camera,
             "a second camera beyond the projector sees the scan too, into second/");
@@ -81,7 +85,10 @@ void add_simulate(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, simulate, "simulate",
                   "let the virtual scanner take a scan (with ground truth)");
-  command.add("folder", flags.folder, "where the scan goes")->required();
+  command
+      .add("folder", flags.folder,
+           "where the scan goes: a folder, or a recording where it ends in .slip")
+      ->required();
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
   add_pattern_flags(command.app, flags.scan);

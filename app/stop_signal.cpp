@@ -1,6 +1,7 @@
 #include "app/stop_signal.h"
 
 #include <atomic>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -42,7 +43,7 @@ bool StopSignal::raised() const {
 }
 
 void require_duration(const std::optional<double>& duration) {
-  if (!duration || *duration > 0) return;
+  if (!duration || (*duration > 0 && std::isfinite(*duration))) return;
   throw Error(fmt::format("--duration {} is out of range; above 0 s", *duration));
 }
 

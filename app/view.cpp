@@ -12,6 +12,7 @@
 #include "app/scan_input.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/stored_cloud.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/engine.h"
@@ -27,6 +28,7 @@ struct ViewPathFlags {
   ScanInputFlags input;
   bool anyway = false;
   std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
+  const CLI::App* command = nullptr;
   ViewFlags view;
 };
 
@@ -54,18 +56,17 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
 
 void view_path(const ViewPathFlags& flags, Output& output) {
   require_good(flags.view);
-  const bool folder = fs::is_directory(flags.path);
+  const bool scan = fs::is_directory(flags.path) || is_recording(flags.path);
+  const bool of_rig = flags.command->count("--rig") > 0;  // which says more than a cloud needs
   for (const CLI::Option* option : flags.of_scans) {
-    if (folder || option->count() == 0 || !fs::exists(flags.path)) continue;
-    throw Error(fmt::format("{}: {} is of scan folders", flags.path, option->get_name()));
+    if (scan || of_rig || option->count() == 0 || !fs::exists(flags.path)) continue;
+    throw Error(fmt::format("{}: {} is of scans", flags.path, option->get_name()));
   }
   view::ViewSource source =
-      folder ? source_of_scan(flags, output) : view::still_source(read_cloud(flags.path).cloud);
+      scan ? source_of_scan(flags, output) : view::still_source(read_cloud(flags.path).cloud);
   source.title = flags.path;
   output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
-  if (folder) {
-    output.document["findings"] = app::json_of(source.findings);
-  }
+  if (scan) output.document["findings"] = app::json_of(source.findings);
   write_snapshot(source, flags.view, output);
   write_screenshot(source, flags.view, output);
   if (output.document["files"].empty()) {
@@ -79,12 +80,13 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 void add_view(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(
       program, chosen, view_path, "view", "look at a cloud or a scan, in a window or as a picture");
-  command.add("path", flags.path, "a PLY file or a scan folder")->required();
+  command.add("path", flags.path, "a PLY file, a scan folder or a recording")->required();
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.input);
   add_anyway_flag(command.app, flags.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
+  flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
   command.app.footer(
       "Examples:\n  slipstream view scan\n  slipstream view cloud.ply --colour depth --snapshot "

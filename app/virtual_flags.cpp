@@ -16,16 +16,19 @@ namespace {
 void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
   const FlagGroup group{command, "Scene"};
   group.add("--scene", flags.scene, fmt::format("{}", fmt::join(scene_names(), ", ")));
-  group.add("--mesh", flags.mesh, "a PLY or OBJ mesh (Y up, facing +Z) instead of a scene");
+  group.add_file("--mesh", flags.mesh, "a PLY or OBJ mesh (Y up, facing +Z) instead of a scene");
   group.add("--mesh-size", flags.mesh_size, "its largest side, mm; fills the view where 0");
   group.add("--reflectivity", flags.reflectivity, "alpha of every surface, 0 to 1");
-  group.add("--motion", flags.motion, "motion from frame to frame: X Y Z, mm")->expected(3);
+  group.add("--motion", flags.motion, "motion from frame to frame: X Y Z, mm")
+      ->expected(3)
+      ->default_str(flags.motion.empty() ? "0 0 0"
+                                         : fmt::format("{}", fmt::join(flags.motion, " ")));
 }
 
 void add_device_flags(CLI::App& command, VirtualFlags& flags) {
   const FlagGroup group{command, "Devices"};
   Photometry& photometry = flags.photometry;
-  group.add("--camera", flags.camera, "size of the example's camera, as 640x480");
+  group.add("--camera", flags.camera, "size of the example's camera")->default_str("640x480");
   group.add("--virtual-ambient", photometry.ambient, "ambient light beta, grey levels of 255");
   group.add("--virtual-gamma", photometry.gamma, "response of projector and camera");
   group.add("--virtual-noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255");

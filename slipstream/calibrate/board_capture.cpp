@@ -40,9 +40,9 @@ void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSet
   }
   // Darker pixels would be judged by their noise.
   const double least = std::max(10.0, 2 * settings.minimum_modulation);
-  ScanFindings found = check_frames(scan.frames, scan.sequence, std::nullopt,
-                                    {.minimum_modulation = least * scan.frames.full_scale() / 255,
-                                     .photometry = {.response = settings.response}});
+  ScanFindings found =
+      check_frames(scan.frames, scan.sequence, std::nullopt,
+                   {.minimum_modulation = least, .photometry = {.response = settings.response}});
   // These are told once, of all poses, by what they do to the boards and their corners.
   for (const std::string_view known :
        {gamma_is_to_blame, clipping_is_to_blame, darkness_is_to_blame}) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/recording.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -19,25 +20,35 @@ void require_count(const fs::path& folder, std::size_t count, int wanted, const 
                   folder.string(), count, what, wanted));
 }
 
-ScanFiles one_axis(const fs::path& folder, const AmendScan& amend, Axis axis) {
-  ScanFiles scan = scan_files_in(folder);
-  if (fs::exists(folder / "scan.yaml") && scan.sequence.axis != axis) {
-    throw Error(fmt::format("{}: scan.yaml says axis {}, but the folder is for axis {}",
-                            folder.string(), name_of(scan.sequence.axis), name_of(axis)));
+/// The scan of that axis in a pose's folder: x or x.slip; empty where there is neither.
+fs::path scan_along(const fs::path& folder, Axis axis) {
+  for (const char* ending : {"", ".slip"}) {
+    const fs::path path = folder / (std::string(name_of(axis)) + ending);
+    if (fs::is_directory(path) || is_recording(path)) return path;
   }
-  amend(scan, folder);
+  return {};
+}
+
+ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) {
+  ScanFiles scan = scan_files_in(path, changes);
+  if (scan.described && scan.sequence.axis != axis) {
+    throw Error(fmt::format("{}: says axis {}, but it is for axis {}", path.string(),
+                            name_of(scan.sequence.axis), name_of(axis)));
+  }
   scan.sequence.axis = axis;
-  require_count(folder, scan.frames.size(), frame_count(scan.sequence), "a scan with these steps");
+  if (fs::is_directory(path)) {
+    require_count(path, scan.frames.size(), frame_count(scan.sequence), "a scan with these steps");
+  }
   return scan;
 }
 
-BoardScans both_in_one(const fs::path& folder, const AmendScan& amend, Axis first_axis) {
-  ScanFiles first;
-  amend(first, folder);
+BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
+  const std::vector<fs::path> pictures = images_in_folder(folder);
+  ScanFiles first{.path = folder, .frames = pictures};
+  amend(first, changes);
   ScanFiles second = first;
   first.sequence.axis = first_axis;
   second.sequence.axis = first_axis == Axis::x ? Axis::y : Axis::x;
-  const std::vector<fs::path> pictures = images_in_folder(folder);
   const int each = frame_count(first.sequence);
   require_count(folder, pictures.size(), 2 * each, "a scan along x and one along y");
   first.frames.assign(pictures.begin(), pictures.begin() + each);
@@ -52,29 +63,28 @@ bool is_report(const fs::path& folder) {
 }
 
 bool has_both_axes(const fs::path& folder) {
-  return fs::is_directory(folder / "x") && fs::is_directory(folder / "y");
+  return !scan_along(folder, Axis::x).empty() && !scan_along(folder, Axis::y).empty();
 }
 
-BoardScans pose_in(const fs::path& folder, const AmendScan& amend, Axis first_axis) {
-  if (has_both_axes(folder)) {
-    return {folder.filename().string(), one_axis(folder / "x", amend, Axis::x),
-            one_axis(folder / "y", amend, Axis::y)};
-  }
-  return both_in_one(folder, amend, first_axis);
+BoardScans pose_in(const fs::path& folder, const ScanChanges& changes, Axis first_axis) {
+  if (!has_both_axes(folder)) return both_in_one(folder, changes, first_axis);
+  return {folder.filename().string(), one_axis(scan_along(folder, Axis::x), changes, Axis::x),
+          one_axis(scan_along(folder, Axis::y), changes, Axis::y)};
 }
 
 }  // namespace
 
-std::vector<BoardScans> board_scans(const fs::path& folder, const AmendScan& amend,
+std::vector<BoardScans> board_scans(const fs::path& folder, const ScanChanges& changes,
                                     Axis first_axis) {
   if (!fs::is_directory(folder)) {
     throw Error(fmt::format("{}: no such folder; one folder for each pose of the board is wanted",
                             folder.string()));
   }
-  if (has_both_axes(folder)) return {pose_in(folder, amend, first_axis)};
+  if (has_both_axes(folder)) return {pose_in(folder, changes, first_axis)};
   std::vector<fs::path> folders;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_directory() && !is_report(entry.path())) folders.push_back(entry.path());
+    const bool pose = entry.is_directory() && !is_hidden(entry.path()) && !is_report(entry.path());
+    if (pose) folders.push_back(entry.path());
   }
   std::sort(folders.begin(), folders.end(), [](const fs::path& a, const fs::path& b) {
     return before_in_order(a.filename().string(), b.filename().string());
@@ -85,7 +95,7 @@ std::vector<BoardScans> board_scans(const fs::path& folder, const AmendScan& ame
   }
   std::vector<BoardScans> poses;
   poses.reserve(folders.size());
-  for (const fs::path& pose : folders) poses.push_back(pose_in(pose, amend, first_axis));
+  for (const fs::path& pose : folders) poses.push_back(pose_in(pose, changes, first_axis));
   return poses;
 }
 

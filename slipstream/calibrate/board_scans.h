@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,17 +15,13 @@ struct BoardScans {
   ScanFiles y;
 };
 
-/// Says of the scan in a folder what scan.yaml does not, or otherwise. Throws Error where nothing
-/// says what the pictures are.
-using AmendScan = std::function<void(ScanFiles& files, const std::filesystem::path& folder)>;
-
 /// The poses in a folder, in the order of their names with numbers counted: each a folder that
 /// holds
-///   - scan folders x and y, with scan.yaml or without; or
+///   - scans x and y: folders, with scan.yaml or without, or recordings x.slip and y.slip; or
 ///   - the pictures of both scans, those along `first_axis` first in order of their names.
 /// A folder with a report.md is none, and a folder that is itself a pose with x and y is the one.
-/// Throws Error where there is none, or one is neither.
-std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const AmendScan& amend,
+/// Throws Error where there is none, one is neither, or as scan_files_in.
+std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const ScanChanges& changes,
                                     Axis first_axis);
 
 }  // namespace slipstream

@@ -15,6 +15,7 @@ struct JudgedScan {
   const Scanner* scanner;  ///< null where it is not known, or cannot be right
   const PhotometricCalibration& photometry;
   bool moving = false;  ///< CheckSettings::moving
+  FrameOrder order{};   ///< CheckSettings::order
 };
 
 struct Explained {

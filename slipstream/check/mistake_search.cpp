@@ -147,7 +147,7 @@ class Search {
       if (!may_fit(mistake.order)) continue;
       keep(fit(scan_.model, mistake.order),
            {.likely = std::move(mistake.words),
-            .advice = "try --order " + text_of(mistake.order),
+            .advice = "try --order " + text_of(composed(scan_.order, mistake.order)),
             .order = mistake.kind == MistakenOrder::Kind::slipped ? mistake.order : FrameOrder{},
             .far_fetched = mistake.kind == MistakenOrder::Kind::far_fetched});
     }
@@ -258,7 +258,7 @@ class Search {
     // Nothing is set right that may be wrong then.
     if (named.size() == 1 && !best.order.empty()) {
       best.gravity = Gravity::doubtful;
-      best.advice = "the order " + text_of(best.order) + " sets them right";
+      best.advice = "the order " + text_of(composed(scan_.order, best.order)) + " sets them right";
     } else {
       best.order.clear();
     }

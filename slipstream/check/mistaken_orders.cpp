@@ -153,6 +153,13 @@ std::vector<MistakenOrder> mistaken_orders(const Layout& layout) {
   return orders.take();
 }
 
+FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
+  if (first.empty()) return then;
+  FrameOrder both;
+  for (const int place : then) both.push_back(first.at(static_cast<std::size_t>(place)));
+  return both;
+}
+
 std::string text_of(const FrameOrder& order) {
   return fmt::format("{}", fmt::join(order, ","));
 }

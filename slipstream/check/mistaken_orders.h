@@ -24,6 +24,9 @@ struct MistakenOrder {
 /// reversed or swapped, runs shown in turns, two frames exchanged.
 std::vector<MistakenOrder> mistaken_orders(const Layout& layout);
 
+/// The one order that does what `first` does, nothing where it is empty, and then `then`.
+FrameOrder composed(const FrameOrder& first, const FrameOrder& then);
+
 /// "2,0,1,3,4,5".
 std::string text_of(const FrameOrder& order);
 

@@ -44,32 +44,24 @@ void append(std::vector<Finding>& findings, std::vector<Finding> more) {
   std::move(more.begin(), more.end(), std::back_inserter(findings));
 }
 
-}  // namespace
-
-double least_modulation(const CheckSettings& settings, double full_scale) {
-  return settings.minimum_modulation.value_or(15 * full_scale / 255) * 255 / full_scale;
-}
-
-namespace {
-
 /// Frames of a sinusoid differ by 1.5 modulations at least: of three steps, where one of them is at
 /// the crest.
 constexpr double range_of_modulation = 1.5;
 
 }  // namespace
 
-double least_range(const CheckSettings& settings, double full_scale) {
+double least_range(const CheckSettings& settings) {
   constexpr double dimmest = 10;
-  return range_of_modulation * std::max(dimmest, least_modulation(settings, full_scale));
+  return range_of_modulation * std::max(dimmest, settings.minimum_modulation);
 }
 
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
-  const double least = least_modulation(settings, frames.full_scale());
+  const double least = settings.minimum_modulation;
   const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
   const FrameModel model(sequence, photometry);
   ScanSamples samples(frames.size(), frames.count());
-  samples.take(frames, {.least_range = least_range(settings, frames.full_scale())});
+  samples.take(frames, {.least_range = least_range(settings)});
   const bool too_dim_to_judge = samples.groups() == 0 && samples.saturated() == 0 &&
                                 samples.largest_range() >= range_of_modulation * least;
   if (too_dim_to_judge) return {};
@@ -88,8 +80,8 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
     append(result.findings, std::move(of_scanner));
     return result;
   }
-  Explained explained = explain(
-      {model, samples, sequence, scanner ? &*scanner : nullptr, photometry, settings.moving});
+  Explained explained = explain({model, samples, sequence, scanner ? &*scanner : nullptr,
+                                 photometry, settings.moving, settings.order});
   // A picture cut out of the sensor's has its middle elsewhere, and fits.
   if (scanner && !explained.findings.empty()) of_scanner = check_scanner(*scanner, true);
   append(result.findings, std::move(of_scanner));
@@ -99,7 +91,9 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
 }
 
 ScanFindings check_scan(const Scan& scan, const CheckSettings& settings) {
-  return check_frames(scan.frames, scan.sequence, scan.scanner, settings);
+  CheckSettings with_order = settings;
+  with_order.order = scan.order;
+  return check_frames(scan.frames, scan.sequence, scan.scanner, with_order);
 }
 
 }  // namespace slipstream

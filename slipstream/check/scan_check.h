@@ -16,20 +16,17 @@ inline constexpr std::string_view clipping_is_to_blame = "too much light";
 inline constexpr std::string_view darkness_is_to_blame = "far too little light";
 
 struct CheckSettings {
-  /// Least modulation of a pixel that becomes a point, grey levels of the frames; by default 15 of
-  /// 255.
-  std::optional<double> minimum_modulation{};
+  double minimum_modulation = 15;  ///< least of a pixel that becomes a point, grey levels of 255
   /// Whether things may move while the frames are taken: what that does to frames is no finding.
   bool moving = false;
+  std::vector<int> order{};  ///< Scan::order, over which advice about the order is given
   /// What is known of the projector's light where no scanner says it.
   PhotometricCalibration photometry{};
 };
 
-/// Least modulation of a pixel that becomes a point, grey levels of 255.
-double least_modulation(const CheckSettings& settings, double full_scale);
 /// How much the frames of a pixel differ at least by which a scan is judged, grey levels of 255.
 /// Darker ones may become points where the settings say so, but are noise to judge by.
-double least_range(const CheckSettings& settings, double full_scale);
+double least_range(const CheckSettings& settings);
 
 /// What was found out about a scan.
 struct ScanFindings {

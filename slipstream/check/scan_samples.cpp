@@ -5,13 +5,9 @@
 #include <cmath>
 #include <span>
 
-namespace slipstream {
+#include "slipstream/image/spread_place.h"
 
-SpreadPlace spread_place(int i) {
-  // The inverses of 1.3247..., the root of x^3 = x + 1, and of its square.
-  constexpr double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
-  return {std::fmod(0.5 + i * step_x, 1.0), std::fmod(0.5 + i * step_y, 1.0)};
-}
+namespace slipstream {
 
 ScanSamples::ScanSamples(Size size, int frames)
     : size_(size),

@@ -7,15 +7,6 @@
 
 namespace slipstream {
 
-/// A place in the unit square.
-struct SpreadPlace {
-  double x = 0, y = 0;  ///< [0, 1)
-};
-
-/// Place i of a row of places any first part of which is spread evenly, without a grid that stripes
-/// could fall in step with.
-SpreadPlace spread_place(int i);
-
 /// A few lit pixels of a scan, spread over the picture, each with neighbours: what a scan is judged
 /// by. Grey levels are those of an 8-bit camera.
 class ScanSamples {

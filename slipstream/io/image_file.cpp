@@ -29,6 +29,12 @@ cv::Mat read_mat(const fs::path& path) {
       throw Error(fmt::format("{}: {}; a whole PNG file is wanted", path.string(), fault));
     }
   }
+  if (bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) {
+    throw Error(
+        fmt::format("{}: a JPEG, whose lossy compression spoils the phase; a PNG, TIFF, BMP "
+                    "or PGM file is wanted",
+                    path.string()));
+  }
   const QuietOpenCv quiet;
   cv::Mat mat;
   try {

@@ -13,6 +13,8 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/recording.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -179,6 +181,17 @@ std::string with_xml_entries(const std::string& text, const Entries& entries) {
   return changed.str();
 }
 
+/// The file's; of a recording that of the scanner that it holds.
+std::string text_in(const fs::path& path) {
+  if (is_recording(path)) {
+    const RecordingReader recording(path);
+    if (const auto& scanner = recording.header().scanner) return text_of(*scanner);
+    throw Error(fmt::format("{}: a recording that does not know its scanner", path.string()));
+  }
+  const std::vector<std::uint8_t> bytes = read_file(path);
+  return {bytes.begin(), bytes.end()};
+}
+
 }  // namespace
 
 Entries opencv_entries(const std::string& text, const std::string& name) {
@@ -190,8 +203,7 @@ Entries opencv_entries(const std::string& text, const std::string& name) {
 }
 
 Entries read_opencv_storage(const fs::path& path) {
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  return opencv_entries(std::string(bytes.begin(), bytes.end()), path.string());
+  return opencv_entries(text_in(path), path.string());
 }
 
 std::string with_entries(const std::string& text, const Entries& entries, const std::string& name) {
@@ -227,10 +239,7 @@ void write_entries(const std::optional<fs::path>& from, const fs::path& to,
   }
   std::string text = "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n";
   if (!xml) text = fmt::format("%YAML:1.0\n---\n{}: 0\n", entries.begin()->first);
-  if (from) {
-    const std::vector<std::uint8_t> bytes = read_file(*from);
-    text.assign(bytes.begin(), bytes.end());
-  }
+  if (from) text = text_in(*from);
   write_file(to, with_entries(text, entries, from.value_or(to).string()));
 }
 

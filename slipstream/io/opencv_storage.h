@@ -21,8 +21,8 @@ struct StoredMatrix {
 };
 
 /// The entries at the top of a FileStorage file (YAML or XML) by name. OpenCV's own reader is not
-/// used: damaged XML ends the program there. Throws Error, naming the file, when it is not such a
-/// file.
+/// used: damaged XML ends the program there. A recording serves as well, with the scanner that it
+/// holds. Throws Error, naming the file, when it is not such a file.
 std::map<std::string, StoredMatrix> read_opencv_storage(const std::filesystem::path& path);
 
 /// The same of such a file's text; `name` is what a message calls it.

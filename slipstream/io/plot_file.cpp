@@ -29,6 +29,7 @@ const std::array<cv::Scalar, 6> line_colours{cv::Scalar(180, 110, 30), cv::Scala
                                              cv::Scalar(0, 130, 230),  cv::Scalar(170, 160, 30)};
 
 constexpr int width = 800, height = 520;
+constexpr int legend_line = 18;  // below the page, where it hides no curve
 constexpr int left = 100, right = width - 30, top = 50, bottom = height - 70;
 
 void write_text(cv::Mat& page, const std::string& text, cv::Point at, double size) {
@@ -43,11 +44,11 @@ int text_width(const std::string& text, double size) {
 /// A page with axes; values to places on it.
 class Page {
  public:
-  Page(PlotAxis x, PlotAxis y, PlotScale y_scale)
+  Page(PlotAxis x, PlotAxis y, PlotScale y_scale, int legend_lines = 0)
       : x_(std::move(x)),
         y_(std::move(y)),
         y_scale_(y_scale),
-        page_(height, width, CV_8UC3, paper) {
+        page_(height + legend_lines * legend_line, width, CV_8UC3, paper) {
     for (const double mark : x_.marks) {
       const int at = x_place(mark);
       cv::line(page_, {at, top}, {at, bottom}, grid);
@@ -79,6 +80,12 @@ class Page {
     write_text(page_, title, {left, 22}, 0.5);
     write_text(page_, y, {8, top - 10}, 0.42);
     write_text(page_, x, {(left + right - text_width(x, 0.45)) / 2, height - 18}, 0.45);
+  }
+
+  void explain(int line, const std::string& label, const cv::Scalar& colour) {
+    const int at = height + line * legend_line;
+    cv::line(page_, {left, at - 4}, {left + 25, at - 4}, colour, 2, cv::LINE_AA);
+    write_text(page_, label, {left + 32, at}, 0.42);
   }
 
   [[nodiscard]] cv::Mat& picture() { return page_; }
@@ -122,11 +129,13 @@ cv::Mat drawn(const LinePlot& plot) {
   }
   require_some(x, plot.title);
   require_some(y, plot.title);
+  const auto labelled = std::count_if(plot.lines.begin(), plot.lines.end(),
+                                      [](const PlotLine& line) { return !line.label.empty(); });
   Page page(round_axis(x.low, x.high, 8),
             logarithmic ? decade_axis(y.low, y.high, 10) : round_axis(y.low, y.high, 8),
-            plot.y_scale);
+            plot.y_scale, static_cast<int>(labelled));
   page.label(plot.title, plot.x_label, plot.y_label);
-  int legend = top + 18;
+  int explained = 0;
   for (std::size_t k = 0; k < plot.lines.size(); ++k) {
     const PlotLine& line = plot.lines[k];
     const cv::Scalar& colour = line_colours[k % line_colours.size()];
@@ -138,11 +147,7 @@ cv::Mat drawn(const LinePlot& plot) {
       const cv::Point before(page.x_place(line.x[i - 1]), page.y_place(line.y[i - 1]));
       cv::line(page.picture(), before, here, colour, 1, cv::LINE_AA);
     }
-    if (line.label.empty()) continue;
-    const int start = right - 50 - text_width(line.label, 0.42);
-    cv::line(page.picture(), {start, legend - 4}, {start + 25, legend - 4}, colour, 2, cv::LINE_AA);
-    write_text(page.picture(), line.label, {start + 32, legend}, 0.42);
-    legend += 18;
+    if (!line.label.empty()) page.explain(explained++, line.label, colour);
   }
   return page.picture();
 }

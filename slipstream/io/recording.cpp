@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -194,6 +195,12 @@ std::string text_of(const FrameFormat& format) {
 }
 
 }  // namespace
+
+bool is_recording(const fs::path& path) {
+  std::array<char, magic.size()> begin{};
+  return fs::is_regular_file(path) &&
+         std::ifstream(path, std::ios::binary).read(begin.data(), begin.size()) && begin == magic;
+}
 
 RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header)
     : path_(path), format_(header.format) {

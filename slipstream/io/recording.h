@@ -20,6 +20,9 @@ struct RecordingHeader {
   std::optional<Scanner> scanner{};    ///< of the camera that takes them; nothing where not known
 };
 
+/// Whether there is a file of that name that begins as a recording does.
+bool is_recording(const std::filesystem::path& path);
+
 /// Writes frames without loss, one behind another. What is on the disk can be read at any time up
 /// to the last whole frame, however the writing ends.
 class RecordingWriter {

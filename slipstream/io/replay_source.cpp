@@ -3,52 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <thread>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
-#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
-namespace {
-
-/// The frames of a scan, stamped with their places in it.
-std::vector<Frame> frames_of(const FrameSet& set, const fs::path& folder) {
-  return set.visit([&](const auto& views) {
-    using Pixel = std::remove_const_t<std::remove_pointer_t<decltype(views[0].row(0))>>;
-    std::vector<Frame> frames;
-    if constexpr (std::is_same_v<Pixel, double>) {
-      throw Error(fmt::format(
-          "{}: unquantised frames cannot be replayed; a camera has 8 to 16 bits", folder.string()));
-    } else {
-      if (sizeof(Pixel) == 2 && set.bits() <= 8) {
-        throw Error(fmt::format("{}: pictures of 16 bits, but bits is {}; 9 to 16 can be replayed",
-                                folder.string(), set.bits()));
-      }
-      for (const auto& view : views) {
-        Frame frame({set.size(), set.bits()});
-        auto& image = std::get<Image<Pixel>>(frame.pixels);
-        for (int row = 0; row < view.height(); ++row) {
-          std::copy_n(view.row(row), view.width(), image.row(row));
-        }
-        frame.stamp.sequence = frames.size();
-        frame.stamp.pattern_index = static_cast<int>(frames.size());
-        frames.push_back(std::move(frame));
-      }
-    }
-    return frames;
-  });
-}
-
-}  // namespace
 
 ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
     : settings_(settings) {
@@ -79,20 +46,15 @@ void ReplaySource::open_recording(const fs::path& path) {
 }
 
 void ReplaySource::open_folder(const fs::path& folder) {
-  const ScanFiles scan = read_scan_files(folder / "scan.yaml");
-  const FrameSet set = read_frames(scan.frames, scan.bits).frames;
-  if (set.count() != frame_count(scan.sequence)) {
-    throw Error(fmt::format("{}: has {} frames; its strategy, {}, has {}", folder.string(),
-                            set.count(), scan.sequence.strategy.name(),
-                            frame_count(scan.sequence)));
-  }
-  frames_ = frames_of(set, folder);
+  const ScanFiles files = scan_files_in(folder, settings_.scan);
+  const Scan scan = load_frames(files);
+  frames_ = frames_of(scan.frames, folder.string());
   count_ = frames_.size();
   paced_ = settings_.rate.value_or(0) > 0;
   header_.format = frames_.front().format();
   header_.sequence = scan.sequence;
   header_.sequence->marker = false;  // the folder's frames are the patterns alone
-  if (scan.scanner) header_.scanner = read_scanner(*scan.scanner);
+  if (files.scanner) header_.scanner = read_scanner(*files.scanner);
 }
 
 void ReplaySource::measure_round(const fs::path& path) {
@@ -109,7 +71,15 @@ void ReplaySource::measure_round(const fs::path& path) {
   first_sequence_ = first.stamp.sequence / pattern_count * pattern_count;
   first_host_time_ = first.stamp.host_time;
   const std::uint64_t sequences = last.stamp.sequence - first.stamp.sequence + 1;
-  round_.sequence = (sequences + pattern_count - 1) / pattern_count * pattern_count;
+  const std::uint64_t whole = sequences / pattern_count * pattern_count;
+  round_.sequence = whole > 0 ? whole : pattern_count;
+  if (settings_.loop && whole > 0) {  // what follows the last whole cycle would be a gap each round
+    while (last.stamp.sequence >= first.stamp.sequence + whole) {
+      do --to;
+      while (!read(to - 1, last));
+    }
+    count_ = to;
+  }
   // From the last frame to the first again it is as long as from one to the next in the mean.
   const auto intervals = static_cast<nanoseconds::rep>(std::max<std::uint64_t>(to - from - 1, 1));
   const auto with_one_more = [&](nanoseconds span) { return span + span / intervals; };

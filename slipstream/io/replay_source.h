@@ -11,6 +11,7 @@
 
 #include "slipstream/capture/frame_source.h"
 #include "slipstream/io/recording.h"
+#include "slipstream/io/scan_folder.h"
 
 namespace slipstream {
 
@@ -19,12 +20,13 @@ struct ReplaySettings {
   /// Frames per second; 0: as fast as they are asked for; none: at the times of the recording. A
   /// scan folder has no times: it is read as fast as they are asked for.
   std::optional<double> rate;
-  bool loop = false;  ///< begins again at the end
+  bool loop = false;   ///< begins again at the end
+  ScanChanges scan{};  ///< over what a scan folder says
 };
 
 /// The frames of a recording or of a scan folder, as if a camera took them now. What the recording
-/// lacks is a gap in the sequence, as it was then. Looped, the sequence goes on: by a multiple of
-/// the strategy's N, so that the pattern of each frame can be counted as before.
+/// lacks is a gap in the sequence, as it was then. Looped, the sequence goes on without a gap: each
+/// round is of whole cycles, so that the pattern of each frame can be counted as before.
 class ReplaySource : public FrameSource {
  public:
   /// Throws Error where `path` is neither a recording nor a scan folder, has no frame that can be

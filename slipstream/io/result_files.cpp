@@ -31,8 +31,10 @@ bool ResultFiles::any_map() const {
   return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty());
 }
 
-ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& folder) {
-  const std::string name = std::filesystem::absolute(folder / "").parent_path().filename().string();
+ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan) {
+  const std::filesystem::path whole = std::filesystem::absolute(scan / "").parent_path();
+  const std::string name =
+      (std::filesystem::is_directory(whole) ? whole.filename() : whole.stem()).string();
   ResultFiles filled = files;
   for (std::string* const path : {&filled.cloud, &filled.depth, &filled.coordinate, &filled.phase,
                                   &filled.modulation, &filled.mean, &filled.preview}) {
@@ -50,7 +52,7 @@ void require_writable(const ResultFiles& files, std::size_t scans) {
     if (scans > 1 && path.find(placeholder) == std::string::npos) {
       throw Error(
           fmt::format("{}: several scans cannot all be written to it; put {{name}} in its "
-                      "path, which stands for each scan's folder",
+                      "path, which stands for each scan's name",
                       path));
     }
   }

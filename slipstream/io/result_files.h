@@ -21,8 +21,9 @@ struct ResultFiles {
   [[nodiscard]] bool any_map() const;
 };
 
-/// The files of one scan of several: "{name}" in a path stands for the name of the scan's folder.
-ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& folder);
+/// The files of one scan of several: "{name}" in a path stands for the name of the scan's folder,
+/// or of its recording without the ending.
+ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan);
 
 /// Throws Error for a cloud of unknown ending, or a path without "{name}" where there are several
 /// scans.

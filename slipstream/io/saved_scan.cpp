@@ -8,35 +8,77 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"
+#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-std::string folder_of(const ScanFiles& files) {
-  return files.frames.empty() ? "the scan" : files.frames.front().parent_path().string();
+FrameSet recorded_frames(const ScanFiles& files) {
+  const RecordingReader recording(files.path);
+  if (const int bits = recording.header().format.bits; bits != files.bits) {
+    throw Error(fmt::format("{}: its frames have {} bits; --bits {} is of pictures",
+                            files.path.string(), bits, files.bits));
+  }
+  std::optional<FrameSet> frames = first_cycle(recording, files.sequence);
+  if (!frames) {
+    throw Error(fmt::format("{}: {} frames, and no whole cycle of {} among the first",
+                            files.path.string(), recording.count(), cycle_length(files.sequence)));
+  }
+  return *std::move(frames);
+}
+
+/// Which pattern each frame shows.
+FrameSet in_order(FrameSet frames, const ScanFiles& files) {
+  if (files.order.empty()) return frames;
+  if (!is_order_of(files.order, frames.count())) {
+    throw Error(fmt::format(
+        "{}: --order {} is no order of its {} frames; name each of 0 to {} "
+        "once, with commas between",
+        files.path.string(), fmt::join(files.order, ","), frames.count(), frames.count() - 1));
+  }
+  return reordered(std::move(frames), files.order);
+}
+
+/// One cycle, whole.
+void save_recording(const fs::path& path, const FrameViews& frames, Sequence sequence,
+                    const std::optional<Scanner>& scanner) {
+  const std::vector<Frame> cycle = frames_of(frames, path.string());
+  sequence.marker = false;
+  RecordingWriter writer(
+      path, {.format = cycle.front().format(), .sequence = sequence, .scanner = scanner});
+  for (const Frame& frame : cycle) writer.append(frame);
+  writer.finish();
 }
 
 }  // namespace
 
 Scan load_frames(const ScanFiles& files) {
+  Scan scan{.order = files.order, .sequence = files.sequence};
+  if (is_recording(files.path)) {
+    scan.frames = in_order(recorded_frames(files), files);
+    scan.sequence.marker = false;  // no frame of the cycle is one
+    return merged(std::move(scan));
+  }
   const int wanted = frame_count(files.sequence);
   if (static_cast<int>(files.frames.size()) != wanted) {
     throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures takes {}",
-                            folder_of(files), files.frames.size(), files.sequence.strategy.name(),
-                            wanted));
+                            files.path.string(), files.frames.size(),
+                            files.sequence.strategy.name(), wanted));
   }
   LoadedFrames loaded = read_frames(files.frames, files.bits);
-  return merged({.frames = std::move(loaded.frames),
-                 .sequence = files.sequence,
-                 .warnings = std::move(loaded.warnings)});
+  scan.frames = in_order(std::move(loaded.frames), files);
+  scan.warnings = std::move(loaded.warnings);
+  return merged(std::move(scan));
 }
 
 Scan load_scan(const ScanFiles& files) {
@@ -54,15 +96,18 @@ void add_camera(Scan& scan, const ScanFiles& files) {
   if (further.sequence.strategy != scan.sequence.strategy ||
       further.sequence.axis != scan.sequence.axis) {
     throw Error(fmt::format("{}: another strategy than the first camera's; both see one projector",
-                            folder_of(files)));
+                            files.path.string()));
   }
   scan.further_cameras.push_back(std::move(further));
 }
 
-Scan load_scan(const fs::path& folder) {
-  const ScanFiles files = read_scan_files(folder / "scan.yaml");
+Scan load_scan(const fs::path& path, const ScanChanges& changes) {
+  const ScanFiles files = scan_files_in(path, changes);
   Scan scan = load_scan(files);
-  if (files.second_camera) add_camera(scan, read_scan_files(*files.second_camera / "scan.yaml"));
+  if (files.second_camera) {
+    add_camera(scan, scan_files_in(*files.second_camera,
+                                   {.sequence = changes.sequence, .order = changes.order}));
+  }
   return scan;
 }
 
@@ -74,20 +119,26 @@ std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& fram
   return names;
 }
 
-ScanFiles save_scan(const fs::path& folder, const FrameViews& frames, const Sequence& sequence,
+ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
                     const std::optional<Scanner>& scanner,
                     const std::optional<fs::path>& scanner_file) {
-  make_folder(folder);
-  ScanFiles files{.sequence = sequence,
+  if (lower_case_extension(path) == ".slip") {
+    save_recording(path, frames, sequence, scanner_file ? read_scanner(*scanner_file) : scanner);
+    return scan_files_in(path);
+  }
+  make_folder(path);
+  ScanFiles files{.path = path,
+                  .described = true,
+                  .sequence = sequence,
                   .bits = frames.quantised() ? frames.bits() : 0,
-                  .frames = frame_names(folder, frames),
+                  .frames = frame_names(path, frames),
                   .scanner = scanner_file};
   write_frames(files.frames, frames);
   if (scanner && !scanner_file) {
-    files.scanner = folder / "scanner.yaml";
+    files.scanner = path / "scanner.yaml";
     write_scanner(*files.scanner, *scanner);
   }
-  write_scan_files(folder / "scan.yaml", files);
+  write_scan_files(path / "scan.yaml", files);
   return files;
 }
 

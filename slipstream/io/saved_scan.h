@@ -12,9 +12,9 @@
 
 namespace slipstream {
 
-/// The frames of a scan, several exposures merged, and what they show, without its scanner. Throws
-/// Error, naming the folder of the frames, where they cannot be read or are not as many as the
-/// strategy's.
+/// The frames of a scan, several exposures merged, and what they show, without its scanner; of a
+/// recording those of its first whole cycle. Throws Error, naming folder or recording, where they
+/// cannot be read, are not as many as the strategy's or its order is none of so many.
 Scan load_frames(const ScanFiles& files);
 
 /// What one camera took: frames, sequence and the scanner that `files` names, completed by what
@@ -26,18 +26,18 @@ Scan load_scan(const ScanFiles& files);
 /// where it was told of others.
 void add_camera(Scan& scan, const ScanFiles& files);
 
-/// The whole scan in a folder with a scan.yaml, that of a second camera with it. Throws Error as
-/// well where there is no scan.yaml.
-Scan load_scan(const std::filesystem::path& folder);
+/// The whole scan in a folder or a recording, that of a second camera with it; see scan_files_in.
+Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
 
 /// Where the frames of a scan go: frame_00.png, ...; .tiff where they are not quantised.
 std::vector<std::filesystem::path> frame_names(const std::filesystem::path& folder,
                                                const FrameViews& frames);
 
 /// Writes a scan into a folder, which is made: its frames, scan.yaml, and scanner.yaml where the
-/// scanner is known, or `scanner_file` in its place, which is there already. Returns what scan.yaml
-/// says.
-ScanFiles save_scan(const std::filesystem::path& folder, const FrameViews& frames,
+/// scanner is known, or `scanner_file` in its place, which is there already; or, where the path
+/// ends in .slip, as a recording of one cycle. Returns what that says. Throws Error for a recording
+/// of unquantised frames.
+ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt);
 

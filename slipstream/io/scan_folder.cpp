@@ -13,6 +13,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/strategy/registry.h"
 
 namespace slipstream {
@@ -168,6 +169,17 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   return scan;
 }
 
+ScanFiles recorded_files(const fs::path& path) {
+  const RecordingReader recording(path);
+  const RecordingHeader& header = recording.header();
+  ScanFiles files{.path = path,
+                  .described = header.sequence.has_value(),
+                  .sequence = header.sequence.value_or(Sequence{}),
+                  .bits = header.format.bits};
+  if (header.scanner) files.scanner = path;
+  return files;
+}
+
 }  // namespace
 
 bool before_in_order(const std::string& a, const std::string& b) {
@@ -198,6 +210,8 @@ bool before_in_order(const std::string& a, const std::string& b) {
 ScanFiles read_scan_files(const fs::path& file) {
   const std::vector<std::uint8_t> bytes = read_file(file);
   ScanFiles scan = scan_files_from({bytes.begin(), bytes.end()}, file.string(), file.parent_path());
+  scan.path = file.parent_path();
+  scan.described = true;
   if (scan.frames.empty()) throw Error(fmt::format("{}: key 'frames' is missing", file.string()));
   return scan;
 }
@@ -260,12 +274,39 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   return std::string(yaml.c_str()) + "\n";
 }
 
-ScanFiles scan_files_in(const fs::path& folder) {
-  if (!fs::is_directory(folder)) {
-    throw Error(fmt::format("{}: no such folder; a folder of frames is wanted", folder.string()));
+void amend(ScanFiles& files, const ScanChanges& changes) {
+  if (!files.described && !changes.sequence.strategy) {
+    throw Error(fmt::format(
+        "{}: {}; say what the frames show with --strategy", files.path.string(),
+        files.frames.empty() ? "does not say what patterns it shows" : "no scan.yaml in it"));
   }
-  if (fs::exists(folder / "scan.yaml")) return read_scan_files(folder / "scan.yaml");
-  return {.frames = images_in_folder(folder)};
+  files.sequence = changed(files.sequence, changes.sequence);
+  if (!changes.order.empty()) files.order = changes.order;
+  files.bits = changes.bits.value_or(files.bits);
+  if (files.bits != 0 && (files.bits < 8 || files.bits > 16)) {
+    throw Error(fmt::format("--bits {} is out of range; 8 to 16", files.bits));
+  }
+  if (changes.scanner) files.scanner = changes.scanner;
+}
+
+ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
+  ScanFiles files;
+  if (is_recording(path)) {
+    files = recorded_files(path);
+  } else if (!fs::is_directory(path)) {
+    throw Error(fmt::format("{}: {}; a scan folder or a recording is wanted", path.string(),
+                            fs::exists(path) ? "is neither" : "no such folder or file"));
+  } else if (fs::exists(path / "scan.yaml")) {
+    files = read_scan_files(path / "scan.yaml");
+  } else {
+    files = {.path = path, .frames = images_in_folder(path)};
+  }
+  amend(files, changes);
+  return files;
+}
+
+bool is_hidden(const fs::path& path) {
+  return path.filename().string().starts_with(".");
 }
 
 std::vector<fs::path> images_in_folder(const fs::path& folder) {
@@ -273,12 +314,17 @@ std::vector<fs::path> images_in_folder(const fs::path& folder) {
     throw Error(fmt::format("{}: no such folder", folder.string()));
   }
   std::vector<fs::path> images;
+  bool jpeg = false;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_image_file(entry.path())) images.push_back(entry.path());
+    if (!entry.is_regular_file() || is_hidden(entry.path())) continue;
+    if (is_image_file(entry.path())) images.push_back(entry.path());
+    const std::string ending = lower_case_extension(entry.path());
+    jpeg = jpeg || ending == ".jpg" || ending == ".jpeg";
   }
   if (images.empty()) {
-    throw Error(
-        fmt::format("{}: no pictures; PNG, TIFF, BMP or PGM files are wanted", folder.string()));
+    throw Error(fmt::format(
+        "{}: {}; PNG, TIFF, BMP or PGM files are wanted", folder.string(),
+        jpeg ? "its pictures are JPEG, whose lossy compression spoils the phase" : "no pictures"));
   }
   std::sort(images.begin(), images.end(), [](const fs::path& a, const fs::path& b) {
     return before_in_order(a.filename().string(), b.filename().string());

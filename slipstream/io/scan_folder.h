@@ -5,16 +5,19 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/strategy/sequence.h"
+#include "slipstream/strategy/sequence_changes.h"
 
 namespace slipstream {
 
-/// What scan.yaml says of a scan, and the files that it is in.
+/// What a scan.yaml or a recording says of a scan, and the files that it is in.
 struct ScanFiles {
+  std::filesystem::path path{};  ///< the folder or the recording
+  bool described = false;        ///< whether it says what the frames show
   Sequence sequence{};
-  int bits = 0;                                    ///< of the camera; 0 where not said
-  std::vector<std::filesystem::path> frames{};     ///< in pattern order
-  std::optional<std::filesystem::path> scanner{};  ///< the scanner file
+  int bits = 0;                                 ///< of the camera; 0 where not said
+  std::vector<std::filesystem::path> frames{};  ///< pictures; none where it is a recording
+  std::vector<int> order{};  ///< which frame shows each pattern; as they come where empty
+  std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
   /// The scan folder of a second camera that saw the same projector at the same time.
   std::optional<std::filesystem::path> second_camera{};
 };
@@ -34,16 +37,31 @@ std::string scan_yaml_of(const ScanFiles& scan, const std::filesystem::path& fol
 /// Writes scan.yaml; frames and scanner are named relative to its folder.
 void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 
-/// What scan.yaml in the folder says; where there is none, the folder's pictures and nothing of
-/// what they are. Throws Error where there is no such folder.
-ScanFiles scan_files_in(const std::filesystem::path& folder);
+/// What is said of a scan over what its folder or recording says.
+struct ScanChanges {
+  SequenceChanges sequence{};
+  std::vector<int> order{};
+  std::optional<int> bits{};
+  std::optional<std::filesystem::path> scanner{};
+};
+
+/// Throws Error where neither says what the frames show, and for bits that no camera has.
+void amend(ScanFiles& files, const ScanChanges& changes);
+
+/// The scan in a folder, as its scan.yaml says it or the names of its pictures do, or in a
+/// recording; with those changes. Throws Error where there is neither, and as amend.
+ScanFiles scan_files_in(const std::filesystem::path& path, const ScanChanges& changes = {});
 
 /// Whether name `a` comes before `b` as a person sorts them, numbers counted: board2 before
 /// board10.
 bool before_in_order(const std::string& a, const std::string& b);
 
+/// Whether its name begins with a dot, as of what desktops leave in folders: .DS_Store,
+/// ._frame.png.
+bool is_hidden(const std::filesystem::path& path);
+
 /// The pictures in a folder, in the order of their names with numbers counted: frame_2 before
-/// frame_10. Throws Error when there is no such folder or no picture in it.
+/// frame_10; hidden ones are none. Throws Error when there is no such folder or no picture in it.
 std::vector<std::filesystem::path> images_in_folder(const std::filesystem::path& folder);
 
 }  // namespace slipstream

@@ -16,8 +16,8 @@ namespace slipstream {
 ///   cam_K cam_kc proj_K proj_kc R T, which says no sizes: they come out empty.
 /// Distortion may be missing (none) and sizes too. Rotation and translation take the camera's frame
 /// to the projector's, mm. What is known of light and sensor, see photometric_file.h, and the line
-/// of text `measured` are read too. Throws Error, naming the file and the entry, for anything
-/// missing, of another shape, or not a number.
+/// of text `measured` are read too. A recording serves as well, with what it holds. Throws Error,
+/// naming the file and the entry, for anything missing, of another shape, or not a number.
 Scanner read_scanner(const std::filesystem::path& path);
 
 /// The same of such a file's text; `name` is what a message calls it.

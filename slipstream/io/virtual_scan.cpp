@@ -4,16 +4,18 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 
-ScanFiles save_virtual_scan(const fs::path& folder, const Sequence& sequence,
+ScanFiles save_virtual_scan(const fs::path& path, const Sequence& sequence,
                             const VirtualWorld& world, const VirtualScan& taken) {
-  ScanFiles files = save_scan(folder, taken.frames, sequence, as_calibrated(world));
-  const fs::path truth = folder / "truth";
+  ScanFiles files = save_scan(path, taken.frames, sequence, as_calibrated(world));
+  if (is_recording(path)) return files;
+  const fs::path truth = path / "truth";
   make_folder(truth);
   write_map(truth / "depth.tiff", taken.depth);
   write_map(truth / "coordinate.tiff", taken.coordinate);

@@ -14,8 +14,9 @@
 namespace slipstream {
 
 /// Writes what the virtual scanner took, its scanner as a calibration would find it, and the truth
-/// into truth/: depth.tiff, coordinate.tiff, reflectivity.tiff. Returns what scan.yaml says.
-ScanFiles save_virtual_scan(const std::filesystem::path& folder, const Sequence& sequence,
+/// into truth/: depth.tiff, coordinate.tiff, reflectivity.tiff; where the path ends in .slip a
+/// recording, which has no place for the truth. Returns what is said of the scan.
+ScanFiles save_virtual_scan(const std::filesystem::path& path, const Sequence& sequence,
                             const VirtualWorld& world, const VirtualScan& taken);
 
 /// Takes and writes scans of a sheet along x and along y in each pose, into folders board01/x,

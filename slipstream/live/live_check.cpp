@@ -35,7 +35,7 @@ bool LiveCheck::darkened() const {
 
 LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   ScanSamples::Effort effort = few;
-  effort.least_range = least_range(settings_, window.full_scale());
+  effort.least_range = least_range(settings_);
   samples_.take(window, effort);
   // A frame 5 percent brighter leaves 0.012 and more of its variation.
   constexpr double most_residual = 0.011;

@@ -13,13 +13,13 @@
 #include <utility>
 #include <vector>
 
+#include "slipstream/cycle/pattern_windows.h"
+#include "slipstream/cycle/window_frames.h"
 #include "slipstream/live/bounded_queue.h"
 #include "slipstream/live/finding_log.h"
 #include "slipstream/live/live_pipeline.h"
-#include "slipstream/live/pattern_windows.h"
 #include "slipstream/live/sequence_watch.h"
 #include "slipstream/live/stage_meter.h"
-#include "slipstream/live/window_frames.h"
 #include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {

@@ -3,30 +3,15 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <string_view>
 #include <vector>
 
-#include "slipstream/capture/frame.h"
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/capture/pool.h"
 #include "slipstream/check/finding.h"
+#include "slipstream/cycle/pattern_indexing.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
-
-/// How it is known which pattern a frame shows. Whichever it is, the pictures are watched, and a
-/// slipped index is set right: see PatternWindows.
-enum class PatternIndexing {
-  told,     ///< by the source, FrameStamp::pattern_index; frames that lack it are counted on
-  counted,  ///< the frame's sequence modulo the patterns: the projector triggers the camera
-  marker,   ///< a dark or bright frame before the first pattern of each cycle of N + 1 frames
-};
-
-/// "told", "counted", "marker".
-std::string_view name_of(PatternIndexing indexing);
-/// Throws Error for any other name.
-PatternIndexing pattern_indexing_named(std::string_view name);
-std::vector<std::string_view> pattern_indexing_names();
 
 /// How a LivePipeline goes about it.
 struct LiveSettings {

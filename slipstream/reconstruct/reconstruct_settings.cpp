@@ -17,7 +17,7 @@ void require_valid(const ReconstructSettings& settings) {
   const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
     if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
   };
-  const double least = settings.minimum_modulation.value_or(0);
+  const double least = settings.minimum_modulation;
   require(least >= 0 && std::isfinite(least), "minimum modulation", least, "0 grey levels or more");
   require(settings.field_margin >= 0, "field margin", settings.field_margin, "0 or more");
   require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
@@ -87,7 +87,7 @@ int projector_length(const EngineSetup& setup) {
 }
 
 double least_modulation(const ReconstructSettings& settings, double full_scale) {
-  return settings.minimum_modulation.value_or(15 * full_scale / 255);
+  return settings.minimum_modulation * full_scale / 255;
 }
 
 double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 #include <string_view>
 
 #include "slipstream/clean/clean_settings.h"
@@ -25,9 +24,7 @@ enum class EngineKind {
 struct ReconstructSettings {
   EngineKind engine = EngineKind::automatic;
   PhaseMethod phase_method = PhaseMethod::tables;  ///< of the reference engine
-  /// Least modulation B^c, grey levels of the frames; by default 15 of an 8-bit camera's 255 and as
-  /// much of another's full scale.
-  std::optional<double> minimum_modulation{};
+  double minimum_modulation = 15;  ///< least modulation B^c, grey levels of 255 whatever the bits
   /// A pixel with a saturated frame is dropped (`false` keeps it, biased).
   bool drop_saturated = true;
   /// When the fringe order of several bands, or of a cue, is believed.

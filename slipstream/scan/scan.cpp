@@ -8,6 +8,7 @@ namespace slipstream {
 
 Scan merged(Scan scan) {
   if (scan.sequence.exposures.size() == 1) return scan;
+  scan.order.clear();  // which is of the frames of all exposures
   scan.frames = merged_exposures(scan.frames, scan.sequence.exposures);
   scan.sequence = merged_sequence(std::move(scan.sequence));
   return scan;

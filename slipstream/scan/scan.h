@@ -14,6 +14,8 @@ namespace slipstream {
 /// virtual scanner gives.
 struct Scan {
   FrameSet frames{};
+  /// Where they were put in order: frame n came as number order[n]; empty where as they came.
+  std::vector<int> order{};
   Sequence sequence{};
   std::optional<Scanner> scanner{};  ///< where it is known
   /// What further cameras took at the same time under the same projector, each with the scanner

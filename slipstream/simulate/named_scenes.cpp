@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
+#include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
 #include "slipstream/simulate/statue.h"
 
@@ -116,8 +117,8 @@ Scene scene_named(std::string_view name, const Scanner& scanner) {
   if (name == "sphere") return sphere_scene(volume);
   if (name == "boxes") return boxes_scene(volume);
   if (name == "statue") return statue_scene(scanner, volume);
-  throw Error(fmt::format("scene '{}' is not known; it is one of: {}", name,
-                          fmt::join(scene_names(), ", ")));
+  throw Error(fmt::format("scene '{}' is not known; it is one of: {}{}", name,
+                          fmt::join(scene_names(), ", "), did_you_mean(name, scene_names())));
 }
 
 Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size) {

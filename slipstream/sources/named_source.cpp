@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/camera/open_camera.h"
+#include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/replay_source.h"
 #include "slipstream/io/scanner_file.h"
@@ -61,7 +62,9 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
 
 NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   auto replay = std::make_unique<ReplaySource>(
-      path, ReplaySettings{.rate = request.rate, .loop = request.loop});
+      path, ReplaySettings{.rate = request.rate,
+                           .loop = request.loop,
+                           .scan = {.sequence = request.sequence, .scanner = request.scanner}});
   const RecordingHeader& header = replay->header();
   if (!header.sequence && !request.sequence.strategy) {
     throw Error(
@@ -106,6 +109,12 @@ constexpr std::array schemes{
     Scheme{"v4l2", "v4l2:NUMBER", open_camera_source},
 };
 
+std::vector<std::string_view> scheme_names() {
+  std::vector<std::string_view> names;
+  for (const Scheme& scheme : schemes) names.push_back(scheme.name);
+  return names;
+}
+
 }  // namespace
 
 std::string source_forms() {
@@ -125,7 +134,11 @@ NamedSource open_source(const SourceRequest& request) {
   const auto scheme =
       std::find_if(schemes.begin(), schemes.end(), [&](const Scheme& s) { return s.name == name; });
   if (scheme == schemes.end()) {
-    throw Error(fmt::format("source '{}' is unknown; one of {}", request.source, source_forms()));
+    const bool is_path = fs::exists(request.source);
+    throw Error(fmt::format("source '{}' is not known; it is one of: {}{}", request.source,
+                            source_forms(),
+                            is_path ? fmt::format("; did you mean replay:{}?", request.source)
+                                    : did_you_mean(name, scheme_names())));
   }
   const double rate = request.rate.value_or(0);
   if (!(rate == 0 || (rate >= 1e-3 && rate <= 1e6))) {

@@ -133,7 +133,28 @@ Design best_design(const DesignGoal& goal) {
   });
 }
 
+namespace {
+
+/// What speaks against so few projector pixels a period; empty where nothing does.
+std::string doubt_about_resolution(const Sequence& sequence) {
+  // A pixel shows its N phases of the sinusoid exactly, however few pixels a period has, down to
+  // Nyquist's two. But it shows each over its whole width, which leaves sinc(1 / p) of the
+  // modulation, before any lens: 0.64 at two pixels, 0.90 at four.
+  constexpr int fewest_pixels = 4;
+  const int length = length_along(sequence.axis, sequence.projector);
+  const double highest = highest_frequency(sequence.strategy), pixels = length / highest;
+  if (length == 0 || !(pixels < fewest_pixels)) return {};
+  const double angle = std::numbers::pi / pixels;
+  return fmt::format(
+      "{:g} periods over {} projector pixels are {:.3g} pixels each, near Nyquist's limit of 2: "
+      "their width alone takes {:.0f} % of the modulation, and a lens more; {} periods lose 10 %",
+      highest, length, pixels, 100 * (1 - std::sin(angle) / angle), length / fewest_pixels);
+}
+
+}  // namespace
+
 std::string doubt_about(const Sequence& sequence) {
+  if (std::string doubt = doubt_about_resolution(sequence); !doubt.empty()) return doubt;
   constexpr double least_success = 0.85;
   const Layout& layout = sequence.strategy.layout();
   if (layout.unwrapping != Unwrapping::vote) return {};

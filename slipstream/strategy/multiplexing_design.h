@@ -49,7 +49,8 @@ std::vector<Design> designs_by_frequency(const DesignGoal& goal);
 /// The one of least noise among them. Throws Error where none meets the goal.
 Design best_design(const DesignGoal& goal);
 
-/// Why it is unwise to show patterns that can be shown: their cue is too weak for their periods
+/// Why it is unwise to show patterns that can be shown: fewer than four projector pixels a period
+/// leave little of the modulation, or their cue is too weak for their periods
 /// where surface, light and noise are as a DesignGoal has them at first. Empty where it is not.
 std::string doubt_about(const Sequence& sequence);
 

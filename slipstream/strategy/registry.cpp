@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream {
@@ -106,8 +107,10 @@ std::vector<std::string_view> names_with_coordinate() {
 std::vector<SettingDescription> strategy_settings() {
   std::vector<SettingDescription> settings;
   for_each_coding([&]<class Coding>(const Coding& coding) {
-    const std::string owner(Coding::name);
+    const StrategySettings usual = settings_from(coding);
     Coding::for_each_setting(coding, [&](const char* name, const char* help, const auto&) {
+      std::string owner(Coding::name);
+      if (usual.contains(name)) owner += fmt::format(" {:g}", usual.at(name));
       const auto known = std::find_if(settings.begin(), settings.end(),
                                       [&](const auto& setting) { return setting.name == name; });
       if (known == settings.end()) {
@@ -126,8 +129,9 @@ Strategy make_strategy(std::string_view name, const StrategySettings& settings) 
     if (coding.name == name) made = configured(coding, settings);
   });
   if (!made) {
-    throw Error(fmt::format("strategy '{}' is not known; it is one of: {}", name,
-                            fmt::join(strategy_names(), ", ")));
+    throw Error(fmt::format("strategy '{}' is not known; it is one of: {}{}", name,
+                            fmt::join(strategy_names(), ", "),
+                            did_you_mean(name, strategy_names())));
   }
   return *made;
 }

@@ -28,7 +28,7 @@ std::string label_of(const Strategy& strategy);
 struct SettingDescription {
   std::string name;
   std::string help;        ///< what it means, in a few words
-  std::string strategies;  ///< which strategies have it: "pmp, dual-frequency"
+  std::string strategies;  ///< which have it, with its default: "pmp 4, dual-frequency 3"
 };
 
 /// Names of all strategies, in the order of the registry.

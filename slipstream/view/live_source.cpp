@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/live/window_frames.h"
+#include "slipstream/cycle/window_frames.h"
 #include "slipstream/strategy/registry.h"
 
 namespace slipstream::view {

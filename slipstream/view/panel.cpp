@@ -172,10 +172,9 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
     state.setup.scanner.photometry.response = source.gammas[state.gamma].second;
     requests.change_setup = true;
   }
-  const double grey_level = source.full_scale / 255;
-  auto threshold = static_cast<float>(least_modulation(settings, source.full_scale) / grey_level);
+  auto threshold = static_cast<float>(settings.minimum_modulation);
   if (ImGui::SliderFloat("least B", &threshold, 1, 100, "%.0f")) {
-    settings.minimum_modulation = static_cast<double>(threshold) * grey_level;
+    settings.minimum_modulation = static_cast<double>(threshold);
   }
   // Tables are built for every change, so one that is dragged counts when it is let go.
   requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();

@@ -78,6 +78,45 @@ TEST_F(CalibrateProgram, GivesAScannerFileAReportAndADocument) {
   }
 }
 
+TEST_F(CalibrateProgram, TakesRecordingsAsItTakesScanFolders) {
+  const TemporaryFolder out;
+  const fs::path recorded = out.path() / "recorded";
+  for (const char* pose : {"board01", "board02", "board03", "board04"}) {
+    fs::create_directories(recorded / pose);
+    for (const std::string axis : {"x", "y"}) {
+      ASSERT_EQ(
+          run_program({"record", "--source", "replay:" + (fs::path(poses()) / pose / axis).string(),
+                       "-o", recorded / pose / (axis + ".slip")})
+              .exit_code,
+          0);
+    }
+  }
+  const auto document = [&](const std::string& in, const std::string& command) {
+    const std::string scanner = out.path() / "scanner.yaml";
+    const std::vector<std::string> more = command == "geometry"
+                                              ? std::vector<std::string>{"--camera-distortion",
+                                                                         "2",
+                                                                         "--projector-distortion",
+                                                                         "2",
+                                                                         "-o",
+                                                                         scanner}
+                                              : std::vector<std::string>{"--scanner", scanner};
+    std::vector<std::string> arguments{"calibrate", command,     in,   "--corners",
+                                       "7x5",       "--spacing", "22", "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.out;
+  };
+  for (const char* command : {"geometry", "verify"}) {
+    EXPECT_EQ(document(poses(), command), document(recorded, command)) << command;
+  }
+  fs::rename(recorded / "board01" / "x.slip", recorded / "board01" / "z.slip");
+  fs::rename(recorded / "board01" / "y.slip", recorded / "board01" / "x.slip");
+  fs::rename(recorded / "board01" / "z.slip", recorded / "board01" / "y.slip");
+  expect_bad_input(calibrate(recorded, out.path() / "none.yaml", {}), {"x.slip", "axis y"});
+}
+
 TEST_F(CalibrateProgram, TakesPosesInOrderAndNoReportForAPose) {
   const TemporaryFolder folder;
   const fs::path copy = copy_to(folder);

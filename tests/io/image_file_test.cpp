@@ -95,6 +95,8 @@ TEST(Frames, BadOnesAreNamed) {
   expect_error([&] { read_frames({path("text.png")}); }, {"text.png"});
   write_file(path("empty.png"), "");
   expect_error([&] { read_frames({path("empty.png")}); }, {"empty.png"});
+  write_file(path("jpeg.png"), "\xff\xd8\xff\xe0");
+  expect_error([&] { read_frames({path("jpeg.png")}); }, {"jpeg.png", "JPEG", "phase"});
 }
 
 TEST(Maps, KeepNanAndThirtyTwoBits) {

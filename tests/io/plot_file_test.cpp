@@ -51,6 +51,22 @@ TEST(PlotFile, ShowsLinesBarsAndMaps) {
   EXPECT_GT(drawn(ReliefPlot{ramp}), 100);
 }
 
+TEST(PlotFile, NoLegendHidesACurve) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "plot.png";
+  const auto drawn = [&](const char* first, const char* second) {
+    write_plot(path, LinePlot{"a",
+                              "x",
+                              "y",
+                              PlotScale::linear,
+                              {{first, {0, 1, 2}, {1, 5, 5}}, {second, {0, 1, 2}, {1, 1, 4.9}}}});
+    return cv::imread(path.string());
+  };
+  const cv::Mat bare = drawn("", ""), told = drawn("one", "another");
+  ASSERT_GT(told.rows, bare.rows);
+  EXPECT_EQ(cv::norm(told.rowRange(0, bare.rows), bare, cv::NORM_INF), 0);
+}
+
 TEST(PlotFile, RefusesWhatCannotBeShown) {
   const TemporaryFolder folder;
   const LinePlot empty{"none", "x", "y", PlotScale::linear, {{"", {1}, {nan}}}};

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <filesystem>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -66,12 +67,34 @@ TEST(ReplaySource, KeepsGapsAndTheCountOfPatternsWhenItBeginsAgain) {
     sequences.push_back(frame.stamp.sequence);
     EXPECT_EQ(frame.stamp.sequence % 4, static_cast<std::uint64_t>(*frame.stamp.pattern_index));
   }
-  EXPECT_EQ(sequences, (std::vector<std::uint64_t>{2, 3, 5, 6, 7, 10, 11, 13, 14, 15, 18, 19}));
+  EXPECT_EQ(sequences, (std::vector<std::uint64_t>{2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15, 17}));
+}
+
+TEST(ReplaySource, LosesNothingWhereItBeginsAgain) {
+  for (int first = 0; first < 5; ++first) {
+    for (int count = 1; count <= 13; ++count) {
+      SCOPED_TRACE(testing::Message() << count << " frames from " << first);
+      const TemporaryFolder folder;
+      std::vector<int> numbers(static_cast<std::size_t>(count));
+      std::iota(numbers.begin(), numbers.end(), first);
+      record(folder.path() / "frames", numbers);
+      ReplaySource source(folder.path() / "frames", {.rate = 0.0, .loop = true});
+      source.start();
+      Frame frame(source.format());
+      ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
+      for (std::uint64_t before = frame.stamp.sequence; before < 40; ++before) {
+        ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
+        if (count < 4) break;  // no whole cycle: there is nothing to join
+        ASSERT_EQ(frame.stamp.sequence, before + 1);
+        ASSERT_EQ(*frame.stamp.pattern_index, static_cast<int>((before + 1) % 4));
+      }
+    }
+  }
 }
 
 TEST(ReplaySource, KeepsTheTimesOfTheRecording) {
   const TemporaryFolder folder;
-  record(folder.path() / "frames", {0, 40, 80});  // their numbers are milliseconds
+  record(folder.path() / "frames", {0, 40, 79});  // their numbers are milliseconds
   ReplaySource source(folder.path() / "frames", {.loop = true});
   EXPECT_TRUE(source.has_own_pace());
   source.start();
@@ -135,7 +158,7 @@ TEST(ReplaySource, RefusesWhatCannotBeReplayed) {
   record(path, {});
   expect_error([&] { ReplaySource(path, {}); }, {"no whole frame"});
   expect_error([&] { ReplaySource(path, {.rate = -3}); }, {"-3"});
-  expect_error([&] { ReplaySource(folder.path(), {}); }, {"scan.yaml"});
+  expect_error([&] { ReplaySource(folder.path(), {}); }, {"no pictures"});
 }
 
 /// A scan of the statue with its pictures and scanner file.

@@ -80,7 +80,8 @@ TEST(ScanFiles, BadOnesAreNamed) {
 
 TEST(ImagesInFolder, AreInTheOrderOfTheirNumbers) {
   const TemporaryFolder folder;
-  for (const char* name : {"f_10.png", "f_2.png", "f_1.PNG", "notes.txt", "f_02b.png"}) {
+  for (const char* name :
+       {"f_10.png", "f_2.png", "f_1.PNG", "notes.txt", "f_02b.png", ".DS_Store", "._f_2.png"}) {
     write_file(folder.path() / name, "x");
   }
   std::string names;
@@ -89,6 +90,10 @@ TEST(ImagesInFolder, AreInTheOrderOfTheirNumbers) {
   expect_error([&] { images_in_folder(folder.path() / "none"); }, {"none"});
   make_folder(folder.path() / "empty");
   expect_error([&] { images_in_folder(folder.path() / "empty"); }, {"empty", "PNG"});
+  write_file(folder.path() / "empty" / "._f.png", "x");
+  expect_error([&] { images_in_folder(folder.path() / "empty"); }, {"empty", "no pictures"});
+  write_file(folder.path() / "empty" / "f_1.JPG", "x");
+  expect_error([&] { images_in_folder(folder.path() / "empty"); }, {"empty", "JPEG", "lossy"});
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/cycle/window_frames.h"
 #include "slipstream/live/live_pipeline.h"
-#include "slipstream/live/window_frames.h"
 #include "slipstream/reconstruct/engine.h"
 #include "tests/live/virtual_loop.h"
 

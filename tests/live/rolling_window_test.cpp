@@ -1,4 +1,4 @@
-#include "slipstream/live/rolling_window.h"
+#include "slipstream/cycle/rolling_window.h"
 
 #include <algorithm>
 #include <random>

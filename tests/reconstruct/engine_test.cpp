@@ -71,6 +71,27 @@ bool same_bytes(const Maps& a, const Maps& b) {
          same_bytes(a.coordinate, b.coordinate);
 }
 
+TEST(Engine, LeastModulationIsInGreyLevelsOf255WhateverTheBits) {
+  const Scanner scanner = example_scanner({64, 48});
+  const auto points = [&](int bits, EngineKind kind) {
+    const FrameSet frames =
+        take_scan(scanner, scene_named("board", scanner), pattern_set(DualFrequency{}, Axis::x),
+                  {.ambient = 5, .noise_variance = 0, .bits = bits})
+            .frames;
+    Engine engine(scanner, {.strategy = DualFrequency{}},
+                  {.engine = kind, .minimum_modulation = 60});
+    Cloud cloud;
+    engine.cloud(frames, cloud);
+    return static_cast<double>(point_count(cloud));
+  };
+  for (const EngineKind kind : {EngineKind::fused, EngineKind::reference}) {
+    const double of_8_bits = points(8, kind);
+    EXPECT_GT(of_8_bits, 100);
+    EXPECT_LT(of_8_bits, 0.95 * 64 * 48);
+    EXPECT_NEAR(points(12, kind), of_8_bits, 0.01 * of_8_bits);
+  }
+}
+
 TEST(Engine, CloudAndMapsAreThoseOfEachAlone) {
   const Scanner scanner = scanner_of({99, 64});
   for (const Strategy& strategy : all_strategies()) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/strategy/dual_frequency.h"
 
 namespace slipstream {
 namespace {
@@ -43,6 +44,18 @@ TEST(MultiplexingDesign, AsksLessOfBetterLight) {
   };
   EXPECT_LT(sigma(0.8, 1.6), sigma(0.4, 1.6));
   EXPECT_LT(sigma(0.4, 1.6), sigma(0.4, 4));
+}
+
+TEST(MultiplexingDesign, DoubtsPeriodsOfFewPixels) {
+  const auto doubt = [](double high, int pixels) {
+    return doubt_about({.strategy = DualFrequency{.high = high}, .projector = {pixels, 1000}});
+  };
+  EXPECT_EQ(doubt(320, 1280), "");
+  EXPECT_EQ(doubt(500, 0), "");
+  const std::string told = doubt(500, 1280);
+  for (const char* part : {"500 periods", "2.56 pixels", "Nyquist", "23 %", "320 periods"}) {
+    EXPECT_NE(told.find(part), std::string::npos) << told;
+  }
 }
 
 TEST(MultiplexingDesign, RefusesWhatCannotBe) {

@@ -1,8 +1,8 @@
-#include "slipstream/live/frame_samples.h"
+#include "slipstream/cycle/frame_samples.h"
 
 #include <algorithm>
 
-#include "slipstream/check/scan_samples.h"
+#include "slipstream/image/spread_place.h"
 
 namespace slipstream {
 

@@ -1,4 +1,4 @@
-#include "slipstream/live/window_frames.h"
+#include "slipstream/cycle/window_frames.h"
 
 #include <variant>
 

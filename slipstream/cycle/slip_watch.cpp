@@ -1,4 +1,4 @@
-#include "slipstream/live/slip_watch.h"
+#include "slipstream/cycle/slip_watch.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,11 +6,11 @@
 
 #include "slipstream/capture/frame.h"
 #include "slipstream/capture/pool.h"
-#include "slipstream/live/cycle_alignment.h"
-#include "slipstream/live/frame_samples.h"
-#include "slipstream/live/live_settings.h"
-#include "slipstream/live/rolling_window.h"
-#include "slipstream/live/slip_watch.h"
+#include "slipstream/cycle/cycle_alignment.h"
+#include "slipstream/cycle/frame_samples.h"
+#include "slipstream/cycle/pattern_indexing.h"
+#include "slipstream/cycle/rolling_window.h"
+#include "slipstream/cycle/slip_watch.h"
 #include "slipstream/strategy/sequence.h"
 
 namespace slipstream {

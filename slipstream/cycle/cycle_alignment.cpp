@@ -1,4 +1,4 @@
-#include "slipstream/live/cycle_alignment.h"
+#include "slipstream/cycle/cycle_alignment.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "slipstream/live/pattern_windows.h"
+#include "slipstream/cycle/pattern_windows.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // The index of each frame: how it is known, and what becomes of it when it is wrong.
-#include "slipstream/live/pattern_windows.h"
+#include "slipstream/cycle/pattern_windows.h"
 
 #include <algorithm>
 #include <string>

@@ -1,4 +1,4 @@
-#include "slipstream/live/live_settings.h"
+#include "slipstream/cycle/pattern_indexing.h"
 
 #include <array>
 #include <utility>

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/io/recording.h"
+
+namespace slipstream {
+
+/// The frames of the first whole cycle of a recording that shows that sequence, in pattern order as
+/// PatternWindows puts them. None where none of its first cycles is whole.
+std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence);
+
+/// The frames of a scan as a camera gives them, stamped with their places in it. Throws Error,
+/// calling the scan `name`, where no camera gives such frames.
+std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name);
+
+}  // namespace slipstream

@@ -1,0 +1,73 @@
+#include "slipstream/io/rig_file.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+
+namespace slipstream {
+namespace {
+
+[[noreturn]] void refuse(const std::string& file, const YAML::Mark& mark, const std::string& why) {
+  throw Error(fmt::format("{}: line {}: {}", file, mark.line + 1, why));
+}
+
+std::string text_of(const YAML::Node& node, const std::string& setting, const std::string& file) {
+  if (node.IsScalar()) return node.Scalar();
+  refuse(file, node.Mark(), fmt::format("{}: a value, or a list of values, is wanted", setting));
+}
+
+RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Mark& mark,
+                        const std::string& file) {
+  std::replace(name.begin(), name.end(), '_', '-');
+  RigSetting setting{.name = name, .line = mark.line + 1};
+  if (!node.IsSequence()) {
+    setting.values.push_back(text_of(node, name, file));
+  } else {
+    for (const YAML::Node& value : node) setting.values.push_back(text_of(value, name, file));
+  }
+  if (setting.values.empty()) refuse(file, mark, fmt::format("{}: the list is empty", name));
+  return setting;
+}
+
+std::vector<RigSetting> settings_in(const YAML::Node& root, const std::string& file) {
+  if (!root.IsMap()) refuse(file, root.Mark(), "a map of settings is wanted");
+  std::vector<RigSetting> settings;
+  const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
+    settings.push_back(
+        setting_from(text_of(key, "the name of a setting", file), value, key.Mark(), file));
+    const bool twice =
+        std::any_of(settings.begin(), settings.end() - 1,
+                    [&](const RigSetting& other) { return other.name == settings.back().name; });
+    if (twice) refuse(file, key.Mark(), fmt::format("{} is there twice", settings.back().name));
+  };
+  for (const auto& entry : root) {
+    if (!entry.second.IsMap()) {
+      add(entry.first, entry.second);
+      continue;
+    }
+    for (const auto& inner : entry.second) add(inner.first, inner.second);
+  }
+  return settings;
+}
+
+}  // namespace
+
+std::vector<RigSetting> read_rig(const std::filesystem::path& file) {
+  const std::vector<std::uint8_t> bytes = read_file(file);
+  return rig_from({bytes.begin(), bytes.end()}, file.string());
+}
+
+std::vector<RigSetting> rig_from(const std::string& text, const std::string& name) {
+  try {
+    return settings_in(YAML::Load(text), name);
+  } catch (const YAML::Exception& exception) {
+    refuse(name, exception.mark, "not YAML: " + exception.msg);
+  }
+}
+
+}  // namespace slipstream

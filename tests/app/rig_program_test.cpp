@@ -1,0 +1,163 @@
+// --rig, and what the program says of words that it does not know.
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "slipstream/io/scan_folder.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+class Rig : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  void write_rig(const std::string& text) const {
+    fs::create_directories(path("rig"));
+    std::ofstream(path("rig/rig.yaml")) << text;
+  }
+
+  [[nodiscard]] ProgramRun run(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.end(), {"--rig", path("rig/rig.yaml")});
+    return run_program(arguments);
+  }
+
+  TemporaryFolder folder_;
+};
+
+constexpr const char* small_rig =
+    "camera: {camera: 96x72, rate: 0, source: virtual}\n"
+    "sequence: {strategy: pmp, steps: 5}\n"
+    "filters: {min-modulation: 20, keep-saturated: true}\n"
+    "motion: [0.1, 0, 0]\n";
+
+TEST_F(Rig, SaysWhatTheCommandLineDoesNot) {
+  write_rig(small_rig);
+  ASSERT_EQ(run({"simulate", path("scan")}).exit_code, 0);
+  EXPECT_EQ(frame_count(read_scan_files(path("scan/scan.yaml")).sequence.strategy), 5);
+  ASSERT_EQ(run({"simulate", path("six"), "--steps", "6"}).exit_code, 0);
+  EXPECT_EQ(frame_count(read_scan_files(path("six/scan.yaml")).sequence.strategy), 6);
+
+  // Required flags may come from the file; those of other commands are passed over.
+  const ProgramRun recorded = run({"record", "--frames", "10", "-o", path("scan.slip")});
+  ASSERT_EQ(recorded.exit_code, 0) << recorded.err;
+  EXPECT_EQ(run({"check", path("scan.slip")}).exit_code, 0);
+  EXPECT_EQ(run({"reconstruct", path("scan"), "-o", path("cloud.ply")}).exit_code, 0);
+  EXPECT_EQ(run({"bench", "--help"}).exit_code, 0);
+}
+
+TEST_F(Rig, PathsAreRelativeToTheFile) {
+  ASSERT_EQ(run_program({"simulate", path("rig/scan"), "--camera", "96x72", "--strategy", "pmp",
+                         "--steps", "4"})
+                .exit_code,
+            0);
+  fs::rename(path("rig/scan/scanner.yaml"), path("rig/scanner.yaml"));
+  write_rig("scanner: scanner.yaml\nsource: replay:scan\nstrategy: pmp\nsteps: 4\n");
+  const ProgramRun reconstructed = run({"reconstruct", path("rig/scan"), "-o", path("a.ply")});
+  EXPECT_EQ(reconstructed.exit_code, 0) << reconstructed.err;
+  const ProgramRun live = run({"live", "--headless", "-o", path("b.ply")});
+  EXPECT_EQ(live.exit_code, 0) << live.err;
+}
+
+TEST_F(Rig, WhatTheCommandLineExcludesIsPassedOver) {
+  write_rig("scene: sphere\nspacing: 22\ncorners: 7x5\naxis: x\ncamera: 96x72\n");
+  const ProgramRun scan = run({"simulate", path("scan")});
+  EXPECT_EQ(scan.exit_code, 0) << scan.err;
+  const ProgramRun boards = run({"simulate", path("boards"), "--boards", "1"});
+  EXPECT_EQ(boards.exit_code, 0) << boards.err;
+}
+
+TEST_F(Rig, RefusesInOneLine) {
+  for (const auto& [text, part] : std::vector<std::pair<std::string, std::string>>{
+           {"camera:\n  stratgy: pmp\n",
+            "line 2: no command has a setting 'stratgy'; did you mean "
+            "strategy?"},
+           {"output: cloud.ply\n", "'output'"},
+           {"steps: many\n", "line 1"},
+           {"motion: [1, 2]\n", "motion"},
+           {"keep-saturated: perhaps\n", "keep-saturated"},
+           {"steps: [\n", "not YAML"}}) {
+    SCOPED_TRACE(text);
+    write_rig(text);
+    const ProgramRun refused = run({"live", "--frames", "4", "--headless"});
+    EXPECT_EQ(refused.exit_code, 2) << refused.err;
+    EXPECT_NE(refused.err.find("rig.yaml"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find(part), std::string::npos) << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+  }
+}
+
+TEST_F(Rig, TheExampleOfTheDocumentationWorks) {
+  const std::string page = contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "rig.md");
+  const std::size_t begin = page.find("# rig.yaml"), end = page.find("```", begin);
+  std::string text = page.substr(begin, end - begin);
+  text.replace(text.find("scanner: scanner.yaml"), 21, "");
+  write_rig(text);
+  for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+           {"simulate", path("scan"), "--camera", "96x72"},
+           {"reconstruct", path("scan"), "-o", path("cloud.ply")},
+           {"live", "--frames", "40", "--headless", "--camera", "96x72", "--rate", "0"},
+           {"record", "--frames", "40", "--camera", "96x72", "-o", path("scan.slip"), "--rate",
+            "0"},
+           {"check", path("scan.slip")}}) {
+    const ProgramRun done = run(arguments);
+    EXPECT_EQ(done.exit_code, 0) << arguments[0] << ": " << done.err;
+  }
+}
+
+TEST(Words, AreGuessed) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path() / "out";
+  fs::create_directory(folder.path() / "scan");
+  for (const auto& [arguments, part] :
+       std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"recnstruct", "scan"}, "did you mean reconstruct?"},
+           {{"calibrate", "gama"}, "did you mean gamma?"},
+           {{"simulate", out, "--stratgy", "pmp"},
+            "simulate has no --stratgy; did you mean "
+            "--strategy?"},
+           {{"simulate", out, "--stps=3"}, "did you mean --steps?"},
+           {{"simulate", out, "--strategy", "pmpc"}, "did you mean pmp?"},
+           {{"simulate", out, "--scene", "statute"}, "did you mean statue?"},
+           {{"live", "--source", "virtul"}, "did you mean virtual?"},
+           {{"live", "--source", folder.path() / "scan"}, "did you mean replay:"}}) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(run_program({"xyzzyx"}).err.find("did you mean"), std::string::npos);
+}
+
+TEST(Errors, AreInTheDocumentToo) {
+  const TemporaryFolder folder;
+  const std::string scan = folder.path() / "scan";
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"reconstruct", "nowhere", "--json"},
+                                             {"simulate", "--json", "--nothing"},
+                                             {"live", "--json", "--source", "nothing"}}) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    const nlohmann::json document = nlohmann::json::parse(run.out);
+    EXPECT_EQ("slipstream: " + document["error"].get<std::string>() + "\n", run.err);
+  }
+  ASSERT_EQ(run_program({"simulate", scan, "--camera", "160x120"}).exit_code, 0);
+  // Two frames exchanged, which is refused.
+  const ProgramRun refused = run_program({"reconstruct", scan, "--order", "1,0,2,3,4,5", "--json"});
+  EXPECT_EQ(refused.exit_code, 2) << refused.err;
+  const nlohmann::json document = nlohmann::json::parse(refused.out);
+  ASSERT_FALSE(document["findings"].empty()) << refused.out;
+  EXPECT_EQ(document["findings"][0]["refused"], true);
+  // What sets right what an order has put wrong is said of the frames as they came.
+  EXPECT_NE(document["error"].get<std::string>().find("--order 0,1,2,3,4,5"), std::string::npos)
+      << document["error"];
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -1,3 +1,5 @@
+#include "app/calibrate_geometry.h"
+
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -7,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "app/board_captures.h"
 #include "app/calibrate.h"
 #include "app/finding_output.h"
 #include "slipstream/calibrate/geometry_calibration.h"
@@ -20,18 +21,6 @@
 namespace slipstream::app {
 namespace fs = std::filesystem;
 namespace {
-
-struct CalibrateGeometryFlags {
-  BoardCaptureFlags boards;
-  std::string camera_distortion = "auto";
-  std::string projector_distortion = "auto";
-  std::string print = "estimated";
-  double print_deviation = 0.01;
-  std::string scanner;
-  std::optional<std::string> report;
-  std::optional<std::string> compare;
-  std::optional<std::string> measured;
-};
 
 GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
   GeometryCalibrationSettings settings;
@@ -155,7 +144,9 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
   return told;
 }
 
-void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
+}  // namespace
+
+void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.boards.board);
   const GeometryCalibrationSettings settings = settings_from(flags);
   std::vector<Finding> findings = measured_findings(flags, board);
@@ -193,6 +184,8 @@ void calibrate(const CalibrateGeometryFlags& flags, Output& output) {
   }
 }
 
+namespace {
+
 void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
   const FlagGroup group{command, "Model"};
   const std::string models = fmt::format("coefficients of its lens: auto, or {} in OpenCV's order",
@@ -207,7 +200,7 @@ void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
 }  // namespace
 
 void add_calibrate_geometry(CLI::App& calibrate_command, Command& chosen) {
-  const auto [command, flags] = add_command(calibrate_command, chosen, calibrate, "geometry",
+  const auto [command, flags] = add_command(calibrate_command, chosen, calibrate_boards, "geometry",
                                             "scans of a board in several poses to a scanner file");
   command.add("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")->required();
   command.add("--report", flags.report, "a folder for a report with pictures");

@@ -5,15 +5,20 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "app/progress.h"
 #include "app/scan_flags.h"
+#include "app/simulate_boards.h"
 #include "app/stop_signal.h"
 #include "app/virtual_flags.h"
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/moved_board.h"
 #include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream::app {
@@ -27,11 +32,30 @@ struct ServeFlags {
   std::optional<double> duration;  ///< s
   double packet_loss = 0;
   std::optional<std::string> write_scanner;
+  std::optional<int> boards;
+  BoardFlags board;
+  int still = 8;
   VirtualFlags scene;
   ScanFlags scan;
 };
 
-void serve(const ServeFlags& flags, Output& output) {
+/// What a person does who calibrates: the board in one pose after another, under patterns along x
+/// and then along y.
+Reel boards_for(const ServeFlags& flags, const VirtualWorld& world, const Sequence& sequence) {
+  constexpr int most_cycles = 1000;
+  if (flags.still < 1 || flags.still > most_cycles) {
+    throw Error(fmt::format("--still {} is out of range; 1 to {}", flags.still, most_cycles));
+  }
+  const Body sheet = sheet_of(board_from(flags.board), world.scanner);
+  const auto poses = poses_of(sheet, *flags.boards, world.scanner);
+  Progress progress("boards", *flags.boards);
+  Reel reel = moved_board(world, sheet, poses, along_both_axes(sequence), flags.still,
+                          [&] { progress.advance(); });
+  progress.finish();
+  return reel;
+}
+
+void require_good(const ServeFlags& flags) {
   require_duration(flags.duration);
   if (!(flags.packet_loss >= 0 && flags.packet_loss <= 1)) {
     throw Error(fmt::format("--packet-loss {} is out of range; 0 to 1", flags.packet_loss));
@@ -43,11 +67,17 @@ void serve(const ServeFlags& flags, Output& output) {
   if (flags.scene.bits != 8) {
     throw Error(fmt::format("--bits {}: a camera that is served has 8", flags.scene.bits));
   }
+}
+
+void serve(const ServeFlags& flags, Output& output) {
+  require_good(flags);
   const VirtualWorld world = world_from(flags.scene);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
-  VirtualGigeCamera camera(virtual_frames(world.scanner, world.scene, pattern_set(sequence),
-                                          world.photometry, flags.cycles),
-                           flags.address, flags.serial);
+  std::vector<Reel> reels;
+  if (flags.boards) reels.push_back(boards_for(flags, world, sequence));
+  reels.push_back(reel_of(virtual_frames(world.scanner, world.scene, pattern_set(sequence),
+                                         world.photometry, flags.cycles)));
+  VirtualGigeCamera camera(std::move(reels), flags.address, flags.serial);
   camera.set_frame_rate(flags.rate);
   camera.set_packet_loss(flags.packet_loss);
   if (flags.write_scanner) write_scanner(*flags.write_scanner, world.scanner);
@@ -56,6 +86,12 @@ void serve(const ServeFlags& flags, Output& output) {
   output.say("serving {} of {} at {} as aravis:{} or aravis:Aravis-Fake-{}; Ctrl-C ends it",
              sequence.strategy.name(), text_of(world.scanner.camera.size), flags.address,
              flags.address, flags.serial);
+  if (flags.boards) {
+    output.say(
+        "a board is moved through {} poses until a client has seen them all; the next sees "
+        "the scene",
+        *flags.boards);
+  }
   std::fflush(stdout);  // who reads it through a pipe waits for it to connect
   while (!end.reached()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -78,13 +114,19 @@ void add_camera_serve(CLI::App& camera, Command& chosen) {
   command.add("--rate", flags.rate, "frames per second until a client asks for another");
   command.add("--cycles", flags.cycles,
               "scans that are rendered before and then served over and over");
+  command.add("--boards", flags.boards,
+              "before the scene: a calibration board that is moved through so many poses, under "
+              "patterns along x and then y, until a client has seen them all");
+  command.add("--still", flags.still, "cycles that the board stays in a pose");
   command.add("--duration", flags.duration, "so long, s");
   command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
   command.add_file("--scanner", flags.scene.scanner,
                    "scanner file to imitate; an example where not given");
   command.add("--write-scanner", flags.write_scanner, "scanner file to write, to reconstruct with");
   add_virtual_flags(command.app, flags.scene);
+  add_board_flags(command.app, flags.board);
   add_pattern_flags(command.app, flags.scan);
+  add_marker_flag(command.app, flags.scan);
   command.app.footer(
       "Example:\n  slipstream camera serve --strategy pmp --steps 4 --rate 150 --motion 0.2 0 0");
 }

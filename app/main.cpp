@@ -116,6 +116,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_project(program, chosen);
   add_view(program, chosen);
 #endif
+  add_capture(program, chosen);
   add_record(program, chosen);
   add_camera(program, chosen);
   add_reproduce(program, chosen);

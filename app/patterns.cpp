@@ -77,6 +77,7 @@ void add_patterns(CLI::App& program, Command& chosen) {
                   "write a strategy's patterns as images for any projector");
   command.add("folder", flags.folder, "where the pictures and scan.yaml go")->required();
   add_pattern_flags(command.app, flags.scan);
+  add_marker_flag(command.app, flags.scan);
   command.app.get_option("--projector")->default_str(text_of(usual_projector));
   CLI::Option* const bits = command.add("--pattern-bits", flags.bits,
                                         "of the pictures, as the projector takes them: 8 to 16");

@@ -140,6 +140,7 @@ void add_project(CLI::App& program, Command& chosen) {
   command.add("--duration", flags.duration, "seconds, then it ends");
   command.add("--log", flags.log, "which pattern was shown when: .csv");
   add_pattern_flags(command.app, flags.scan);
+  add_marker_flag(command.app, flags.scan);
   command.app.footer(
       "Examples:\n  slipstream project --list\n  slipstream project --monitor 1 --strategy pmp "
       "--steps 4 --rate 30\nEvery pixel of the monitor shows its own grey level, with the "

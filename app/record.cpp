@@ -104,6 +104,7 @@ void add_record(CLI::App& program, Command& chosen) {
                    "scanner file, which is kept in the recording");
   add_camera_flags(command.app, flags.source.camera);
   add_pattern_flags(command.app, flags.source.scan);
+  add_marker_flag(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner);
   command.app.footer(
       "Example:\n  slipstream record --source aravis: -o scan.slip --frames 1000 --strategy pmp "

@@ -82,6 +82,12 @@ void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
   subcommand.get_option("--beta-p")->default_str(fmt::format("{:g}", usual.light.beta_p));
 }
 
+void add_marker_flag(CLI::App& subcommand, ScanFlags& flags) {
+  const FlagGroup group{subcommand, "What the patterns are"};
+  group.add("--marker", flags.marker,
+            "a dark frame ends each cycle, so that a camera that begins anywhere finds its place");
+}
+
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
   const FlagGroup group{subcommand, "What the patterns are, where not as the scan says"};
   add_sequence_flags(group, flags);
@@ -93,7 +99,8 @@ SequenceChanges changes_from(const ScanFlags& flags) {
   SequenceChanges changes{.strategy = flags.strategy,
                           .settings = flags.settings,
                           .alpha_p = flags.alpha_p,
-                          .beta_p = flags.beta_p};
+                          .beta_p = flags.beta_p,
+                          .marker = flags.marker};
   if (flags.exposures) changes.exposures = exposures_from(*flags.exposures);
   if (flags.axis) changes.axis = axis_named(*flags.axis);
   if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");

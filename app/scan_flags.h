@@ -22,13 +22,17 @@ struct ScanFlags {
   std::optional<double> beta_p;
   std::optional<std::string> exposures;  ///< "1,4,16"
   std::optional<std::string> order;      ///< of frames: "2,0,1"
+  bool marker = false;
 };
 
 /// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p,
 /// --beta-p and --exposures.
 void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags);
 
-/// Adds these and --order, for what reads scans.
+/// Adds --marker, for what shows patterns again and again, or sees them.
+void add_marker_flag(CLI::App& subcommand, ScanFlags& flags);
+
+/// Adds those of add_pattern_flags and --order, for what reads scans.
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// What they say, by the library's words. Throws Error for an axis or a size that is none.

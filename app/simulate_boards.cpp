@@ -13,33 +13,33 @@
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
-namespace {
 
-/// The board as a sheet in the scene, its printing as fine as a camera could ever see.
 Body sheet_of(const CalibrationBoard& board, const Scanner& scanner) {
   constexpr int pixels_per_spacing = 100;
   return printed_sheet(draw_board(board, pixels_per_spacing), board.spacing / pixels_per_spacing,
                        scanner);
 }
 
-}  // namespace
-
-void simulate_boards(const fs::path& folder, const SimulateBoardsFlags& flags,
-                     const VirtualWorld& world, const Sequence& sequence, Output& output) {
+std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scanner& scanner) {
   constexpr int most_boards = 1000;
-  const int count = flags.count.value_or(0);
   if (count < 1 || count > most_boards) {
     throw Error(fmt::format("--boards {} is out of range; 1 to {}", count, most_boards));
   }
+  const Board& shape = std::get<Board>(sheet.shape);
+  return board_poses(scanner, count, shape.width, shape.height);
+}
+
+void simulate_boards(const fs::path& folder, const SimulateBoardsFlags& flags,
+                     const VirtualWorld& world, const Sequence& sequence, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
   const Scanner& scanner = world.scanner;
   require_resolved(sequence.strategy, length_along(Axis::y, scanner.projector.size));
   const Body sheet = sheet_of(board, scanner);
-  const Board& shape = std::get<Board>(sheet.shape);
+  const int count = flags.count.value_or(0);
+  const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
   Progress progress("boards", count);
-  const std::vector<std::string> names = save_board_scans(
-      folder, sequence, world, sheet, board_poses(scanner, count, shape.width, shape.height),
-      [&] { progress.advance(); });
+  const std::vector<std::string> names =
+      save_board_scans(folder, sequence, world, sheet, poses, [&] { progress.advance(); });
   progress.finish();
   output.say("took a {} of {}x{}, {:g} mm apart, in {} poses of {}; they are in {}",
              name_of(board.kind), board.columns, board.rows, board.spacing, count,

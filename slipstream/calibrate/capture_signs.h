@@ -41,6 +41,11 @@ struct EdgeSoftness {
   double spacings = 0;
 };
 
+/// Whether that is too soft: more than an eighth of a spacing, so that less than half of it is flat
+/// and corners move with what is beside them, and more than the one and a half pixels of the pixels
+/// themselves.
+bool is_soft(const EdgeSoftness& edges);
+
 /// `places` and `corners`: which places of the board are where in the picture. Zero where no two
 /// neighbours are seen.
 EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,

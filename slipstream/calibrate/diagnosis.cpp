@@ -54,9 +54,6 @@ void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& s
 
 void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& views,
               const std::vector<FringeSigns>& scans) {
-  // Where edges take more than an eighth of a square, less than half of it is flat, and corners
-  // move with what is beside them; less than one and a half pixels are those of the pixels.
-  constexpr double softest_spacings = 0.125, softest_pixels = 1.5;
   // Half as much modulation doubles the noise of the phase; sharp fringes keep over 0.9.
   constexpr double least_contrast = 0.6;
   std::vector<double> pixels, spacings;
@@ -67,7 +64,7 @@ void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& view
   }
   if (!pixels.empty()) {
     const double wide = median(std::move(pixels)), share = median(std::move(spacings));
-    if (wide > softest_pixels && share > softest_spacings) {
+    if (is_soft({wide, share})) {
       findings.push_back({.what = "the edges of the board's print are soft",
                           .evidence = {{"softness, px", wide}, {"softness, squares", share}},
                           .likely = "the camera is out of focus, or the board moved while exposed",

@@ -47,6 +47,10 @@ std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2
 
 }  // namespace
 
+bool is_soft(const EdgeSoftness& edges) {
+  return edges.pixels > 1.5 && edges.spacings > 0.125;
+}
+
 EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,
                            const std::vector<int>& places,
                            const std::vector<Eigen::Vector2d>& corners) {

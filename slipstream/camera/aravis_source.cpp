@@ -48,6 +48,7 @@ class AravisSource::Camera {
   }
 
   void trigger() {
+    if (settings_.trigger != "Software") return;
     const std::shared_ptr<AravisConnection> connection = shared_connection();
     if (connection) connection->trigger();
   }

@@ -21,15 +21,14 @@ class AravisSource : public FrameSource {
   AravisSource(const AravisSource&) = delete;
   AravisSource& operator=(const AravisSource&) = delete;
 
-  /// Starts a frame of a camera whose trigger is "Software". From any thread. A camera that is gone
-  /// is not triggered.
-  void trigger();
-
   [[nodiscard]] FrameFormat format() const override;
   [[nodiscard]] bool has_own_pace() const override { return true; }
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override;
+  /// Starts a frame of a camera whose trigger is "Software". From any thread. A camera that is gone
+  /// is not triggered.
+  void trigger() override;
   [[nodiscard]] SourceCounters counters() const override;
   [[nodiscard]] std::string state() const override;
 

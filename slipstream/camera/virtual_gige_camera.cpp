@@ -20,6 +20,15 @@ namespace {
 constexpr std::uint16_t control_port = 3956;  // of GigE Vision
 constexpr const char* frames_sent_key = "slipstream-frames-sent";
 
+/// All of 127.x.x.x may be bound on this machine, but a camera is found by an interface's own.
+[[noreturn]] void throw_no_interface(const std::string& address) {
+  const bool loopback = address.starts_with("127.");
+  throw WorldError(
+      fmt::format("cannot serve a camera at {}: no network interface has that address; give it to "
+                  "one first, as with: sudo ip address add {} dev {}",
+                  address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
+}
+
 /// The fake camera says that it runs even where it could not listen.
 void require_free_port(const std::string& address) {
   sockaddr_in wanted{};
@@ -34,17 +43,20 @@ void require_free_port(const std::string& address) {
       ::bind(descriptor, reinterpret_cast<const sockaddr*>(&wanted), sizeof(wanted)) != 0;
   const int reason = errno;
   if (descriptor >= 0) ::close(descriptor);
+  if (failed != 0 && reason == EADDRNOTAVAIL) throw_no_interface(address);
   if (failed != 0) {
     throw WorldError(fmt::format("cannot serve a camera on UDP port {} of {}: {}", control_port,
                                  address, std::strerror(reason)));
   }
 }
 
-void require_valid(const std::vector<Frame>& loop, const std::string& serial) {
-  if (loop.empty()) throw Error("a virtual camera with no frames; at least one is wanted");
-  for (const Frame& frame : loop) {
-    if (frame.format() != loop.front().format() || frame.bits != 8) {
-      throw Error("the virtual GigE camera gives frames of one size and 8 bits; others came");
+void require_valid(const std::vector<Reel>& reels, const std::string& serial) {
+  for (const Reel& reel : reels) {
+    if (reel.frames.empty()) throw Error("a virtual camera with no frames; at least one is wanted");
+    for (const Frame& frame : reel.frames) {
+      if (frame.format() != reels.front().frames.front().format() || frame.bits != 8) {
+        throw Error("the virtual GigE camera gives frames of one size and 8 bits; others came");
+      }
     }
   }
   if (serial.empty() || serial.size() > 15) {
@@ -74,7 +86,9 @@ void copy_region(const Image<std::uint8_t>& picture, int left, int top, Size siz
 }  // namespace
 
 struct VirtualGigeCamera::Served {
-  std::vector<Frame> loop;
+  std::vector<Reel> reels;
+  std::size_t reel = 0;     ///< that the client sees
+  bool seen_whole = false;  ///< by it, or one before
   std::atomic<std::uint64_t> sent = 0;
   GObjectPointer<ArvGvFakeCamera> camera;  ///< its thread reads the rest; goes first
 
@@ -90,6 +104,17 @@ struct VirtualGigeCamera::Served {
     arv_fake_camera_write_register(fake(), address, value);
   }
 
+  /// What frame k since the client's start shows.
+  const Image<std::uint8_t>& picture(std::size_t k) {
+    if (k == 0 && seen_whole && reel + 1 < reels.size()) {
+      ++reel;
+      seen_whole = false;
+    }
+    const auto& [frames, order] = reels[reel];
+    seen_whole |= k + 1 == order.size();
+    return std::get<Image<std::uint8_t>>(frames[order[k % order.size()]].pixels);
+  }
+
   /// Numbers the frame, counted since its client started, and writes the pixels that belong to it.
   void fill(ArvBuffer* buffer) {
     // The buffer is made anew for each start of frames.
@@ -100,15 +125,14 @@ struct VirtualGigeCamera::Served {
     arv_buffer_set_frame_id(buffer, 1 + k % largest_number);
 
     const Size size{arv_buffer_get_image_width(buffer), arv_buffer_get_image_height(buffer)};
-    const auto& picture = std::get<Image<std::uint8_t>>(loop[k % loop.size()].pixels);
+    const Image<std::uint8_t>& shown = picture(k);
     std::size_t unset_size = 0;
     auto* pixels = const_cast<void*>(arv_buffer_get_data(buffer, &unset_size));
     const int left = read(ARV_FAKE_CAMERA_REGISTER_X_OFFSET);
     const int top = read(ARV_FAKE_CAMERA_REGISTER_Y_OFFSET);
     if (arv_buffer_get_image_pixel_format(buffer) == ARV_PIXEL_FORMAT_MONO_8 &&
-        is_within(left, size.width, picture.width()) &&
-        is_within(top, size.height, picture.height())) {
-      copy_region(picture, left, top, size, static_cast<std::uint8_t*>(pixels));
+        is_within(left, size.width, shown.width()) && is_within(top, size.height, shown.height())) {
+      copy_region(shown, left, top, size, static_cast<std::uint8_t*>(pixels));
     }
     ++sent;
   }
@@ -116,15 +140,18 @@ struct VirtualGigeCamera::Served {
 
 VirtualGigeCamera::VirtualGigeCamera(std::vector<Frame> loop, const std::string& address,
                                      const std::string& serial)
+    : VirtualGigeCamera(std::vector<Reel>{reel_of(std::move(loop))}, address, serial) {}
+
+VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string& address,
+                                     const std::string& serial)
     : served_(std::make_unique<Served>()) {
-  require_valid(loop, serial);
+  require_valid(reels, serial);
   require_free_port(address);
-  const Size size = loop.front().format().size;
-  served_->loop = std::move(loop);
+  const Size size = reels.front().frames.front().format().size;
+  served_->reels = std::move(reels);
   served_->camera.reset(arv_gv_fake_camera_new(address.c_str(), serial.c_str()));
   if (!served_->camera || !arv_gv_fake_camera_is_running(served_->camera.get())) {
-    throw WorldError(
-        fmt::format("cannot serve a camera at {}: no network interface has that address", address));
+    throw_no_interface(address);
   }
   const auto width = static_cast<std::uint32_t>(size.width);
   const auto height = static_cast<std::uint32_t>(size.height);

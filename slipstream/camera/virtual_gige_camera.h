@@ -5,19 +5,23 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame.h"
+#include "slipstream/capture/reel.h"
 
 namespace slipstream {
 
 /// Serves frames as a GigE Vision camera of this machine does, over UDP, to any client of that
 /// protocol: Mono8, at the rate, region and trigger that the client asks for. Frames are numbered
-/// from 1 when a client starts them; frame k shows `loop`[(k - 1) mod its size], whatever else was
-/// lost on the way.
+/// from 1 when a client starts them; frame k shows the frame at (k - 1) mod its length of a reel,
+/// whatever else was lost on the way. Of several reels a client sees the first until one has seen
+/// the whole of it; who comes after that the next, and so on to the last.
 class VirtualGigeCamera {
  public:
-  /// `loop`: 8-bit frames of one size. `address`: of a network interface of this machine, one
-  /// camera each. `serial`: its name to clients, up to 15 letters. Throws Error where these are not
-  /// so, WorldError where the address is none or its port for cameras, 3956, is taken.
+  /// `reels`: not empty, of 8-bit frames of one size. `address`: of a network interface of this
+  /// machine, one camera each. `serial`: its name to clients, up to 15 letters. Throws Error where
+  /// these are not so, WorldError where the address is none or its port for cameras, 3956, is
+  /// taken.
+  VirtualGigeCamera(std::vector<Reel> reels, const std::string& address, const std::string& serial);
+  /// One reel of frames that each come once.
   VirtualGigeCamera(std::vector<Frame> loop, const std::string& address, const std::string& serial);
   ~VirtualGigeCamera();  ///< gone, without a word to its client
   VirtualGigeCamera(const VirtualGigeCamera&) = delete;

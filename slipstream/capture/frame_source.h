@@ -41,6 +41,8 @@ class FrameSource {
   /// A device that is gone is sought again meanwhile; nothing is thrown for it.
   virtual Arrival next(Frame& frame, std::chrono::milliseconds timeout) = 0;
   virtual void stop() = 0;
+  /// Asks for a frame, of a camera that waits for that; does nothing with another.
+  virtual void trigger() {}
   [[nodiscard]] virtual SourceCounters counters() const = 0;
   /// One line for people where something is amiss ("camera X is gone; looking for it"), else empty.
   [[nodiscard]] virtual std::string state() const = 0;

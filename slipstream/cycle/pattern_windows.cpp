@@ -5,12 +5,13 @@
 
 namespace slipstream {
 
-PatternWindows::PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size)
-    : patterns_(frame_count(sequence)),
+PatternWindows::PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size,
+                               int scans)
+    : patterns_(scans * frame_count(sequence)),
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
       indexing_(indexing),
       grid_(size),
-      alignment_(sequence.strategy.layout()),
+      alignment_(scans == 1 ? sequence.strategy.layout() : Layout{}),
       watch_(cycle_, grid_.count()),
       window_(patterns_),
       aligned_(indexing != PatternIndexing::marker) {

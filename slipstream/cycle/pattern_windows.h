@@ -23,7 +23,8 @@ namespace slipstream {
 /// there. One thread uses it.
 class PatternWindows {
  public:
-  PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size);
+  /// `scans`: so many that the projector shows after each other in a cycle.
+  PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size, int scans = 1);
 
   /// False where the frame came again, or too late.
   bool put(const Pooled<Frame>& frame);

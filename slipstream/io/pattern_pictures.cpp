@@ -14,17 +14,19 @@ namespace fs = std::filesystem;
 std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& patterns,
                                      const Sequence& sequence, int bits,
                                      const std::function<void()>& written) {
-  ScanFiles scan{.sequence = sequence};
+  std::vector<fs::path> pictures;
   for (int n = 0; n < patterns.count; ++n) {
     const Image<std::uint16_t> picture = render_pattern(patterns, n, sequence.projector, bits);
     if (n == 0) make_folder(folder);
     const fs::path file = pattern_file(folder, static_cast<std::size_t>(n));
     bits == 8 ? write_image(file, in_8_bits(picture)) : write_image(file, picture);
-    scan.frames.push_back(file);
+    pictures.push_back(file);
     written();
   }
+  ScanFiles scan{.sequence = sequence, .frames = pictures};
+  if (sequence.marker) scan.frames.pop_back();
   write_scan_files(folder / "scan.yaml", scan);
-  return scan.frames;
+  return pictures;
 }
 
 }  // namespace slipstream

@@ -1,9 +1,11 @@
 #include "slipstream/io/saved_scan.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/chrono.h>
@@ -140,6 +142,27 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   }
   write_scan_files(path / "scan.yaml", files);
   return files;
+}
+
+void save_recording(const fs::path& file, const Scan& scan) {
+  RecordingHeader header{.format = {scan.frames.size(), scan.frames.bits()},
+                         .sequence = scan.sequence,
+                         .scanner = scan.scanner};
+  RecordingWriter writer(file, header);
+  Frame frame(header.format);
+  scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (std::is_integral_v<Pixel>) {
+      for (std::size_t n = 0; n < views.size(); ++n) {
+        auto& image = std::get<Image<Pixel>>(frame.pixels);
+        for (int row = 0; row < image.height(); ++row) {
+          std::copy_n(views[n].row(row), image.width(), image.row(row));
+        }
+        frame.stamp = {.sequence = n, .pattern_index = static_cast<int>(n)};
+        writer.append(frame);
+      }
+    }
+  });
+  writer.finish();
 }
 
 void save_results(const fs::path& folder, const Cloud& cloud, const Maps& maps) {

@@ -46,7 +46,7 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
   const auto& [scanner, scene, photometry] = *request.world;
   NamedSource opened;
   opened.sequence = default_sequence(scanner.projector.size, request.sequence);
-  opened.sequence.marker = request.marker;
+  opened.sequence.marker |= request.marker;
   if (opened.sequence.projector != scanner.projector.size) {
     throw Error(fmt::format("--projector {} is not that of the scanner, {}",
                             text_of(opened.sequence.projector), text_of(scanner.projector.size)));
@@ -72,7 +72,7 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   }
   NamedSource opened;
   opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
-  opened.sequence.marker = opened.sequence.marker || request.marker;
+  opened.sequence.marker |= request.marker;
   opened.warning = replay->warning();
   set_scanner(opened, request, header.scanner, path);
   opened.frames = std::move(replay);
@@ -87,10 +87,11 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
   }
   NamedSource opened;
   opened.sequence = changed({}, request.sequence);
-  opened.sequence.marker = request.marker;
+  opened.sequence.marker |= request.marker;
   CameraSettings settings = request.camera;
   settings.frame_rate = pace_from(request.rate);
-  settings.cycle = cycle_length(opened.sequence);
+  settings.cycle =
+      cycle_length(opened.sequence) + (request.scans - 1) * frame_count(opened.sequence.strategy);
   opened.frames = open_camera(request.source, settings);
   set_scanner(opened, request, std::nullopt, request.source);
   return opened;

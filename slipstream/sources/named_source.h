@@ -18,6 +18,7 @@ struct SourceRequest {
   std::string source = "virtual";  ///< "SCHEME" or "SCHEME:WHAT"
   std::optional<double> rate{};    ///< Hz; 0: as fast as it goes; none: the source's own
   bool loop = false;               ///< a recording begins again at its end
+  int scans = 1;                   ///< of the sequence that a cycle shows, one after another
   bool marker = false;             ///< a dark frame ends each cycle, whatever the source says
   SequenceChanges sequence{};      ///< over what the source says that it sees
   std::optional<std::filesystem::path> scanner{};  ///< file, over the source's own

@@ -55,6 +55,14 @@ void require_mergeable(const Sequence& sequence) {
   }
 }
 
+std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
+  Sequence along_x = sequence, along_y = sequence;
+  along_x.axis = Axis::x;
+  along_x.marker = false;
+  along_y.axis = Axis::y;
+  return {pattern_set(along_x), pattern_set(along_y)};
+}
+
 void require_shown(const Sequence& sequence) {
   if (sequence.projector == Size{}) return;
   require_resolved(sequence.strategy, length_along(sequence.axis, sequence.projector));

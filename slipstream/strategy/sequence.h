@@ -42,6 +42,10 @@ Sequence merged_sequence(Sequence sequence);
 /// pixel.
 void require_mergeable(const Sequence& sequence);
 
+/// The patterns along x and then those along y that a board is calibrated by, the marker, where
+/// there is one, after the last of all: whatever axis the sequence has.
+std::vector<PatternSet> along_both_axes(const Sequence& sequence);
+
 /// Throws Error where the projector's size is known and cannot show the strategy.
 void require_shown(const Sequence& sequence);
 

@@ -19,6 +19,7 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
   sequence.projector = changes.projector.value_or(known.projector);
   sequence.exposures = changes.exposures.value_or(known.exposures);
   require_mergeable(sequence);
+  sequence.marker = known.marker || changes.marker;
   return sequence;
 }
 

@@ -18,6 +18,7 @@ struct SequenceChanges {
   std::optional<double> beta_p{};
   std::optional<Size> projector{};
   std::optional<std::vector<double>> exposures{};
+  bool marker = false;  ///< a marker ends each cycle, whatever was known
 };
 
 /// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is

@@ -329,7 +329,7 @@ TEST(VirtualGigeCamera, SecondOneAtAnAddressIsRefused) {
 }
 
 TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
-  expect_error([] { VirtualGigeCamera({}, address, "S"); }, {"no frames"});
+  expect_error([] { VirtualGigeCamera(std::vector<Frame>{}, address, "S"); }, {"no frames"});
   expect_error([] { VirtualGigeCamera(some_frames(1), "here", "S"); }, {"here", "127.0.0.1"});
   expect_error([] { VirtualGigeCamera(some_frames(1), address, ""); }, {"serial"});
   expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, address, "S"); }, {"8 bits"});

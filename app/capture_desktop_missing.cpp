@@ -1,0 +1,28 @@
+// In place of capture_desktop.cpp, in builds without windows.
+#include "app/capture_desktop.h"
+#include "slipstream/error/error.h"
+
+namespace slipstream::app {
+
+struct CaptureDesktop::Windows {};
+
+CaptureDesktop::CaptureDesktop(const DesktopWishes& wishes) {
+  if (wishes.monitor) throw Error("--monitor: this build shows nothing on monitors");
+  if (wishes.guides) throw Error("this build has no windows; add --headless");
+}
+
+CaptureDesktop::~CaptureDesktop() = default;
+
+PatternSink* CaptureDesktop::projector() {
+  return nullptr;
+}
+
+void CaptureDesktop::show(const PoseProgress&, const std::string&) {}
+
+bool CaptureDesktop::closed() {
+  return false;
+}
+
+void CaptureDesktop::write_screenshot(const std::string&, Output&) {}
+
+}  // namespace slipstream::app

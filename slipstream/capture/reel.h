@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "slipstream/capture/frame.h"
+
+namespace slipstream {
+
+/// Frames that a camera gives over and over, each as often as `order` names it.
+struct Reel {
+  std::vector<Frame> frames;
+  std::vector<std::size_t> order;  ///< which of the frames comes when
+};
+
+/// Each frame once, one after the other.
+Reel reel_of(std::vector<Frame> frames);
+
+}  // namespace slipstream

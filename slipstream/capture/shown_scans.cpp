@@ -1,0 +1,93 @@
+#include "slipstream/capture/shown_scans.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+/// However slow the camera, one frame has come by then.
+constexpr milliseconds longest_wait{5000};
+
+FrameSet set_of(const Frame& frame) {
+  return frame_set_of(1, [&](int) -> const Frame& { return frame; });
+}
+
+}  // namespace
+
+ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
+                       std::vector<std::vector<Image<std::uint8_t>>> scans, StepSettings settings)
+    : sink_(sink), source_(source), settings_(settings), frame_(source.format()) {
+  std::vector<Image<std::uint8_t>> patterns;
+  std::uint8_t brightest = 0;
+  for (std::vector<Image<std::uint8_t>>& scan : scans) {
+    counts_.push_back(scan.size());
+    for (Image<std::uint8_t>& pattern : scan) {
+      brightest = std::max(brightest, *std::max_element(pattern.begin(), pattern.end()));
+      patterns.push_back(std::move(pattern));
+    }
+  }
+  if (patterns.empty()) throw Error("no pattern to be shown; one or more are wanted");
+  light_ = patterns.size();
+  patterns.emplace_back(patterns.front().size(), brightest);
+  sink_.load(std::move(patterns));
+}
+
+bool ShownScans::next(milliseconds timeout) {
+  const auto end = Clock::now() + timeout;
+  do {
+    const Arrival arrival = source_.next(frame_, std::min(timeout, milliseconds(50)));
+    if (arrival == Arrival::ended) throw WorldError("the source of frames has ended");
+    if (arrival != Arrival::frame) continue;
+    // What waited in the camera meanwhile is older.
+    while (source_.has_own_pace() && !settings_.triggered) {
+      if (source_.next(frame_, milliseconds(0)) != Arrival::frame) break;
+    }
+    return true;
+  } while (Clock::now() < end);
+  return false;
+}
+
+bool ShownScans::show(std::size_t pattern, milliseconds timeout) {
+  sink_.show(pattern);
+  lit_ = pattern == light_;
+  if (!source_.has_own_pace()) return next(timeout);
+  const auto settled = Clock::now() + settings_.settling;
+  while (Clock::now() < settled) source_.next(frame_, milliseconds(5));
+  if (!settings_.triggered) return next(timeout) && next(timeout);  // the first had begun before
+  source_.trigger();
+  return next(timeout);
+}
+
+std::optional<Glimpse> ShownScans::look(milliseconds timeout) {
+  if (lit_ && settings_.triggered) source_.trigger();
+  if (!(lit_ ? next(timeout) : show(light_, timeout))) return std::nullopt;
+  FrameSet seen = set_of(frame_);
+  const bool still = is_still(glimpse_, seen);
+  glimpse_ = std::move(seen);
+  return Glimpse{{glimpse_}, still};
+}
+
+std::optional<std::vector<FrameSet>> ShownScans::take() {
+  std::vector<FrameSet> scans;
+  std::size_t pattern = 0;
+  for (const std::size_t count : counts_) {
+    std::vector<Frame> frames;
+    for (std::size_t n = 0; n < count; ++n, ++pattern) {
+      if (!show(pattern, longest_wait)) return std::nullopt;
+      frames.push_back(frame_);
+    }
+    scans.push_back(frame_set_of(static_cast<int>(count), [&](int n) -> const Frame& {
+      return frames[static_cast<std::size_t>(n)];
+    }));
+  }
+  if (!show(light_, longest_wait) || !is_still(glimpse_, set_of(frame_))) return std::nullopt;
+  return scans;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,81 @@
+#include "slipstream/live/cyclic_scans.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+/// As many cycles as PatternWindows may keep frames of.
+constexpr int kept_cycles = 4;
+
+Layout layout_of(const Strategy& strategy, int scans) {
+  return scans == 1 ? strategy.layout() : Layout{.frames = scans * frame_count(strategy)};
+}
+
+}  // namespace
+
+CyclicScans::CyclicScans(FrameSource& source, const Strategy& strategy, int scans,
+                         PatternIndexing indexing)
+    : source_(source),
+      frames_(frame_count(strategy)),
+      scans_(scans),
+      windows_(layout_of(strategy, scans), indexing, source.format().size),
+      pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
+            [&] { return Frame(source.format()); }) {}
+
+std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
+  const auto end = std::chrono::steady_clock::now() + timeout;
+  do {
+    Pooled<Frame> frame = pool_.take();
+    if (!frame) throw Error("more frames of a cycle wait than can be");
+    const Arrival arrival =
+        source_.next(frame.fill(), std::min(timeout, std::chrono::milliseconds(50)));
+    if (arrival == Arrival::ended) {
+      throw WorldError(fmt::format(
+          "the frames ended before a second whole cycle of {} came, to see that nothing moves",
+          frames_ * scans_));
+    }
+    if (arrival != Arrival::frame) continue;
+    windows_.put(frame);
+    frame = {};
+    if (!windows_.next(window_)) continue;
+    std::optional<std::vector<FrameSet>> frames = cycle_of(window_);
+    if (!frames) continue;
+    const bool still =
+        std::equal(seen_.begin(), seen_.end(), frames->begin(), frames->end(),
+                   [](const FrameSet& a, const FrameSet& b) { return is_still(a, b); });
+    seen_ = std::move(*frames);
+    return Glimpse{seen_, still};
+  } while (std::chrono::steady_clock::now() < end);
+  return std::nullopt;
+}
+
+std::optional<std::vector<FrameSet>> CyclicScans::cycle_of(
+    const std::vector<Pooled<Frame>>& window) {
+  std::uint64_t oldest = window.front()->stamp.sequence, newest = oldest;
+  for (const Pooled<Frame>& frame : window) {
+    oldest = std::min(oldest, frame->stamp.sequence);
+    newest = std::max(newest, frame->stamp.sequence);
+  }
+  if (newest_ && oldest <= *newest_) return std::nullopt;
+  newest_ = newest;
+  std::vector<FrameSet> scans;
+  for (int scan = 0; scan < scans_; ++scan) {
+    scans.push_back(frame_set_of(frames_, [&](int n) -> const Frame& {
+      return *window[static_cast<std::size_t>(scan * frames_ + n)];
+    }));
+  }
+  return scans;
+}
+
+std::optional<std::vector<FrameSet>> CyclicScans::take() {
+  if (seen_.empty()) return std::nullopt;
+  return seen_;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "slipstream/capture/frame_source.h"
+#include "slipstream/capture/pool.h"
+#include "slipstream/capture/scan_camera.h"
+#include "slipstream/live/pattern_windows.h"
+
+namespace slipstream {
+
+/// Scans under a projector that shows their patterns by itself, over and over, one scan after the
+/// other: whole cycles, each frame in its place as PatternWindows finds it.
+class CyclicScans : public ScanCamera {
+ public:
+  /// `source`: started, outlives this. `scans`: so many of the strategy in a cycle. `indexing`:
+  /// with marker, one ends the cycle.
+  CyclicScans(FrameSource& source, const Strategy& strategy, int scans, PatternIndexing indexing);
+
+  /// The frames of a cycle that begins after the one before.
+  std::optional<Glimpse> look(std::chrono::milliseconds timeout) override;
+  /// Those of the last glimpse; none before there was one.
+  std::optional<std::vector<FrameSet>> take() override;
+
+ private:
+  /// The frames of the window by scan; none where it shares some with the last glimpse.
+  [[nodiscard]] std::optional<std::vector<FrameSet>> cycle_of(
+      const std::vector<Pooled<Frame>>& window);
+
+  FrameSource& source_;
+  int frames_;  ///< N of each scan
+  int scans_;
+  PatternWindows windows_;
+  Pool<Frame> pool_;
+  std::vector<Pooled<Frame>> window_;
+  std::vector<FrameSet> seen_;
+  std::optional<std::uint64_t> newest_;  ///< sequence, of the last glimpse
+};
+
+}  // namespace slipstream

@@ -17,8 +17,10 @@
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
 #include "slipstream/calibrate/guided_poses.h"
+#include "slipstream/calibrate/pose_drawing.h"
 #include "slipstream/capture/shown_scans.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/live/cyclic_scans.h"
 #include "slipstream/pattern/pattern_in_8_bits.h"
@@ -135,6 +137,18 @@ std::string line_of(const PoseProgress& progress, const CaptureFlags& flags) {
                      next ? "; next: " : "", next ? progress.needs.advice : "");
 }
 
+view::Guide guide_of(const PoseProgress& progress, const std::string& line) {
+  const PoseNeeds& needs = progress.needs;
+  return {drawn_guide(progress.pictures.mean, progress.verdict, needs, progress.taken),
+          line,
+          colour_of(progress.verdict.state),
+          {needs.enough ? "enough poses: calibrating" : "next: " + needs.advice,
+           fmt::format("{} taken; boards covered {:.0f} % of the camera's picture",
+                       progress.taken.size(), 100 * needs.covered),
+           "blue: no board was here yet; arrows: the edge that was nearer once (green), or has yet "
+           "to be (orange)"}};
+}
+
 void calibrate_taken(const CaptureFlags& flags, Output& output) {
   const fs::path folder = flags.output;
   CalibrateGeometryFlags calibration;
@@ -156,7 +170,7 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
   PoseState told = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
     const std::string line = line_of(progress, flags);
-    desktop.show(progress, line);
+    if (desktop.guides()) desktop.show(guide_of(progress, line));
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
     output.say("{}", line);
@@ -166,11 +180,16 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
     news.tell(output);
     return end.reached() || desktop.closed();
   };
-  const std::size_t taken = take_guided_poses(camera, flags.output, board, opened.sequence,
-                                              {.wanted = *flags.poses, .told = tell, .ends = ends})
-                                .size();
+  GuidedPosesSettings settings;
+  settings.wanted = *flags.poses;
+  settings.told = tell;
+  settings.ends = ends;
+  const std::size_t taken =
+      take_guided_poses(camera, flags.output, board, opened.sequence, settings).size();
   opened.frames->stop();
-  if (!flags.screenshot.empty()) desktop.write_screenshot(flags.screenshot, output);
+  if (!flags.screenshot.empty() && desktop.guides()) {
+    write_image(flags.screenshot, desktop.picture());
+  }
   if (taken == 0) throw Error("no pose was taken");
   calibrate_taken(flags, output);
   output.document["poses_taken"] = taken;

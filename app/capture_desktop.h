@@ -2,11 +2,9 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 
-#include "app/output.h"
-#include "slipstream/calibrate/guided_poses.h"
 #include "slipstream/capture/pattern_sink.h"
+#include "slipstream/view/guide_window.h"
 
 namespace slipstream::app {
 
@@ -30,12 +28,14 @@ class CaptureDesktop {
 
   /// Null where none is wished.
   [[nodiscard]] PatternSink* projector();
-  /// In the window, where there is one; `line` is what a terminal would show.
-  void show(const PoseProgress& progress, const std::string& line);
+  /// Whether there is a window that guides.
+  [[nodiscard]] bool guides() const;
+  /// In that window.
+  void show(view::Guide guide);
   /// Whether a window was closed. Answers the desktop meanwhile.
   [[nodiscard]] bool closed();
-  /// Writes what the window showed last, where it is open.
-  void write_screenshot(const std::string& file, Output& output);
+  /// What that window showed last.
+  [[nodiscard]] Image<Colour> picture() const;
 
  private:
   struct Windows;

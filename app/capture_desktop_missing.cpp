@@ -17,12 +17,18 @@ PatternSink* CaptureDesktop::projector() {
   return nullptr;
 }
 
-void CaptureDesktop::show(const PoseProgress&, const std::string&) {}
+bool CaptureDesktop::guides() const {
+  return false;
+}
+
+void CaptureDesktop::show(view::Guide) {}
 
 bool CaptureDesktop::closed() {
   return false;
 }
 
-void CaptureDesktop::write_screenshot(const std::string&, Output&) {}
+Image<Colour> CaptureDesktop::picture() const {
+  return {};
+}
 
 }  // namespace slipstream::app

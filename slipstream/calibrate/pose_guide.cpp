@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -161,25 +162,36 @@ bool is_seen_in(const Image<std::uint8_t>& coverage, int row, int column) {
   return 2 * covered >= (right - left) * (bottom - top);
 }
 
-std::string advice_for(const PoseNeeds& needs) {
-  constexpr std::array edges{"left", "right", "upper", "lower"};
+/// The places of the picture where no board was, as a person calls them.
+std::vector<std::string> missing_places(const PoseNeeds& needs) {
   constexpr std::array rows{"top", "middle", "bottom"}, columns{"left", "middle", "right"};
-  std::string advice;
-  const auto edge = std::find(needs.tilted.begin(), needs.tilted.end(), false);
-  if (edge != needs.tilted.end()) {
-    advice = fmt::format("tilt its {} edge towards the camera by 20 to 40 degrees",
-                         edges[static_cast<std::size_t>(edge - needs.tilted.begin())]);
-  }
+  std::vector<std::string> places;
   for (std::size_t row = 0; row < rows.size(); ++row) {
     for (std::size_t column = 0; column < columns.size(); ++column) {
       if (needs.seen_in[row][column]) continue;
-      const std::string place =
-          row == 1 && column == 1 ? "middle" : fmt::format("{} {}", rows[row], columns[column]);
-      return fmt::format("{}{}hold it towards the {} of the picture", advice,
-                         advice.empty() ? "" : ", and ", place);
+      places.push_back(row == 1 && column == 1 ? "middle"
+                                               : fmt::format("{} {}", rows[row], columns[column]));
     }
   }
-  return advice.empty() ? "hold it another way, nearer or farther" : advice;
+  return places;
+}
+
+/// `turn`: which of several places is named; not all of them may be in the projector's light.
+std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
+  constexpr std::array edges{"left", "right", "upper", "lower"};
+  std::vector<std::string> advice;
+  const auto edge = std::find(needs.tilted.begin(), needs.tilted.end(), false);
+  if (edge != needs.tilted.end()) {
+    advice.push_back(fmt::format("tilt its {} edge towards the camera by 20 to 40 degrees",
+                                 edges[static_cast<std::size_t>(edge - needs.tilted.begin())]));
+  }
+  const std::vector<std::string> places = missing_places(needs);
+  if (!places.empty()) {
+    advice.push_back(
+        fmt::format("hold it towards the {} of the picture", places[turn % places.size()]));
+  }
+  if (advice.empty()) advice.emplace_back("hold it another way, nearer or farther");
+  return fmt::format("{}", fmt::join(advice, ", and "));
 }
 
 }  // namespace
@@ -230,7 +242,7 @@ PoseNeeds pose_needs(const std::vector<BoardView>& taken, const CalibrationBoard
   needs.enough = wanted > 0 ? taken.size() >= static_cast<std::size_t>(wanted)
                             : taken.size() >= many || (taken.size() >= few && all_ways &&
                                                        needs.covered >= well_covered);
-  if (!needs.enough) needs.advice = advice_for(needs);
+  if (!needs.enough) needs.advice = advice_for(needs, taken.size());
   return needs;
 }
 

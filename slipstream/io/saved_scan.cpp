@@ -157,7 +157,8 @@ void save_recording(const fs::path& file, const Scan& scan) {
         for (int row = 0; row < image.height(); ++row) {
           std::copy_n(views[n].row(row), image.width(), image.row(row));
         }
-        frame.stamp = {.sequence = n, .pattern_index = static_cast<int>(n)};
+        frame.stamp.sequence = n;
+        frame.stamp.pattern_index = static_cast<int>(n);
         writer.append(frame);
       }
     }

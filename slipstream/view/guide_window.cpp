@@ -1,6 +1,7 @@
 #include "slipstream/view/guide_window.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <utility>
 
@@ -30,7 +31,7 @@ void draw_picture(const opengl::PictureTexture& texture, ImVec2 room) {
   const auto height = static_cast<float>(texture.size().height);
   const float scale = std::min(room.x / width, room.y / height);
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, (room.x - scale * width) / 2));
-  ImGui::Image(static_cast<ImTextureID>(static_cast<std::intptr_t>(texture.number())),
+  ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{texture.number()}),
                {scale * width, scale * height});
 }
 

@@ -77,6 +77,7 @@ void require_good(const CaptureFlags& flags) {
 SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> projector) {
   SourceRequest request = request_from(flags.source);
   request.scans = flags.poses ? 2 : 1;
+  request.loop = true;  // a single recorded cycle stands still before itself
   if (!request.sequence.strategy && scheme_of(flags.source.source) != "replay") {
     request.sequence.strategy = default_strategy().name();
   }
@@ -199,7 +200,7 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
 /// The frames of one scan, once nothing moves.
 FrameSet still_frames(ScanCamera& camera, const NamedSource& opened, CaptureDesktop& desktop,
                       Output& output) {
-  constexpr double patience = 20;  // s
+  constexpr double patience = 10;  // s
   const RunEnd end(patience);
   SourceNews news(*opened.frames);
   bool seen = false;

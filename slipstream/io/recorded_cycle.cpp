@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/capture/scan_camera.h"
 #include "slipstream/cycle/pattern_windows.h"
 #include "slipstream/error/error.h"
 
@@ -16,24 +17,6 @@ namespace {
 
 /// Cycles that are searched for a whole one, and as many as PatternWindows may keep of them.
 constexpr std::uint64_t searched_cycles = 8, kept_cycles = 4;
-
-FrameSet set_of(const std::vector<Pooled<Frame>>& window) {
-  const int bits = window.front()->bits;
-  return std::visit(
-      [&]<class Pixel>(const Image<Pixel>&) {
-        std::vector<Image<Pixel>> images;
-        images.reserve(window.size());
-        for (const Pooled<Frame>& frame : window) {
-          images.push_back(std::get<Image<Pixel>>(frame->pixels));
-        }
-        if constexpr (sizeof(Pixel) == 1) {
-          return FrameSet(std::move(images));
-        } else {
-          return FrameSet(std::move(images), bits);
-        }
-      },
-      window.front()->pixels);
-}
 
 }  // namespace
 
@@ -51,7 +34,10 @@ std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequ
     if (!recording.read(n, frame.fill())) continue;
     windows.put(frame);
     frame = {};
-    if (windows.next(window)) return set_of(window);
+    if (!windows.next(window)) continue;
+    return frame_set_of(static_cast<int>(window.size()), [&](int place) -> const Frame& {
+      return *window[static_cast<std::size_t>(place)];
+    });
   }
   return std::nullopt;
 }

@@ -8,7 +8,7 @@
 #include "slipstream/capture/frame_source.h"
 #include "slipstream/capture/pool.h"
 #include "slipstream/capture/scan_camera.h"
-#include "slipstream/live/pattern_windows.h"
+#include "slipstream/cycle/pattern_windows.h"
 
 namespace slipstream {
 

@@ -1,0 +1,91 @@
+#include "slipstream/live/cyclic_scans.h"
+
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "tests/live/virtual_loop.h"
+
+namespace slipstream {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Strategy strategy = DualFrequency{.steps = 4, .high = 4, .low = 1};
+
+/// Cycles of a scan along x and one along y, and a marker; the camera begins at frame `first`.
+std::vector<Frame> two_scans(bool marker, std::size_t first = 0) {
+  const Sequence sequence{.strategy = strategy, .projector = {1280, 800}, .marker = marker};
+  std::vector<Frame> frames;
+  for (int cycle = 0; cycle < 4; ++cycle) {
+    for (const PatternSet& set : along_both_axes(sequence)) {
+      const VirtualLoop loop{
+          .cycles = 1,
+          .photometry = {
+              .ambient = 5, .noise_variance = 1.5, .seed = static_cast<std::uint64_t>(cycle + 1)}};
+      for (Frame& frame : frames_of(set, loop)) frames.push_back(std::move(frame));
+    }
+  }
+  frames.erase(frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(first));
+  for (Frame& frame : frames) frame.stamp.pattern_index.reset();
+  return frames;
+}
+
+const std::uint8_t* pixels_of(const FrameSet& frames, std::size_t n) {
+  const std::uint8_t* pixels = nullptr;
+  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (sizeof(Pixel) == 1) pixels = views[n].row(0);
+  });
+  return pixels;
+}
+
+/// Whether both scans show the patterns in order: alike to those of a cycle from its beginning.
+void expect_in_order(const std::vector<FrameSet>& scans) {
+  const std::vector<Frame> cycle = two_scans(false);
+  ASSERT_EQ(scans.size(), 2U);
+  for (std::size_t k = 0; k < 16; ++k) {
+    const auto& expected = std::get<Image<std::uint8_t>>(cycle[k].pixels);
+    const std::uint8_t* const seen = pixels_of(scans[k / 8], k % 8);
+    double sum = 0;
+    for (std::size_t i = 0; i < expected.pixel_count(); ++i) {
+      sum += std::abs(seen[i] - expected.begin()[i]);
+    }
+    EXPECT_LT(sum / static_cast<double>(expected.pixel_count()), 3) << k;
+  }
+}
+
+TEST(CyclicScans, GivesWholeCyclesOfWhatStandsStill) {
+  VirtualCamera source(two_scans(false));
+  source.start();
+  CyclicScans camera(source, strategy, 2, PatternIndexing::told);
+  const auto first = camera.look(10s), second = camera.look(10s);
+  ASSERT_TRUE(first && second);
+  EXPECT_FALSE(first->still);
+  EXPECT_TRUE(second->still);
+  const auto scans = camera.take();
+  ASSERT_TRUE(scans);
+  expect_in_order(*scans);
+}
+
+TEST(CyclicScans, FindsItsPlaceByTheMarker) {
+  for (const std::size_t first : {0U, 5U, 16U}) {
+    VirtualCamera source(two_scans(true, first));
+    source.start();
+    CyclicScans camera(source, strategy, 2, PatternIndexing::marker);
+    const auto glimpse = camera.look(10s);
+    ASSERT_TRUE(glimpse) << first;
+    expect_in_order(glimpse->frames);
+  }
+}
+
+TEST(CyclicScans, NothingIsTakenBeforeAGlimpse) {
+  VirtualCamera source(two_scans(false));
+  CyclicScans camera(source, strategy, 2, PatternIndexing::told);
+  EXPECT_FALSE(camera.take());
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -67,6 +67,9 @@ void require_good(const CaptureFlags& flags) {
   if (!flags.monitor && flags.source.camera.trigger == "Software") {
     throw Error("--trigger Software: nothing says when; give --monitor too, or the camera's line");
   }
+  if (flags.poses && flags.source.scan.exposures) {
+    throw Error("--exposures: the poses of a board are taken with one, --exposure");
+  }
   if (fs::exists(flags.output) &&
       (fs::is_regular_file(flags.output) || !fs::is_empty(flags.output))) {
     throw Error(fmt::format("{}: is there already; name another", flags.output));
@@ -98,18 +101,25 @@ std::vector<std::vector<Image<std::uint8_t>>> pictures_of(Sequence sequence, boo
   return pictures;
 }
 
+/// Those of --exposures; none where it is not given.
+std::vector<double> exposures_in_seconds(const CaptureFlags& flags, const Sequence& sequence) {
+  std::vector<double> seconds;
+  if (!flags.source.scan.exposures) return seconds;
+  for (const double ms : sequence.exposures) seconds.push_back(ms / 1e3);
+  return seconds;
+}
+
 std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSource& opened,
                                         PatternSink* projector) {
   const Sequence& sequence = opened.sequence;
   if (projector != nullptr) {
     const StepSettings steps{.settling = std::chrono::milliseconds(static_cast<int>(flags.settle)),
-                             .triggered = flags.source.camera.trigger == "Software"};
+                             .triggered = flags.source.camera.trigger == "Software",
+                             .exposures = exposures_in_seconds(flags, sequence)};
     return std::make_unique<ShownScans>(*projector, *opened.frames,
                                         pictures_of(sequence, flags.poses.has_value()), steps);
   }
-  return std::make_unique<CyclicScans>(
-      *opened.frames, sequence.strategy, flags.poses ? 2 : 1,
-      sequence.marker ? PatternIndexing::marker : PatternIndexing::told);
+  return std::make_unique<CyclicScans>(*opened.frames, sequence, flags.poses ? 2 : 1);
 }
 
 /// What is amiss with the source, told where it changes.
@@ -230,7 +240,10 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
     scan.scanner =
         completed(*scan.scanner, opened.scanner_name, scan.frames.size(), scan.sequence.projector);
   }
-  const CheckedScan checked = check_and_repair(scan);
+  const bool several = scan.sequence.exposures.size() > 1;
+  Scan whole = several ? merged(scan) : scan;
+  const CheckedScan checked = check_and_repair(whole);
+  if (!several) scan = std::move(whole);  // slipped frames are put in order
   const fs::path file = flags.output;
   if (file.extension() == ".slip") {
     save_recording(file, scan);

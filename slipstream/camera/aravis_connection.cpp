@@ -102,10 +102,7 @@ void AravisConnection::set_up(const CameraSettings& settings) {
   } else {
     set("the trigger " + settings.trigger, arv_camera_set_trigger, settings.trigger.c_str());
   }
-  if (settings.exposure) {
-    set(fmt::format("an exposure of {} s", *settings.exposure), arv_camera_set_exposure_time,
-        *settings.exposure * 1e6);
-  }
+  if (settings.exposure) set_exposure(*settings.exposure);
   if (settings.gain) {
     set(fmt::format("a gain of {}", *settings.gain), arv_camera_set_gain, *settings.gain);
   }
@@ -120,6 +117,11 @@ void AravisConnection::set_up(const CameraSettings& settings) {
   }
   int x = 0, y = 0;
   set("the question for its region", arv_camera_get_region, &x, &y, &size_.width, &size_.height);
+}
+
+void AravisConnection::set_exposure(double seconds) const {
+  const Settings set(camera_.get(), name_);
+  set(fmt::format("an exposure of {} s", seconds), arv_camera_set_exposure_time, seconds * 1e6);
 }
 
 void AravisConnection::watch() {

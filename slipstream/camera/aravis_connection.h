@@ -37,6 +37,7 @@ class AravisConnection {
   void start();  ///< frames come. Throws WorldError
   void stop();
   void trigger();
+  void set_exposure(double seconds) const;  ///< throws Error where the camera does not take it
 
   /// The next buffer, none in time. To be handed back.
   [[nodiscard]] GObjectPointer<ArvBuffer> pop(std::chrono::microseconds timeout) const;

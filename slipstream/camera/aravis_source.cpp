@@ -53,6 +53,11 @@ class AravisSource::Camera {
     if (connection) connection->trigger();
   }
 
+  void set_exposure(double seconds) {
+    const std::shared_ptr<AravisConnection> connection = shared_connection();
+    if (connection) connection->set_exposure(seconds);
+  }
+
   Arrival next(Frame& frame, milliseconds timeout) {
     if (!connection_) return seek(timeout);
     const steady_clock::time_point end = steady_clock::now() + timeout;
@@ -238,6 +243,10 @@ AravisSource::~AravisSource() {
 
 void AravisSource::trigger() {
   camera_->trigger();
+}
+
+void AravisSource::set_exposure(double seconds) {
+  camera_->set_exposure(seconds);
 }
 
 FrameFormat AravisSource::format() const {

@@ -36,6 +36,7 @@ ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
   light_ = patterns.size();
   patterns.emplace_back(patterns.front().size(), brightest);
   sink_.load(std::move(patterns));
+  if (!settings_.exposures.empty()) source_.set_exposure(settings_.exposures.front());
 }
 
 bool ShownScans::next(milliseconds timeout) {
@@ -78,7 +79,11 @@ std::optional<std::vector<FrameSet>> ShownScans::take() {
   std::size_t pattern = 0;
   for (const std::size_t count : counts_) {
     std::vector<Frame> frames;
+    const std::size_t group = count / std::max<std::size_t>(1, settings_.exposures.size());
     for (std::size_t n = 0; n < count; ++n, ++pattern) {
+      if (!settings_.exposures.empty() && n % group == 0) {
+        source_.set_exposure(settings_.exposures[n / group]);
+      }
       if (!show(pattern, longest_wait)) return std::nullopt;
       frames.push_back(frame_);
     }
@@ -86,6 +91,7 @@ std::optional<std::vector<FrameSet>> ShownScans::take() {
       return frames[static_cast<std::size_t>(n)];
     }));
   }
+  if (settings_.exposures.size() > 1) source_.set_exposure(settings_.exposures.front());
   if (!show(light_, longest_wait) || !is_still(glimpse_, set_of(frame_))) return std::nullopt;
   return scans;
 }

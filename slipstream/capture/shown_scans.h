@@ -17,6 +17,9 @@ struct StepSettings {
   /// they are asked for, so they need none.
   std::chrono::milliseconds settling{100};
   bool triggered = false;  ///< the camera waits for FrameSource::trigger
+  /// s: the patterns of each scan are as many groups, and the camera is set to one for each. Empty:
+  /// it stays as it is.
+  std::vector<double> exposures{};
 };
 
 /// Scans by showing pattern after pattern and taking a frame of each. While nothing is taken the
@@ -28,7 +31,7 @@ class ShownScans : public ScanCamera {
   ShownScans(PatternSink& sink, FrameSource& source,
              std::vector<std::vector<Image<std::uint8_t>>> scans, StepSettings settings = {});
 
-  /// One frame, of plain light.
+  /// One frame, of plain light, with the first exposure.
   std::optional<Glimpse> look(std::chrono::milliseconds timeout) override;
   std::optional<std::vector<FrameSet>> take() override;
 

@@ -13,18 +13,14 @@ namespace {
 /// As many cycles as PatternWindows may keep frames of.
 constexpr int kept_cycles = 4;
 
-Layout layout_of(const Strategy& strategy, int scans) {
-  return scans == 1 ? strategy.layout() : Layout{.frames = scans * frame_count(strategy)};
-}
-
 }  // namespace
 
-CyclicScans::CyclicScans(FrameSource& source, const Strategy& strategy, int scans,
-                         PatternIndexing indexing)
+CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scans)
     : source_(source),
-      frames_(frame_count(strategy)),
+      frames_(frame_count(sequence)),
       scans_(scans),
-      windows_(layout_of(strategy, scans), indexing, source.format().size),
+      windows_(sequence, sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
+               source.format().size, scans),
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
             [&] { return Frame(source.format()); }) {}
 

@@ -16,9 +16,9 @@ namespace slipstream {
 /// other: whole cycles, each frame in its place as PatternWindows finds it.
 class CyclicScans : public ScanCamera {
  public:
-  /// `source`: started, outlives this. `scans`: so many of the strategy in a cycle. `indexing`:
-  /// with marker, one ends the cycle.
-  CyclicScans(FrameSource& source, const Strategy& strategy, int scans, PatternIndexing indexing);
+  /// `source`: started, outlives this. `scans`: so many of the sequence in a cycle, which a marker
+  /// ends where the sequence has one.
+  CyclicScans(FrameSource& source, const Sequence& sequence, int scans);
 
   /// The frames of a cycle that begins after the one before.
   std::optional<Glimpse> look(std::chrono::milliseconds timeout) override;

@@ -60,7 +60,7 @@ void expect_in_order(const std::vector<FrameSet>& scans) {
 TEST(CyclicScans, GivesWholeCyclesOfWhatStandsStill) {
   VirtualCamera source(two_scans(false));
   source.start();
-  CyclicScans camera(source, strategy, 2, PatternIndexing::told);
+  CyclicScans camera(source, {.strategy = strategy}, 2);
   const auto first = camera.look(10s), second = camera.look(10s);
   ASSERT_TRUE(first && second);
   EXPECT_FALSE(first->still);
@@ -74,7 +74,7 @@ TEST(CyclicScans, FindsItsPlaceByTheMarker) {
   for (const std::size_t first : {0U, 5U, 16U}) {
     VirtualCamera source(two_scans(true, first));
     source.start();
-    CyclicScans camera(source, strategy, 2, PatternIndexing::marker);
+    CyclicScans camera(source, {.strategy = strategy, .marker = true}, 2);
     const auto glimpse = camera.look(10s);
     ASSERT_TRUE(glimpse) << first;
     expect_in_order(glimpse->frames);
@@ -83,7 +83,7 @@ TEST(CyclicScans, FindsItsPlaceByTheMarker) {
 
 TEST(CyclicScans, NothingIsTakenBeforeAGlimpse) {
   VirtualCamera source(two_scans(false));
-  CyclicScans camera(source, strategy, 2, PatternIndexing::told);
+  CyclicScans camera(source, {.strategy = strategy}, 2);
   EXPECT_FALSE(camera.take());
 }
 

@@ -139,19 +139,23 @@ class SourceNews {
   std::string told_;
 };
 
-std::string line_of(const PoseProgress& progress, const CaptureFlags& flags) {
-  const PoseState state = progress.verdict.state;
-  const bool next =
-      (state == PoseState::taken || state == PoseState::known) && !progress.needs.advice.empty();
-  const std::string of = *flags.poses > 0 ? fmt::format(" of {}", *flags.poses) : "";
-  return fmt::format("{}{}: {}{}{}", progress.taken.size(), of, progress.verdict.words,
-                     next ? "; next: " : "", next ? progress.needs.advice : "");
+std::string headline_of(const PoseProgress& progress, int wanted) {
+  const std::string of = wanted > 0 ? fmt::format(" of {}", wanted) : "";
+  return fmt::format("{}{}: {}", progress.taken.size(), of, progress.verdict.words);
 }
 
-view::Guide guide_of(const PoseProgress& progress, const std::string& line) {
+/// The headline, and how to hold the board next once this pose is over.
+std::string line_of(const PoseProgress& progress, int wanted) {
+  const PoseState state = progress.verdict.state;
+  const bool over = state == PoseState::taken || state == PoseState::known;
+  const std::string& advice = progress.needs.advice;
+  return headline_of(progress, wanted) + (over && !advice.empty() ? "; next: " + advice : "");
+}
+
+view::Guide guide_of(const PoseProgress& progress, int wanted) {
   const PoseNeeds& needs = progress.needs;
   return {drawn_guide(progress.pictures.mean, progress.verdict, needs, progress.taken),
-          line,
+          headline_of(progress, wanted),
           colour_of(progress.verdict.state),
           {needs.enough ? "enough poses: calibrating" : "next: " + needs.advice,
            fmt::format("{} taken; boards covered {:.0f} % of the camera's picture",
@@ -180,11 +184,10 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
   SourceNews news(*opened.frames);
   PoseState told = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
-    const std::string line = line_of(progress, flags);
-    if (desktop.guides()) desktop.show(guide_of(progress, line));
+    if (desktop.guides()) desktop.show(guide_of(progress, *flags.poses));
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
-    output.say("{}", line);
+    output.say("{}", line_of(progress, *flags.poses));
     std::fflush(stdout);  // who reads it through a pipe moves the board by it
   };
   const auto ends = [&] {

@@ -36,6 +36,7 @@ std::vector<ShownPattern> cycle_of(const std::vector<PatternSet>& sets) {
 PatternSet alone(const ShownPattern& pattern) {
   PatternSet one = *pattern.set;
   one.count = 1;
+  one.exposures = {pattern.set->exposure(pattern.number)};
   one.shape = [shape = pattern.set->shape, n = pattern.number](int, double y) {
     return shape(n, y);
   };

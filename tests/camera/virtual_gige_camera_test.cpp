@@ -140,6 +140,31 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
   EXPECT_EQ(source.state(), "");
 }
 
+TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
+  const std::vector<Frame> rendered = some_frames(3, {320, 240});
+  std::unique_ptr<VirtualGigeCamera> camera;
+  try {
+    camera = std::make_unique<VirtualGigeCamera>(
+        std::vector<Reel>{{{rendered[0], rendered[1]}, {0, 0, 1, 0}}, reel_of({rendered[2]})},
+        address, "TEST");
+  } catch (const WorldError&) {
+    GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  }
+  const auto see = [&](std::uint64_t frames) {
+    AravisSource source(address, settings_at(100, 4));
+    source.start();
+    Frame frame(source.format());
+    do {
+      if (!wait_for_frame(source, frame)) return frame;
+    } while (frame.stamp.sequence + 1 < frames);
+    return frame;
+  };
+  EXPECT_FALSE(same_pixels(see(2), rendered[2]));
+  const Frame whole = see(7);  // the first client went too early
+  EXPECT_TRUE(same_pixels(whole, rendered[whole.stamp.sequence % 4 == 2 ? 1 : 0]));
+  EXPECT_TRUE(same_pixels(see(2), rendered[2]));
+}
+
 TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   const std::vector<Frame> rendered = some_frames(5, {320, 240});
   const auto camera = serve(rendered);

@@ -308,7 +308,7 @@ void add_capture(CLI::App& program, Command& chosen) {
   command.add("--size", flags.size, "of the window that guides, pixels");
   command.add("--screenshot", flags.screenshot, "that window as it was last: .png");
   command.add("--rate", flags.source.rate, "frames per second of a camera that runs freely");
-  command.add("--scanner", flags.source.scanner, "scanner file, which is kept with the scan");
+  command.add_file("--scanner", flags.source.scanner, "scanner file, which is kept with the scan");
   add_board_flags(command.app, flags.board);
   add_camera_flags(command.app, flags.source.camera);
   add_pattern_flags(command.app, flags.source.scan);

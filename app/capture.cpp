@@ -247,12 +247,7 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
   Scan whole = several ? merged(scan) : scan;
   const CheckedScan checked = check_and_repair(whole);
   if (!several) scan = std::move(whole);  // slipped frames are put in order
-  const fs::path file = flags.output;
-  if (file.extension() == ".slip") {
-    save_recording(file, scan);
-  } else {
-    save_scan(file, scan.frames, scan.sequence, scan.scanner);
-  }
+  save_scan(flags.output, scan.frames, scan.sequence, scan.scanner);
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),
              text_of(scan.frames.size()), scan.sequence.strategy.name());
   refuse_or_warn(checked, flags.output, true, output);

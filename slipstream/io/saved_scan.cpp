@@ -50,13 +50,96 @@ FrameSet in_order(FrameSet frames, const ScanFiles& files) {
 }
 
 /// One cycle, whole.
-void save_recording(const fs::path& file, const Scan& scan) {
-  const std::vector<Frame> frames = frames_of(scan.frames, file.string());
-  RecordingWriter writer(file, {.format = {scan.frames.size(), scan.frames.bits()},
-                                .sequence = scan.sequence,
-                                .scanner = scan.scanner});
-  for (const Frame& frame : frames) writer.append(frame);
+void save_recording(const fs::path& path, const FrameViews& frames, Sequence sequence,
+                    const std::optional<Scanner>& scanner) {
+  const std::vector<Frame> cycle = frames_of(frames, path.string());
+  sequence.marker = false;
+  RecordingWriter writer(
+      path, {.format = cycle.front().format(), .sequence = sequence, .scanner = scanner});
+  for (const Frame& frame : cycle) writer.append(frame);
   writer.finish();
+}
+
+}  // namespace
+
+Scan load_frames(const ScanFiles& files) {
+  Scan scan{.order = files.order, .sequence = files.sequence};
+  if (is_recording(files.path)) {
+    scan.frames = in_order(recorded_frames(files), files);
+    scan.sequence.marker = false;  // no frame of the cycle is one
+    return merged(std::move(scan));
+  }
+  const int wanted = frame_count(files.sequence);
+  if (static_cast<int>(files.frames.size()) != wanted) {
+    throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures takes {}",
+                            files.path.string(), files.frames.size(),
+                            files.sequence.strategy.name(), wanted));
+  }
+  LoadedFrames loaded = read_frames(files.frames, files.bits);
+  scan.frames = in_order(std::move(loaded.frames), files);
+  scan.warnings = std::move(loaded.warnings);
+  return merged(std::move(scan));
+}
+
+Scan load_scan(const ScanFiles& files) {
+  Scan scan = load_frames(files);
+  if (files.scanner) {
+    scan.scanner = completed(read_scanner(*files.scanner), files.scanner->string(),
+                             scan.frames.size(), files.sequence.projector);
+    scan.sequence.projector = scan.scanner->projector.size;
+  }
+  return scan;
+}
+
+void add_camera(Scan& scan, const ScanFiles& files) {
+  Scan further = load_scan(files);
+  if (further.sequence.strategy != scan.sequence.strategy ||
+      further.sequence.axis != scan.sequence.axis) {
+    throw Error(fmt::format("{}: another strategy than the first camera's; both see one projector",
+                            files.path.string()));
+  }
+  scan.further_cameras.push_back(std::move(further));
+}
+
+Scan load_scan(const fs::path& path, const ScanChanges& changes) {
+  const ScanFiles files = scan_files_in(path, changes);
+  Scan scan = load_scan(files);
+  if (files.second_camera) {
+    add_camera(scan, scan_files_in(*files.second_camera,
+                                   {.sequence = changes.sequence, .order = changes.order}));
+  }
+  return scan;
+}
+
+std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& frames) {
+  std::vector<fs::path> names;
+  for (int n = 0; n < frames.count(); ++n) {
+    names.push_back(folder / fmt::format("frame_{:02}.{}", n, frames.quantised() ? "png" : "tiff"));
+  }
+  return names;
+}
+
+ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
+                    const std::optional<Scanner>& scanner,
+                    const std::optional<fs::path>& scanner_file) {
+  if (lower_case_extension(path) == ".slip") {
+    save_recording(path, frames, sequence, scanner_file ? read_scanner(*scanner_file) : scanner);
+    return scan_files_in(path);
+  }
+  make_folder(path);
+  ScanFiles files{.path = path,
+                  .described = true,
+                  .sequence = sequence,
+                  .bits = frames.quantised() ? frames.bits() : 0,
+                  .frames = frame_names(path, frames),
+                  .scanner = scanner_file};
+  write_frames(files.frames, frames);
+  if (scanner && !scanner_file) {
+    files.scanner = path / "scanner.yaml";
+    write_scanner(*files.scanner, *scanner);
+  }
+  write_scan_files(path / "scan.yaml", files);
+  return files;
 }
 
 void save_results(const fs::path& folder, const Cloud& cloud, const Maps& maps) {

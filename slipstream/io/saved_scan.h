@@ -41,9 +41,6 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt);
 
-/// Writes a quantised scan as a recording of one cycle, with all that is known of it.
-void save_recording(const std::filesystem::path& file, const Scan& scan);
-
 /// Writes what was made of a scan beside it: cloud.ply, depth.tiff, coordinate.tiff, phase.tiff,
 /// modulation.tiff, mean.tiff and preview.png.
 void save_results(const std::filesystem::path& folder, const Cloud& cloud, const Maps& maps);

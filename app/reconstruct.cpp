@@ -220,7 +220,7 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
 
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
-  require_writable(flags.files, flags.folders.size());
+  require_writable(flags.files, flags.folders);
   set_backend(flags.settings, flags.backend);
   flags.settings.cue_rule = cue_rule_named(flags.unwrapping);
   std::optional<Engine> engine;

@@ -1,5 +1,6 @@
 #include "slipstream/io/result_files.h"
 
+#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -46,13 +47,15 @@ ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path&
   return filled;
 }
 
-void require_writable(const ResultFiles& files, std::size_t scans) {
+void require_writable(const ResultFiles& files, const std::vector<std::string>& scans) {
   if (!files.cloud.empty()) require_cloud_ending(files.cloud);
-  for (const auto& [name, path] : files.named()) {
-    if (scans > 1 && path.find(placeholder) == std::string::npos) {
+  std::set<std::string> written;
+  for (const std::string& scan : scans) {
+    for (const auto& [name, path] : files_of_scan(files, scan).named()) {
+      if (written.insert(path).second) continue;
       throw Error(
           fmt::format("{}: several scans cannot all be written to it; put {{name}} in its "
-                      "path, which stands for each scan's name",
+                      "path, which stands for each scan's name, and give each another name",
                       path));
     }
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -25,9 +24,9 @@ struct ResultFiles {
 /// or of its recording without the ending.
 ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan);
 
-/// Throws Error for a cloud of unknown ending, or a path without "{name}" where there are several
-/// scans.
-void require_writable(const ResultFiles& files, std::size_t scans);
+/// Throws Error for a cloud of unknown ending, or where two of the scans would be written to one
+/// file.
+void require_writable(const ResultFiles& files, const std::vector<std::string>& scans);
 
 /// Writes them: cloud with its extras, depth in mm, the maps as TIFF of 32-bit float, the preview
 /// as PNG. Throws as the writer of each.

@@ -16,9 +16,10 @@ namespace {
   throw Error(fmt::format("{}: line {}: {}", file, mark.line + 1, why));
 }
 
-std::string text_of(const YAML::Node& node, const std::string& setting, const std::string& file) {
+std::string text_of(const YAML::Node& node, const std::string& setting, const YAML::Mark& mark,
+                    const std::string& file) {
   if (node.IsScalar()) return node.Scalar();
-  refuse(file, node.Mark(), fmt::format("{}: a value, or a list of values, is wanted", setting));
+  refuse(file, mark, fmt::format("{}: a value, or a list of values, is wanted", setting));
 }
 
 RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Mark& mark,
@@ -26,9 +27,9 @@ RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Ma
   std::replace(name.begin(), name.end(), '_', '-');
   RigSetting setting{.name = name, .line = mark.line + 1};
   if (!node.IsSequence()) {
-    setting.values.push_back(text_of(node, name, file));
+    setting.values.push_back(text_of(node, name, mark, file));
   } else {
-    for (const YAML::Node& value : node) setting.values.push_back(text_of(value, name, file));
+    for (const YAML::Node& value : node) setting.values.push_back(text_of(value, name, mark, file));
   }
   if (setting.values.empty()) refuse(file, mark, fmt::format("{}: the list is empty", name));
   return setting;
@@ -38,8 +39,8 @@ std::vector<RigSetting> settings_in(const YAML::Node& root, const std::string& f
   if (!root.IsMap()) refuse(file, root.Mark(), "a map of settings is wanted");
   std::vector<RigSetting> settings;
   const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
-    settings.push_back(
-        setting_from(text_of(key, "the name of a setting", file), value, key.Mark(), file));
+    settings.push_back(setting_from(text_of(key, "the name of a setting", key.Mark(), file), value,
+                                    key.Mark(), file));
     const bool twice =
         std::any_of(settings.begin(), settings.end() - 1,
                     [&](const RigSetting& other) { return other.name == settings.back().name; });

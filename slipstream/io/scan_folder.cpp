@@ -299,7 +299,8 @@ ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
   } else if (fs::exists(path / "scan.yaml")) {
     files = read_scan_files(path / "scan.yaml");
   } else {
-    files = {.path = path, .frames = images_in_folder(path)};
+    files.path = path;
+    files.frames = images_in_folder(path);
   }
   amend(files, changes);
   return files;

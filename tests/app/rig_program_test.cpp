@@ -135,6 +135,18 @@ TEST(Words, AreGuessed) {
   EXPECT_EQ(run_program({"xyzzyx"}).err.find("did you mean"), std::string::npos);
 }
 
+TEST(Errors, NoScanIsWrittenOverAnother) {
+  const TemporaryFolder folder;
+  for (const char* name : {"scan", "scan.slip"}) {
+    ASSERT_EQ(run_program({"simulate", folder.path() / name, "--camera", "64x48"}).exit_code, 0);
+  }
+  const ProgramRun run =
+      run_program({"reconstruct", folder.path() / "scan", folder.path() / "scan.slip", "-o",
+                   folder.path() / "{name}.ply"});
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("scan.ply"), std::string::npos) << run.err;
+}
+
 TEST(Errors, AreInTheDocumentToo) {
   const TemporaryFolder folder;
   const std::string scan = folder.path() / "scan";

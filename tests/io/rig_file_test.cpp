@@ -30,21 +30,22 @@ TEST(RigFile, GivesSettingsOfAllHeadingsInTheirOrder) {
 }
 
 TEST(RigFile, RefusesWhatIsNoRigFileInOneLine) {
-  for (const auto& [text, parts] : std::vector<std::pair<std::string, std::vector<std::string>>>{
-           {"", {"rig.yaml", "a map of settings"}},
-           {"- steps", {"a map of settings"}},
-           {"steps: 3\nhigh: [", {"not YAML"}},
-           {"steps: 3\nlow:\n", {"line 2", "low", "a value"}},
-           {"steps: []", {"line 1", "steps", "empty"}},
-           {"steps: [[1]]", {"steps", "a value"}},
-           {"a: {b: {c: 1}}", {"line 1", "b", "a value"}},
-           {"steps: 3\nsequence:\n  steps: 4", {"line 3", "steps", "twice"}},
-           {"low_steps: 3\nlow-steps: 3", {"line 2", "twice"}},
-           {"? [1, 2]\n: 3", {"name of a setting"}},
-           {"a: &x {b: *x}", {"rig.yaml"}}}) {
+  const auto expect_refused = [](const std::string& text,
+                                 std::initializer_list<std::string> parts) {
     SCOPED_TRACE(text);
     expect_error([&] { (void)rig_from(text, "rig.yaml"); }, parts);
-  }
+  };
+  expect_refused("", {"rig.yaml", "a map of settings"});
+  expect_refused("- steps", {"a map of settings"});
+  expect_refused("steps: 3\nhigh: [", {"not YAML"});
+  expect_refused("steps: 3\nlow:\n", {"line 2", "low", "a value"});
+  expect_refused("steps: []", {"line 1", "steps", "empty"});
+  expect_refused("steps: [[1]]", {"steps", "a value"});
+  expect_refused("a: {b: {c: 1}}", {"line 1", "b", "a value"});
+  expect_refused("steps: 3\nsequence:\n  steps: 4", {"line 3", "steps", "twice"});
+  expect_refused("low_steps: 3\nlow-steps: 3", {"line 2", "twice"});
+  expect_refused("? [1, 2]\n: 3", {"name of a setting"});
+  expect_refused("a: &x {b: *x}", {"rig.yaml"});
   const TemporaryFolder folder;
   expect_error([&] { (void)read_rig(folder.path() / "none.yaml"); }, {"none.yaml"});
 }

@@ -186,8 +186,7 @@ TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
   EXPECT_EQ(std::count(told.begin(), told.end(), PoseState::taken), 3);
   EXPECT_EQ(std::count(told.begin(), told.end(), PoseState::good), 4) << "one of them moved";
 
-  const auto scans = board_scans(
-      poses, [](ScanFiles&, const fs::path&) {}, Axis::x);
+  const auto scans = board_scans(poses, {}, Axis::x);
   const PoseCaptures captures =
       capture_poses(poses, scans, {}, board, {}, [](const std::string&) {});
   ASSERT_EQ(captures.views.size(), 3U);

@@ -15,10 +15,12 @@
 #include "app/scan_input.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
+#include "slipstream/cycle/window_frames.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/reconstruct/picture_report.h"
 
 namespace slipstream::app {
 namespace {
@@ -37,16 +39,24 @@ struct LiveFlags {
 };
 
 /// What the engine is made of: the source's scanner, corrected for the gamma that the flags choose.
+/// Where none is known the pictures alone are shown.
 EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output& output) {
   const std::string& file = opened.scanner_name;
-  if (!opened.scanner) {
-    throw Error(fmt::format("{}: no scanner is known for it; name its file with --scanner",
-                            flags.source.source));
+  const Size camera = opened.frames->format().size, projector = opened.sequence.projector;
+  EngineSetup setup{opened.scanner ? completed(*opened.scanner, file, camera, projector)
+                                   : without_geometry(camera, projector),
+                    opened.sequence, flags.settings};
+  if (opened.scanner) {
+    require_ambient_known(setup, file);
+  } else if (!flags.output.empty()) {
+    throw Error(
+        fmt::format("{}: no scanner is known for {}, so there are no points; name its file "
+                    "with --scanner",
+                    flags.output, flags.source.source));
+  } else {
+    output.say("no scanner is known for {}: pictures without points; --scanner names its file",
+               flags.source.source);
   }
-  EngineSetup setup{
-      completed(*opened.scanner, file, opened.frames->format().size, opened.sequence.projector),
-      opened.sequence, flags.settings};
-  require_ambient_known(setup, file);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
@@ -123,6 +133,30 @@ void run_session(LiveSession& session, [[maybe_unused]] bool headless,
   wait_until_over(session, findings, output);
 }
 
+/// What the pictures of the newest scan say, where there is no scanner to make points of them.
+void tell_pictures(const LiveSession& session, Output& output) {
+  const Pooled<LiveCloud> last = session.pipeline.newest();
+  if (!last) return;
+  const FrameViews frames = views_of(last->frames);
+  Maps maps;
+  Engine engine(session.setup);
+  engine.maps(frames, maps);
+  const PictureReport report = picture_report(engine.merged(frames), maps, session.setup.settings);
+  const auto counts = count_by_validity(report.validity);
+  const double all = static_cast<double>(report.validity.pixel_count());
+  const auto count_of = [&](Validity kind) { return counts[static_cast<std::size_t>(kind)]; };
+  output.say(
+      "pixels: {:.1f} % measured, {:.1f} % too dark, {:.1f} % saturated; median modulation "
+      "{:.1f} grey levels of 255",
+      100 * static_cast<double>(count_of(Validity::valid)) / all,
+      100 * static_cast<double>(count_of(Validity::too_dark)) / all,
+      100 * static_cast<double>(count_of(Validity::saturated)) / all, report.modulation);
+  output.document["pixels"] = {{"measured", count_of(Validity::valid)},
+                               {"too_dark", count_of(Validity::too_dark)},
+                               {"saturated", count_of(Validity::saturated)},
+                               {"median_modulation", report.modulation}};
+}
+
 /// What the session measured, and what is to be kept of its last cloud.
 void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
   const LiveStatistics statistics = session.pipeline.statistics();
@@ -131,6 +165,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
   output.document["findings"] = app::json_of(session.pipeline.findings());
   output.document["source"] = flags.source.source;
   if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
+  if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
   if (!flags.output.empty()) {
     const Pooled<LiveCloud> last = session.pipeline.newest();
     if (!last)
@@ -147,15 +182,19 @@ void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
   PatternIndexing indexing = pattern_indexing_named(flags.indexing);
   const SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
+  if (request.world) {
+    output.say("rendering what the virtual camera sees of each pattern; takes some seconds");
+  }
   NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);
   if (opened.sequence.marker) indexing = PatternIndexing::marker;
   const EngineSetup setup = setup_from(opened, flags, output);
 
-  const RecordingHeader header{.format = opened.frames->format(),
-                               .frame_rate = flags.source.rate.value_or(0),
-                               .sequence = opened.sequence,
-                               .scanner = setup.scanner};
+  const RecordingHeader header{
+      .format = opened.frames->format(),
+      .frame_rate = flags.source.rate.value_or(0),
+      .sequence = opened.sequence,
+      .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
   RecordedSource& recorder = *source;
   LivePipeline pipeline(std::move(source), setup,

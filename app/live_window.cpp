@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/live_session.h"
+#include "app/scan_findings.h"
 #include "app/view_files.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
@@ -25,14 +26,19 @@ view::ViewSource view_source_of(LiveSession& session) {
   view::ViewSource source =
       view::live_source(session.pipeline, session.setup, session.patterns_can_change);
   source.title = fmt::format("slipstream live: {}", session.source);
-  source.full_scale = (1 << session.recorder.format().bits) - 1;
+  source.waits_for = fmt::format("waiting for the first {} frames of {}",
+                                 cycle_length(session.setup.sequence), session.source);
+  source.camera = session.recorder.controls();
+  source.camera_region = fmt::format("{} pixels; --region at the start changes that",
+                                     text_of(session.recorder.format().size));
   source.change = [&session](const EngineSetup& setup) {
     session.pipeline.change(setup);
     session.setup = setup;
     session.recorder.set_strategy(setup.sequence.strategy);
   };
-  source.save = [flags = session.view](const view::ShownCloud& cloud, const EngineSetup& setup) {
-    return save_in_new_folder(cloud, setup, flags);
+  source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
+    return save_in_new_folder(cloud, setup, session.view,
+                              doubts(session.pipeline.statistics().findings));
   };
   source.record = [&session](bool on) {
     if (on) {

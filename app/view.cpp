@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <filesystem>
 #include <optional>
+#include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -12,6 +15,7 @@
 #include "app/scan_input.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/stored_cloud.h"
 #include "slipstream/photometry/gamma_choice.h"
@@ -46,33 +50,82 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
   const auto given = response_by(flags.input.gamma), blind = response_by("blind");
   setup.scanner.photometry.response = given;
   view::ViewSource source = view::still_source(std::move(scan.frames), setup);
-  source.findings = std::move(checked.findings);
-  source.gammas = {{"as given", given}, {"none", std::nullopt}, {"blind", blind}};
-  source.save = [view = flags.view](const view::ShownCloud& cloud, const EngineSetup& used) {
-    return save_in_new_folder(cloud, used, view);
+  source.findings = checked.findings;
+  source.gammas = {
+      {fmt::format("of the {}", flags.input.gamma == "scanner" ? "scanner" : "flag"), given},
+      {"none", std::nullopt},
+      {"from the frames", blind}};
+  source.save = [view = flags.view, remarks = doubts(checked.findings)](
+                    const view::ShownCloud& cloud, const EngineSetup& used) {
+    return save_in_new_folder(cloud, used, view, remarks);
   };
   return source;
 }
 
+/// Scan folders and files in a folder that can be viewed, by name.
+std::vector<std::string> viewable_in(const fs::path& folder) {
+  std::vector<std::string> paths;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder, none)) {
+    static const std::set<std::string> endings{".ply", ".pcd", ".xyz", ".stl",
+                                               ".obj", ".glb", ".slip"};
+    const bool file = endings.contains(lower_case_extension(entry.path()));
+    if (file || fs::exists(entry.path() / "scan.yaml", none)) {
+      paths.push_back(entry.path().lexically_normal().string());
+    }
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
+}
+
+bool is_scan(const std::string& path) {
+  return fs::is_directory(path) || is_recording(path);
+}
+
+view::ViewSource source_of_cloud(const std::string& path) {
+  StoredCloud stored = read_cloud(path);
+  return view::still_source(std::move(stored.cloud), std::move(stored.uncertainty));
+}
+
+view::ViewSource source_of(const ViewPathFlags& flags, Output& output) {
+  view::ViewSource source =
+      is_scan(flags.path) ? source_of_scan(flags, output) : source_of_cloud(flags.path);
+  source.title = flags.path;
+  return source;
+}
+
+/// Nothing yet, but files to open.
+view::ViewSource source_of_nothing() {
+  return {.title = "slipstream view",
+          .newest = [] { return view::ShownCloud{}; },
+          .waits_for = "Drop a scan folder or a cloud here, or choose one at the left."};
+}
+
 void view_path(const ViewPathFlags& flags, Output& output) {
   require_good(flags.view);
-  const bool scan = fs::is_directory(flags.path) || is_recording(flags.path);
+  const bool scan = is_scan(flags.path);
   const bool of_rig = flags.command->count("--rig") > 0;  // which says more than a cloud needs
   for (const CLI::Option* option : flags.of_scans) {
     if (scan || of_rig || option->count() == 0 || !fs::exists(flags.path)) continue;
     throw Error(fmt::format("{}: {} is of scans", flags.path, option->get_name()));
   }
-  view::ViewSource source =
-      scan ? source_of_scan(flags, output) : view::still_source(read_cloud(flags.path).cloud);
-  source.title = flags.path;
+  view::ViewSource source = flags.path.empty() ? source_of_nothing() : source_of(flags, output);
   output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
   if (scan) output.document["findings"] = app::json_of(source.findings);
   write_snapshot(source, flags.view, output);
   write_screenshot(source, flags.view, output);
-  if (output.document["files"].empty()) {
-    view::run_viewer(source,
-                     {.view = view_settings_from(flags.view), .size = size_from(flags.view)});
-  }
+  if (!output.document["files"].empty()) return;
+  const fs::path beside = fs::absolute(flags.path / fs::path()).parent_path().parent_path();
+  source.openable = [beside = flags.path.empty() ? fs::current_path() : beside] {
+    return viewable_in(beside);
+  };
+  source.open = [view = flags.view, &output](const std::string& path) {
+    ViewPathFlags other;
+    other.path = path;
+    other.view = view;
+    return source_of(other, output);
+  };
+  view::run_viewer(source, {.view = view_settings_from(flags.view), .size = size_from(flags.view)});
 }
 
 }  // namespace
@@ -80,7 +133,10 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 void add_view(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(
       program, chosen, view_path, "view", "look at a cloud or a scan, in a window or as a picture");
-  command.add("path", flags.path, "a PLY file, a scan folder or a recording")->required();
+  command.add(
+      "path", flags.path,
+      "a scan folder, a recording, or a cloud or mesh: .ply .pcd .xyz .stl .obj .glb; chosen "
+      "in the window without");
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.input);

@@ -23,19 +23,23 @@ void draw(const view::ViewSource& source, const ViewFlags& flags, view::Surround
 }  // namespace
 
 std::string save_in_new_folder(const view::ShownCloud& shown, const EngineSetup& setup,
-                               const ViewFlags& flags) {
+                               const ViewFlags& flags, const std::vector<std::string>& remarks) {
   Sequence sequence = setup.sequence;
   if (shown.frames.count() != frame_count(sequence)) {
     throw Error("the frames shown are not of the strategy looked for");
   }
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;
+  const std::filesystem::path folder = path_named_by_time(flags.save_to, "scan", "");
+  if (!has_geometry(setup.scanner)) {
+    save_scan(folder, shown.frames, sequence, std::nullopt);
+    return folder.string();
+  }
   Cloud cloud;
   Maps maps;
   Engine(setup).cloud_and_maps(shown.frames, cloud, maps);
-  const std::filesystem::path folder = path_named_by_time(flags.save_to, "scan", "");
   save_scan(folder, shown.frames, sequence, setup.scanner);
-  save_results(folder, cloud, maps);
+  save_results(folder, cloud, maps, remarks);
   return folder.string();
 }
 

@@ -1,5 +1,6 @@
 #include "slipstream/camera/aravis_connection.h"
 
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -42,6 +43,25 @@ class Settings {
   ArvCamera* camera_;
   std::string name_;
 };
+
+/// How Aravis asks for, bounds and sets one of the controls, and its unit in ours.
+struct ControlCalls {
+  double (*get)(ArvCamera*, GError**);
+  void (*bounds)(ArvCamera*, double*, double*, GError**);
+  void (*set)(ArvCamera*, double, GError**);
+  double unit;
+  const char* name;
+};
+
+const ControlCalls& calls_of(CameraControl which) {
+  static constexpr std::array<ControlCalls, 3> calls{
+      {{arv_camera_get_exposure_time, arv_camera_get_exposure_time_bounds,
+        arv_camera_set_exposure_time, 1e-3, "an exposure of {} ms"},
+       {arv_camera_get_gain, arv_camera_get_gain_bounds, arv_camera_set_gain, 1, "a gain of {}"},
+       {arv_camera_get_frame_rate, arv_camera_get_frame_rate_bounds, arv_camera_set_frame_rate, 1,
+        "{} frames per second"}}};
+  return calls.at(static_cast<std::size_t>(which));
+}
 
 GObjectPointer<GInetAddress> inet_address(GSocketAddress* address) {
   if (address == nullptr || !G_IS_INET_SOCKET_ADDRESS(address)) return nullptr;
@@ -97,8 +117,7 @@ void AravisConnection::set_up(const CameraSettings& settings) {
       set(fmt::format("{} frames per second", *settings.frame_rate), arv_camera_set_frame_rate,
           *settings.frame_rate);
     }
-    const double rate = arv_camera_get_frame_rate(camera_.get(), ignored.out());
-    if (rate > 0) period_ = std::chrono::duration<double>(1 / rate);
+    ask_period();
   } else {
     set("the trigger " + settings.trigger, arv_camera_set_trigger, settings.trigger.c_str());
   }
@@ -163,6 +182,29 @@ void AravisConnection::stop() {
 void AravisConnection::trigger() {
   GErrorReceiver ignored;  // a trigger that did not arrive gives no frame, which is seen
   arv_camera_software_trigger(camera_.get(), ignored.out());
+}
+
+std::optional<ControlValue> AravisConnection::control(CameraControl which) const {
+  const ControlCalls& calls = calls_of(which);
+  GErrorReceiver error;
+  ControlValue found{.value = calls.get(camera_.get(), error.out())};
+  if (error) return std::nullopt;
+  calls.bounds(camera_.get(), &found.least, &found.most, error.out());
+  if (error || !(found.least < found.most)) return std::nullopt;
+  return ControlValue{calls.unit * found.value, calls.unit * found.least, calls.unit * found.most};
+}
+
+void AravisConnection::set_control(CameraControl which, double value) {
+  const ControlCalls& calls = calls_of(which);
+  const Settings set(camera_.get(), name_);
+  set(fmt::format(fmt::runtime(calls.name), value), calls.set, value / calls.unit);
+  if (period_seconds_ > 0) ask_period();
+}
+
+void AravisConnection::ask_period() {
+  GErrorReceiver ignored;
+  const double rate = arv_camera_get_frame_rate(camera_.get(), ignored.out());
+  if (rate > 0) period_seconds_ = 1 / rate;
 }
 
 GObjectPointer<ArvBuffer> AravisConnection::pop(std::chrono::microseconds timeout) const {

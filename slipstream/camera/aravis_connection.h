@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <arv.h>
 
 #include "slipstream/camera/camera_settings.h"
 #include "slipstream/camera/g_object.h"
+#include "slipstream/capture/camera_controls.h"
 
 namespace slipstream {
 
@@ -39,6 +41,10 @@ class AravisConnection {
   void trigger();
   void set_exposure(double seconds) const;  ///< throws Error where the camera does not take it
 
+  /// See CameraControls.
+  [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const;
+  void set_control(CameraControl which, double value);
+
   /// The next buffer, none in time. To be handed back.
   [[nodiscard]] GObjectPointer<ArvBuffer> pop(std::chrono::microseconds timeout) const;
   void push(GObjectPointer<ArvBuffer> buffer) const;
@@ -49,7 +55,9 @@ class AravisConnection {
   /// The number of the first frame after start().
   [[nodiscard]] std::uint64_t first_number() const;
   /// Time between frames of a camera that runs freely, as it says; 0 for others.
-  [[nodiscard]] std::chrono::duration<double> period() const { return period_; }
+  [[nodiscard]] std::chrono::duration<double> period() const {
+    return std::chrono::duration<double>(period_seconds_);
+  }
   [[nodiscard]] std::uint64_t resent_packets() const;
   /// Empty for cameras that are not on a network.
   [[nodiscard]] CameraAddress address() const;
@@ -57,12 +65,13 @@ class AravisConnection {
  private:
   void set_up(const CameraSettings& settings);
   void watch();
+  void ask_period();
 
   std::string name_;
   GObjectPointer<ArvCamera> camera_;
   GObjectPointer<ArvStream> stream_;
   Size size_;
-  std::chrono::duration<double> period_{};
+  std::atomic<double> period_seconds_ = 0;
   /// Shared with the handler of a signal, which may outlive this.
   std::shared_ptr<std::atomic<bool>> lost_ = std::make_shared<std::atomic<bool>>(false);
 };

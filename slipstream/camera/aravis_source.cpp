@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-class AravisSource::Camera {
+class AravisSource::Camera : public CameraControls {
  public:
   Camera(std::string name, CameraSettings settings)
       : name_(std::move(name)),
@@ -56,6 +56,19 @@ class AravisSource::Camera {
   void set_exposure(double seconds) {
     const std::shared_ptr<AravisConnection> connection = shared_connection();
     if (connection) connection->set_exposure(seconds);
+  }
+
+  [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const override {
+    const bool triggered = !settings_.trigger.empty();
+    if (triggered && which == CameraControl::frame_rate) return std::nullopt;
+    const std::shared_ptr<AravisConnection> connection = shared_connection();
+    return connection ? connection->control(which) : std::nullopt;
+  }
+
+  void set_control(CameraControl which, double value) override {
+    if (const auto connection = shared_connection()) connection->set_control(which, value);
+    const std::lock_guard lock(mutex_);
+    asked_for(settings_, which) = which == CameraControl::exposure ? value / 1e3 : value;
   }
 
   Arrival next(Frame& frame, milliseconds timeout) {
@@ -184,8 +197,12 @@ class AravisSource::Camera {
   }
 
   [[nodiscard]] std::shared_ptr<AravisConnection> open_again() const {
-    return address_ ? std::make_shared<AravisConnection>(address_, name_, settings_)
-                    : std::make_shared<AravisConnection>(name_, settings_);
+    const CameraSettings settings = [this] {
+      const std::lock_guard lock(mutex_);
+      return settings_;
+    }();
+    return address_ ? std::make_shared<AravisConnection>(address_, name_, settings)
+                    : std::make_shared<AravisConnection>(name_, settings);
   }
 
   void reopen() {
@@ -214,8 +231,9 @@ class AravisSource::Camera {
   }
 
   const std::string name_;
-  const CameraSettings settings_;
-  mutable std::mutex mutex_;  ///< of connection_ against other threads, and of state_
+  /// Lights and rate change while frames come, the rest does not.
+  CameraSettings settings_;
+  mutable std::mutex mutex_;  ///< of connection_ against other threads, of those, and of state_
   std::shared_ptr<AravisConnection> connection_;
   const CameraAddress address_;
   const FrameFormat format_;
@@ -267,6 +285,10 @@ void AravisSource::stop() {
 
 SourceCounters AravisSource::counters() const {
   return camera_->counters();
+}
+
+CameraControls* AravisSource::controls() {
+  return camera_.get();
 }
 
 std::string AravisSource::state() const {

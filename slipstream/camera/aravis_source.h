@@ -32,6 +32,7 @@ class AravisSource : public FrameSource {
   void set_exposure(double seconds) override;
   [[nodiscard]] SourceCounters counters() const override;
   [[nodiscard]] std::string state() const override;
+  CameraControls* controls() override;
 
  private:
   class Camera;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "slipstream/camera/mono_pixels.h"
+#include "slipstream/capture/camera_controls.h"
 #include "slipstream/image/rectangle.h"
 
 namespace slipstream {
@@ -26,5 +27,8 @@ struct CameraSettings {
   /// multiple of it.
   int cycle = 1;
 };
+
+/// Where the settings say that control; exposure in seconds.
+std::optional<double>& asked_for(CameraSettings& settings, CameraControl which);
 
 }  // namespace slipstream

@@ -61,7 +61,7 @@ bool is_camera(VideoDevice& device, v4l2_capability& capability) {
   return (capabilities & wanted) == wanted;
 }
 
-bool set_control(VideoDevice& device, std::uint32_t id, int value) {
+bool put_control(VideoDevice& device, std::uint32_t id, int value) {
   v4l2_control control{id, value};
   return device.control(VIDIOC_S_CTRL, &control) == 0;
 }
@@ -100,6 +100,8 @@ FrameFormat format_from(const CameraSettings& settings) {
   }
   return {region.size, bits_of(pixels)};
 }
+
+constexpr double exposure_step_ms = 0.1;  // V4L2 counts exposure in 100 us
 
 /// V4L2 counts gain in whole numbers.
 double whole_gain(double gain) {
@@ -157,6 +159,40 @@ class V4l2Source::Stream {
     auto request = cleared<v4l2_requestbuffers>();
     request.memory = V4L2_MEMORY_MMAP;
     device_->control(VIDIOC_REQBUFS, &request);
+  }
+
+  /// Exposure in ms; none of another that V4L2 has a control for.
+  [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const {
+    if (which == CameraControl::frame_rate) return std::nullopt;
+    const bool exposure = which == CameraControl::exposure;
+    const double unit = exposure ? exposure_step_ms : 1;
+    v4l2_queryctrl range{};
+    range.id = exposure ? V4L2_CID_EXPOSURE_ABSOLUTE : V4L2_CID_GAIN;
+    v4l2_control now{range.id, 0};
+    if (device_->control(VIDIOC_QUERYCTRL, &range) != 0) return std::nullopt;
+    if ((range.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return std::nullopt;
+    if (device_->control(VIDIOC_G_CTRL, &now) != 0) return std::nullopt;
+    return ControlValue{unit * now.value, unit * range.minimum, unit * range.maximum};
+  }
+
+  void set_light(const CameraSettings& settings) const {
+    if (settings.exposure) {
+      const double steps = std::round(*settings.exposure * 1e4);  // of 100 us
+      const bool possible = steps >= 1 && steps <= std::numeric_limits<int>::max();
+      put_control(*device_, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
+      if (!possible ||
+          !put_control(*device_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(steps))) {
+        throw Error(
+            fmt::format("camera {} does not take an exposure of {} s", name_, *settings.exposure));
+      }
+    }
+    if (settings.gain) {
+      put_control(*device_, V4L2_CID_AUTOGAIN, 0);
+      const int gain = static_cast<int>(*settings.gain);
+      if (!put_control(*device_, V4L2_CID_GAIN, gain)) {
+        throw Error(fmt::format("camera {} does not take a gain of {}", name_, gain));
+      }
+    }
   }
 
   /// None where the camera is gone.
@@ -232,26 +268,6 @@ class V4l2Source::Stream {
     }
   }
 
-  void set_light(const CameraSettings& settings) const {
-    if (settings.exposure) {
-      const double steps = std::round(*settings.exposure * 1e4);  // of 100 us
-      const bool possible = steps >= 1 && steps <= std::numeric_limits<int>::max();
-      set_control(*device_, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
-      if (!possible ||
-          !set_control(*device_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(steps))) {
-        throw Error(
-            fmt::format("camera {} does not take an exposure of {} s", name_, *settings.exposure));
-      }
-    }
-    if (settings.gain) {
-      set_control(*device_, V4L2_CID_AUTOGAIN, 0);
-      const int gain = static_cast<int>(*settings.gain);
-      if (!set_control(*device_, V4L2_CID_GAIN, gain)) {
-        throw Error(fmt::format("camera {} does not take a gain of {}", name_, gain));
-      }
-    }
-  }
-
   Arrival take(const v4l2_buffer& buffer, Frame& frame) const {
     if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.index >= buffers_.size()) {
       return Arrival::damaged;
@@ -294,7 +310,7 @@ V4l2Source::V4l2Source(std::string name, Open open, const CameraSettings& settin
   if (settings.cycle < 1) {
     throw Error(fmt::format("{} patterns in a scan; at least 1", settings.cycle));
   }
-  stream_ = std::make_unique<Stream>(name_, open_(), format_, settings_);
+  stream_ = std::make_shared<Stream>(name_, open_(), format_, settings_);
 }
 
 V4l2Source::V4l2Source(int number, const CameraSettings& settings)
@@ -304,19 +320,40 @@ V4l2Source::V4l2Source(int number, const CameraSettings& settings)
 
 V4l2Source::~V4l2Source() = default;
 
+std::shared_ptr<V4l2Source::Stream> V4l2Source::shared_stream() const {
+  const std::lock_guard lock(mutex_);
+  return stream_;
+}
+
+std::optional<ControlValue> V4l2Source::control(CameraControl which) const {
+  const std::shared_ptr<Stream> stream = shared_stream();
+  return stream ? stream->control(which) : std::nullopt;
+}
+
+void V4l2Source::set_control(CameraControl which, double value) {
+  CameraSettings asked;
+  asked_for(asked, which) = which == CameraControl::exposure ? value / 1e3 : whole_gain(value);
+  if (const std::shared_ptr<Stream> stream = shared_stream()) stream->set_light(asked);
+  const std::lock_guard lock(mutex_);
+  asked_for(settings_, which) = asked_for(asked, which);
+}
+
 void V4l2Source::start() {
   const bool gone = !stream_;
-  if (gone) stream_ = std::make_unique<Stream>(name_, open_(), format_, settings_);
-  try {
-    stream_->start();
-  } catch (const std::exception&) {
-    if (gone) stream_.reset();  // as it was: still gone
-    throw;
+  std::shared_ptr<Stream> stream = stream_;
+  if (gone) {
+    const CameraSettings settings = [this] {
+      const std::lock_guard lock(mutex_);
+      return settings_;
+    }();
+    stream = std::make_shared<Stream>(name_, open_(), format_, settings);
   }
+  stream->start();  // one that was gone and throws is still gone
   count_.begin(0);
   if (!gone) return;
   ++reconnects_;
   const std::lock_guard lock(mutex_);
+  stream_ = std::move(stream);
   state_.clear();
 }
 
@@ -341,8 +378,8 @@ Arrival V4l2Source::next(Frame& frame, milliseconds timeout) {
 }
 
 void V4l2Source::lose() {
-  stream_.reset();
   const std::lock_guard lock(mutex_);
+  stream_.reset();
   state_ = fmt::format("camera {} is gone; looking for it", name_);
 }
 

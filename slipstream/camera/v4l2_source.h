@@ -19,7 +19,7 @@ namespace slipstream {
 
 /// UVC and other cameras of Linux, through V4L2. Sequence and device time are the driver's, so that
 /// frames which it dropped are seen. A camera that was unplugged is sought until it is back.
-class V4l2Source : public FrameSource {
+class V4l2Source : public FrameSource, public CameraControls {
  public:
   using Open = std::function<std::unique_ptr<VideoDevice>()>;
 
@@ -39,10 +39,14 @@ class V4l2Source : public FrameSource {
   void stop() override;
   [[nodiscard]] SourceCounters counters() const override;
   [[nodiscard]] std::string state() const override;
+  CameraControls* controls() override { return this; }
+  [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const override;
+  void set_control(CameraControl which, double value) override;
 
  private:
   class Stream;
 
+  [[nodiscard]] std::shared_ptr<Stream> shared_stream() const;
   Arrival seek(std::chrono::milliseconds timeout);
   void lose();
 
@@ -50,9 +54,9 @@ class V4l2Source : public FrameSource {
   Open open_;
   CameraSettings settings_;
   FrameFormat format_;
-  std::unique_ptr<Stream> stream_;
+  std::shared_ptr<Stream> stream_;
   FrameCount count_;
-  mutable std::mutex mutex_;
+  mutable std::mutex mutex_;  ///< of stream_ against other threads, of settings_ and of state_
   std::string state_;
   std::atomic<std::uint64_t> delivered_ = 0;
   std::atomic<std::uint64_t> lost_ = 0;

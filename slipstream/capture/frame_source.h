@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "slipstream/capture/camera_controls.h"
 #include "slipstream/capture/frame.h"
 #include "slipstream/error/error.h"
 
@@ -52,6 +53,8 @@ class FrameSource {
   [[nodiscard]] virtual SourceCounters counters() const = 0;
   /// One line for people where something is amiss ("camera X is gone; looking for it"), else empty.
   [[nodiscard]] virtual std::string state() const = 0;
+  /// What can be set while frames come; null where nothing can. As long as the source.
+  virtual CameraControls* controls() { return nullptr; }
 };
 
 }  // namespace slipstream

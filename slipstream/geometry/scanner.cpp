@@ -21,6 +21,17 @@ void require_size(const Lens& lens, std::string_view device) {
 
 }  // namespace
 
+bool has_geometry(const Scanner& scanner) {
+  return !(scanner.translation.isZero(0) && scanner.camera.intrinsic.isIdentity(0));
+}
+
+Scanner without_geometry(Size camera, Size projector, const PhotometricCalibration& known) {
+  Scanner scanner{.photometry = known};
+  scanner.camera.size = camera;
+  scanner.projector.size = projector;
+  return scanner;
+}
+
 void require_valid(const Scanner& scanner) {
   require_valid(scanner.camera, "camera");
   require_valid(scanner.projector, "projector");

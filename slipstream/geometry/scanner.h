@@ -46,6 +46,13 @@ struct Scanner {
   friend bool operator==(const Scanner&, const Scanner&) = default;
 };
 
+/// Whether anybody has measured lenses and pose. Where they are as at first, sizes and photometry
+/// alone are known, which suffices for all that pictures say: Engine::maps.
+bool has_geometry(const Scanner& scanner);
+
+/// What is known before a calibration: the size of the camera's frames, and what else `known` says.
+Scanner without_geometry(Size camera, Size projector, const PhotometricCalibration& known = {});
+
 /// Throws Error unless both lenses are valid with a size, the rotation is one (to 1e-4), the
 /// baseline is finite and not zero, photometry and depths are in range.
 void require_valid(const Scanner& scanner);

@@ -42,6 +42,7 @@ class RecordedSource : public FrameSource {
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override { source_->stop(); }
   [[nodiscard]] SourceCounters counters() const override { return source_->counters(); }
+  CameraControls* controls() override { return source_->controls(); }
   /// The source's; where it has nothing to say, why a recording has failed.
   [[nodiscard]] std::string state() const override;
 

@@ -142,8 +142,9 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   return files;
 }
 
-void save_results(const fs::path& folder, const Cloud& cloud, const Maps& maps) {
-  write_cloud(folder / "cloud.ply", cloud);
+void save_results(const fs::path& folder, const Cloud& cloud, const Maps& maps,
+                  const std::vector<std::string>& remarks) {
+  write_cloud(folder / "cloud.ply", cloud, {.remarks = remarks});
   write_map(folder / "depth.tiff", cloud.z);
   write_map(folder / "coordinate.tiff", maps.coordinate);
   write_map(folder / "phase.tiff", maps.wrapped_phase);

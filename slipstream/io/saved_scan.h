@@ -42,8 +42,9 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt);
 
 /// Writes what was made of a scan beside it: cloud.ply, depth.tiff, coordinate.tiff, phase.tiff,
-/// modulation.tiff, mean.tiff and preview.png.
-void save_results(const std::filesystem::path& folder, const Cloud& cloud, const Maps& maps);
+/// modulation.tiff, mean.tiff and preview.png. `remarks`: see CloudExtras.
+void save_results(const std::filesystem::path& folder, const Cloud& cloud, const Maps& maps,
+                  const std::vector<std::string>& remarks = {});
 
 /// A path in `parent` that is not there yet, named by the time: "WHAT-20260131-142530ENDING", with
 /// -2, -3 and so on before the ending where there is one already.

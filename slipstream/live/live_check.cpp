@@ -15,12 +15,12 @@ constexpr std::chrono::milliseconds look_again{500};
 
 }  // namespace
 
-LiveCheck::LiveCheck(const Sequence& sequence, const Scanner& scanner, Size camera,
+LiveCheck::LiveCheck(const Sequence& sequence, const std::optional<Scanner>& scanner, Size camera,
                      const CheckSettings& settings)
     : sequence_(sequence),
       scanner_(scanner),
       settings_(settings),
-      model_(sequence, scanner.photometry),
+      model_(sequence, scanner ? scanner->photometry : settings.photometry),
       order_(model_.identity()),
       judge_(model_),
       samples_(camera, frame_count(sequence.strategy)) {}

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "slipstream/capture/frame_views.h"
@@ -14,7 +15,8 @@ namespace slipstream {
 /// for every cycle; what they raise a suspicion of is checked whole. One thread uses it.
 class LiveCheck {
  public:
-  LiveCheck(const Sequence& sequence, const Scanner& scanner, Size camera,
+  /// Without a scanner less can be told: see check_frames.
+  LiveCheck(const Sequence& sequence, const std::optional<Scanner>& scanner, Size camera,
             const CheckSettings& settings = {});
 
   /// What is amiss with these frames, which are in pattern order and of the camera's size. Nothing
@@ -42,7 +44,7 @@ class LiveCheck {
   [[nodiscard]] bool darkened() const;
 
   Sequence sequence_;
-  Scanner scanner_;
+  std::optional<Scanner> scanner_;
   CheckSettings settings_;
   FrameModel model_;
   FrameOrder order_;

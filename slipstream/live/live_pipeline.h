@@ -21,7 +21,8 @@ struct LivePlan;
 /// Source to moving cloud: capture, window, reconstruct and show, each on a thread of its own with
 /// a bounded queue before it. Each new frame gives a cloud of the N newest. Capture waits for
 /// nobody where the source has its own pace: what finds no room is overwritten and counted. All
-/// memory is allocated at the start.
+/// memory is allocated at the start. Without a scanner (see without_geometry) clouds are empty, and
+/// their frames alone are checked and handed on.
 ///
 /// One thread starts, stops and changes it; any may ask.
 class LivePipeline {

@@ -26,9 +26,13 @@ const Sequence& sequence_of(const LivePlan& plan) {
 
 /// LiveCheck as a function that can be copied.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
+  const bool known = has_geometry(setup.scanner);
   const auto check = std::make_shared<LiveCheck>(
-      merged_sequence(setup.sequence), setup.scanner, setup.scanner.camera.size,
-      CheckSettings{setup.settings.minimum_modulation, true});
+      merged_sequence(setup.sequence), known ? std::optional(setup.scanner) : std::nullopt,
+      setup.scanner.camera.size,
+      CheckSettings{.minimum_modulation = setup.settings.minimum_modulation,
+                    .moving = true,
+                    .photometry = setup.scanner.photometry});
   return [check](const FrameViews& window) { return check->look(window); };
 }
 
@@ -36,6 +40,15 @@ std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSe
 
 WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
     : engine(setup), check(settings.check ? settings.check : live_check(setup)) {}
+
+void WindowEngine::cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
+  if (!has_geometry(engine.setup().scanner)) {
+    if (!cloud.z.empty()) cloud = Cloud();
+    return;
+  }
+  view_window(window, views);
+  engine.cloud(views, cloud);
+}
 
 bool WindowEngine::is_due(const LiveCloud& window) const {
   const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();

@@ -29,10 +29,8 @@ namespace slipstream {
 struct WindowEngine {
   WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
-  void cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
-    view_window(window, views);
-    engine.cloud(views, cloud);
-  }
+  /// Without a scanner the cloud is empty.
+  void cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud);
   /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);

@@ -62,6 +62,9 @@ struct PlotAxis {
 /// at multiples of 1, 2 or 5 times a power of ten.
 PlotAxis round_axis(double low, double high, int count);
 
+/// The marks of that axis that lie between the two, for a scale that ends where its values do.
+std::vector<double> marks_between(double low, double high, int count);
+
 /// Logarithmic axis, in powers of ten, for positive values from `low` to `high`: marks at whole
 /// powers, at most `count`.
 PlotAxis decade_axis(double low, double high, int count);

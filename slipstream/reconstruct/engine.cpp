@@ -26,27 +26,47 @@ void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   });
 }
 
+/// With lenses and a pose, where nobody has measured any: maps are the same with all of them.
+EngineSetup with_geometry(EngineSetup setup) {
+  Scanner& scanner = setup.scanner;
+  if (has_geometry(scanner)) return setup;
+  constexpr int fine_enough = 1 << 14;
+  if (scanner.projector.size == Size{}) scanner.projector.size = {fine_enough, fine_enough};
+  for (Lens* const lens : {&scanner.camera, &scanner.projector}) {
+    const auto [width, height] = lens->size;
+    lens->intrinsic << width, 0, 0.5 * width, 0, width, 0.5 * height, 0, 0, 1;
+  }
+  scanner.translation = {-100, -100, 0};
+  return setup;
+}
+
 }  // namespace
 
 /// What copies of an engine share.
 struct Engine::Tables {
-  explicit Tables(const EngineSetup& of) : setup(of), corrections(phase_corrections(of)) {
+  explicit Tables(const EngineSetup& of)
+      : setup(of), complete(with_geometry(of)), corrections(phase_corrections(of)) {
+    require_reconstructible(complete);
     if (setup.settings.engine != EngineKind::reference) {
-      fused = FusedEngine::make(setup, corrections);
+      fused = FusedEngine::make(complete, corrections);
     }
     if (!fused) static_cast<void>(reference());
   }
 
   /// Its tables take long to build: they are when they are first wanted.
   const ReferenceEngine& reference() {
-    std::call_once(once, [this] { built.emplace(setup, corrections); });
+    std::call_once(once, [this] { built.emplace(complete, corrections); });
     return *built;
+  }
+  void require_geometry() const {
+    if (!has_geometry(setup.scanner)) throw Error("without a scanner frames give maps, no points");
   }
   [[nodiscard]] bool is_fused(const FrameViews& frames) const {
     return fused && frames.quantised();
   }
 
   EngineSetup setup;
+  EngineSetup complete;  ///< with a geometry of some kind where `setup` has none
   PhaseCorrections corrections;
   std::optional<FusedEngine> fused;
   std::once_flag once;
@@ -59,7 +79,6 @@ struct Engine::Memory {
 };
 
 Engine::Engine(const EngineSetup& setup) : memory_(std::make_unique<Memory>()) {
-  require_reconstructible(setup);
   tables_ = std::make_shared<Tables>(setup);
 }
 
@@ -91,6 +110,7 @@ const FrameViews& Engine::merged(const FrameViews& frames) {
 }
 
 void Engine::cloud(const FrameViews& given, Cloud& cloud) {
+  tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
     (*tables_->fused)(frames, {.cloud = &cloud}, memory_->fused);
@@ -101,6 +121,7 @@ void Engine::cloud(const FrameViews& given, Cloud& cloud) {
 }
 
 void Engine::depth(const FrameViews& given, Depth& depth) {
+  tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
     return (*tables_->fused)(frames, {.depth = &depth}, memory_->fused);
@@ -119,6 +140,7 @@ void Engine::maps(const FrameViews& given, Maps& maps) {
 }
 
 void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
+  tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
     (*tables_->fused)(frames, {.cloud = &cloud, .maps = &maps}, memory_->fused);
@@ -131,6 +153,7 @@ void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
 }
 
 Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {
+  tables_->require_geometry();
   return tables_->reference().uncertainty(cloud, maps, merged(given).full_scale());
 }
 

@@ -14,7 +14,8 @@ namespace slipstream {
 
 /// Frames to cloud and maps, for one scanner and one sequence: the one way there is. Tables are
 /// built once and memory is reused, so that from the second call on nothing is allocated where the
-/// same outputs are handed in. Phases are corrected for the scanner's response where it is known.
+/// same outputs are handed in. Phases are corrected for the scanner's response where it is known. A
+/// scanner without geometry (see has_geometry) gives maps alone; all else throws Error.
 ///
 /// One thread uses it at a time. A copy shares the tables and has memory of its own: one for each
 /// thread.

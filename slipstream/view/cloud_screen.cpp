@@ -3,22 +3,33 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <utility>
 
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 #include <imgui.h>
 
+#include "slipstream/cloud/shading.h"
+#include "slipstream/reconstruct/picture_report.h"
 #include "slipstream/view/axes.h"
 #include "slipstream/view/pictures.h"
 
 namespace slipstream::view {
 namespace {
 
-constexpr int picture_width = 480;
+constexpr int picture_width = 480, large_picture_width = 1920;
 
 PointImages images_of(const Cloud& cloud) {
   return {cloud.x, cloud.y, cloud.z, cloud.intensity};
+}
+
+Area area_between(const PanelWidths& widths, const Screen& screen) {
+  const auto width = static_cast<float>(screen.window.width);
+  return {.left = widths.left,
+          .width = std::max(width - widths.left - widths.right, 1.0F),
+          .height = static_cast<float>(screen.window.height)};
 }
 
 /// The part of the framebuffer between panel and pictures.
@@ -44,6 +55,8 @@ CloudScreen::CloudScreen(const ViewSource& source, const ViewSettings& settings,
                          const opengl::Window* window)
     : source_(source), gui_(window), counted_since_(std::chrono::steady_clock::now()) {
   state_.view = settings;
+  ask_camera();
+  if (source.openable) state_.openable = source.openable();
   if (!source.setup) return;
   state_.setup = *source.setup;
   engine_.emplace(*source.setup);
@@ -55,6 +68,7 @@ bool CloudScreen::take_newest() {
   if (!newest || newest.is(cloud_)) return false;
   cloud_ = std::move(newest);
   told_shown_ = false;
+  uncertainty_.reset();
   set_cloud(cloud_);
   return true;
 }
@@ -65,40 +79,66 @@ const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   return &maps_;
 }
 
+CloudScreen::Look CloudScreen::look() const {
+  return {state_.view.colour, state_.view.shaded, state_.shown, state_.picture_open,
+          state_.picture};
+}
+
 void CloudScreen::set_cloud(const ShownCloud& shown) {
-  state_.points = point_count(*shown.cloud);
-  state_.pixels = shown.cloud->z.pixel_count();
+  drawn_ = look();
+  if (pictures_alone(source_)) return set_pictures(shown);
+  const Cloud& cloud = *shown.cloud;
+  state_.counts = count_by_validity(cloud);
+  state_.pixels = cloud.z.pixel_count();
   const bool pictures = state_.shown && (state_.picture_open[1] || state_.picture_open[2]);
   const bool wanted = pictures || state_.view.colour == PointColour::modulation;
   const Maps* const maps = wanted ? maps_of(shown.frames) : nullptr;
-  scene_.set_cloud(images_of(*shown.cloud), maps != nullptr ? &maps->modulation : nullptr,
-                   state_.view.colour);
+  PointImages images = images_of(cloud);
+  const bool shaded = state_.view.shaded && cloud.z.height() > 1;
+  if (shaded) shading_ = shading(cloud);
+  images.shading = shaded ? &shading_ : nullptr;
+  scene_.set_cloud(images, maps != nullptr ? &maps->modulation : nullptr, state_.view.colour);
   if (state_.shown) update_pictures(shown.frames, maps);
-  drawn_colour_ = state_.view.colour;
-  drawn_open_ = state_.picture_open;
   // The first clouds may be of an empty room.
-  if (!fitted_ && state_.points > state_.pixels / 50) fit_wanted_ = true;
+  if (!fitted_ && point_count(cloud) > state_.pixels / 50) fit_wanted_ = true;
+}
+
+void CloudScreen::set_pictures(const ShownCloud& shown) {
+  const Maps* const maps = maps_of(shown.frames);
+  if (maps == nullptr) return;
+  PictureReport report =
+      picture_report(engine_->merged(shown.frames), *maps, engine_->setup().settings);
+  validity_ = std::move(report.validity);
+  state_.counts = count_by_validity(validity_);
+  state_.pixels = validity_.pixel_count();
+  state_.modulation = report.modulation;
+  update_pictures(shown.frames, maps);
+}
+
+int CloudScreen::width_of(std::size_t picture) const {
+  const bool large = pictures_alone(source_) && picture == state_.picture;
+  return large ? large_picture_width : picture_width;
 }
 
 void CloudScreen::update_pictures(const FrameViews& frames, const Maps* maps) {
-  if (state_.picture_open[0] && frames.count() != 0) {
-    pictures_[0].upload(camera_picture(frames, picture_width));
+  const auto wanted = [&](std::size_t picture) {
+    return state_.picture_open[picture] || width_of(picture) == large_picture_width;
+  };
+  if (wanted(0) && frames.count() != 0) {
+    const bool known = validity_.size() == frames.size();
+    pictures_[0].upload(camera_picture(frames, width_of(0), known ? &validity_ : nullptr));
+    state_.histogram = grey_histogram(frames);
   }
   if (maps == nullptr) return;
-  if (state_.picture_open[1]) {
-    pictures_[1].upload(modulation_picture(maps->modulation, picture_width));
-  }
-  if (state_.picture_open[2]) {
+  if (wanted(1)) pictures_[1].upload(modulation_picture(maps->modulation, width_of(1)));
+  if (wanted(2)) {
     const auto least =
         static_cast<float>(least_modulation(state_.setup.settings, frames.full_scale()));
-    pictures_[2].upload(phase_picture(maps->wrapped_phase, maps->modulation, least, picture_width));
+    pictures_[2].upload(phase_picture(maps->wrapped_phase, maps->modulation, least, width_of(2)));
   }
 }
 
-void CloudScreen::draw(const Screen& screen) {
-  const bool other_look = drawn_colour_ != state_.view.colour || drawn_open_ != state_.picture_open;
-  if (cloud_ && other_look) set_cloud(cloud_);
-  const Pane pane = pane_between(panel_widths(state_, source_, screen), screen);
+void CloudScreen::draw_scene(const Pane& pane, const Screen& screen) {
   if (cloud_ && fit_wanted_) {
     scene_.set_extent(extent_of(images_of(*cloud_.cloud)));
     state_.view.camera =
@@ -108,30 +148,66 @@ void CloudScreen::draw(const Screen& screen) {
     fit_wanted_ = false;
   }
   state_.grid_mm = grid_step(scene_.extent().box);
+  ViewSettings settings = state_.view;
+  // Without points there is nothing whose place they could show.
+  if (state_.counts.front() == 0) settings.axes = settings.grid = false;
   const double ambient = engine_ ? engine_->setup().scanner.photometry.ambient.value_or(0.0) : 0.0;
-  scene_.draw(state_.view, ambient, pane, screen.unit() * screen.pixel_ratio());
-
+  scene_.draw(settings, ambient, pane, screen.unit() * screen.pixel_ratio());
   glViewport(0, 0, screen.framebuffer.width, screen.framebuffer.height);
+}
+
+void CloudScreen::draw_over(const Area& area, const Screen& screen) const {
+  if (!cloud_) return draw_note(source_.waits_for, area, screen.unit());
+  if (pictures_alone(source_)) return draw_picture(pictures_.at(state_.picture), area);
+  if (!state_.shown) return;
+  const std::string why = why_no_points(state_);
+  if (!why.empty()) return draw_note(why, area, screen.unit());
+  if (state_.view.colour == PointColour::depth) {
+    draw_depth_scale(scene_.depths(), area, screen.unit());
+  }
+}
+
+void CloudScreen::draw(const Screen& screen) {
+  if (cloud_ && drawn_ != look()) set_cloud(cloud_);
+  const PanelWidths widths = panel_widths(state_, source_, screen);
+  const Pane pane = pane_between(widths, screen);
+  draw_scene(pane, screen);
   PanelRequests requests;
   gui_.begin_frame(screen);
   hear_of_saving();
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
+  const Area area = area_between(widths, screen);
+  draw_over(area, screen);
   draw_panel(state_, requests, source_, statistics, screen);
   draw_pictures(state_, pictures_, source_, screen);
-  move_camera(pane, screen);
+  take_mouse(pane, area, screen);
   take_keys(requests);
   gui_.end_frame();
   answer(requests);
   count_drawn();
 }
 
+void CloudScreen::take_mouse(const Pane& pane, const Area& area, const Screen& screen) {
+  if (pictures_alone(source_)) return;
+  const OrbitCamera& camera = state_.view.camera;
+  if (!ImGui::GetIO().WantCaptureMouse) {
+    move_camera(pane, screen);
+    if (cloud_ && ImGui::IsMousePosValid()) {
+      measure({*cloud_.cloud, uncertainty(), clip_matrix(camera, pane.size), pane.size}, area,
+              screen.pixel_ratio());
+    }
+  }
+  if (state_.measures) {
+    draw_ends(state_.measured.ends, clip_matrix(camera, pane.size), area, screen.unit());
+  }
+}
+
 void CloudScreen::move_camera(const Pane& pane, const Screen& screen) {
   const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantCaptureMouse) return;
   const float height = static_cast<float>(pane.size.height) / screen.pixel_ratio();
   const glm::vec2 drag(io.MouseDelta.x / height, io.MouseDelta.y / height);
   OrbitCamera& camera = state_.view.camera;
-  if (ImGui::IsMouseDown(ImGuiMouseButton_Left)) {
+  if (ImGui::IsMouseDown(ImGuiMouseButton_Left) && !state_.measures) {
     camera = io.KeyShift ? panned(camera, drag) : orbited(camera, drag);
   } else if (ImGui::IsMouseDown(ImGuiMouseButton_Right) ||
              ImGui::IsMouseDown(ImGuiMouseButton_Middle)) {
@@ -140,27 +216,72 @@ void CloudScreen::move_camera(const Pane& pane, const Screen& screen) {
   if (io.MouseWheel != 0) camera = zoomed(camera, io.MouseWheel);
 }
 
-void CloudScreen::take_keys(PanelRequests& requests) {
-  if (ImGui::GetIO().WantTextInput) return;
-  if (source_.statistics && ImGui::IsKeyPressed(GLFW_KEY_SPACE, false)) {
-    state_.paused = !state_.paused;
+void CloudScreen::measure(const CloudOnPicture& shown, const Area& area, float pixel_ratio) {
+  const auto place_of = [&](const ImVec2& mouse) {
+    return pixel_ratio * glm::vec2(mouse.x - area.left, mouse.y - area.top);
+  };
+  const ImGuiIO& io = ImGui::GetIO();
+  const float reach = 5 * pixel_ratio;
+  const glm::vec2 place = place_of(io.MousePos), begin = place_of(io.MouseClickedPos[0]);
+  const bool down = ImGui::IsMouseDown(ImGuiMouseButton_Left);
+  if (!down) {
+    if (const auto point = point_under(shown, place, reach)) draw_footer(text_of(*point), area);
   }
-  if (ImGui::IsKeyPressed(GLFW_KEY_TAB, false)) state_.shown = !state_.shown;
-  requests.fit |= ImGui::IsKeyPressed(GLFW_KEY_F, false);
-  requests.save |= source_.save && ImGui::IsKeyPressed(GLFW_KEY_S, false);
-  requests.toggle_recording |= source_.record && ImGui::IsKeyPressed(GLFW_KEY_R, false);
-  const std::array<int, 3> colour_keys{GLFW_KEY_1, GLFW_KEY_2, GLFW_KEY_3};
-  for (std::size_t i = 0; i < colour_keys.size(); ++i) {
-    if (ImGui::IsKeyPressed(colour_keys[i], false)) {
-      state_.view.colour = static_cast<PointColour>(i);
-    }
+  if (!state_.measures) return;
+  const bool dragged = glm::distance(place, begin) > reach;
+  if (down && dragged) draw_rectangle(io.MouseClickedPos[0], io.MousePos);
+  if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left)) return;
+  if (dragged) {
+    fit_shapes(state_.measured, points_between(shown, begin, place));
+  } else if (const auto point = point_under(shown, place, reach)) {
+    add_end(state_.measured, *point);
+  }
+}
+
+const Uncertainty* CloudScreen::uncertainty() {
+  if (cloud_.uncertainty) return cloud_.uncertainty.get();
+  const bool stands_still = !source_.statistics || state_.paused;
+  if (!uncertainty_ && stands_still) {
+    const Maps* const maps = maps_of(cloud_.frames);
+    if (maps != nullptr) uncertainty_ = engine_->uncertainty(*cloud_.cloud, *maps, cloud_.frames);
+  }
+  return uncertainty_ ? &*uncertainty_ : nullptr;
+}
+
+void CloudScreen::take_keys(PanelRequests& requests) {
+  // What is typed into a field is its own.
+  const bool typing = ImGui::GetIO().WantTextInput;
+  for (const int key : std::exchange(keys_, {})) {
+    if (!typing) take_key(key, requests);
+  }
+}
+
+void CloudScreen::take_key(int key, PanelRequests& requests) {
+  if (key == GLFW_KEY_ESCAPE) closed_ = true;
+  if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
+  if (key == GLFW_KEY_TAB) state_.shown = !state_.shown;
+  if (key == GLFW_KEY_F) requests.fit = true;
+  if (key == GLFW_KEY_M) state_.measures = !state_.measures;
+  if (key == GLFW_KEY_S && source_.save) requests.save = true;
+  if (key == GLFW_KEY_R && source_.record) requests.toggle_recording ^= true;
+  if (key >= GLFW_KEY_1 && key <= GLFW_KEY_3) {
+    state_.view.colour = static_cast<PointColour>(key - GLFW_KEY_1);
+    state_.picture = static_cast<std::size_t>(key - GLFW_KEY_1);
+  }
+  if (key >= GLFW_KEY_4 && key <= GLFW_KEY_6) {
+    requests.viewpoint = static_cast<Viewpoint>(key - GLFW_KEY_4);
   }
 }
 
 void CloudScreen::answer(const PanelRequests& requests) {
-  if (requests.fit) fit_wanted_ = true;
+  if (requests.viewpoint) {
+    state_.view.camera = looking_from(state_.view.camera, *requests.viewpoint);
+  }
+  if (requests.fit || requests.viewpoint) fit_wanted_ = true;
+  if (requests.set_control) set_control(*requests.set_control);
   if (requests.change_setup) change_setup();
   if (requests.save) save();
+  if (!requests.open.empty()) open(requests.open);
   if (requests.toggle_recording) {
     try {
       source_.record(!source_.recording || source_.recording().empty());
@@ -184,6 +305,35 @@ void CloudScreen::change_setup() {
     state_.setup = engine_->setup();
     state_.strategy = accepted_strategy_;
     state_.gamma = accepted_gamma_;
+  }
+}
+
+void CloudScreen::set_control(const ShownControl& asked) {
+  try {
+    source_.camera->set_control(asked.which, asked.value.value);
+    state_.message.clear();
+  } catch (const std::exception& error) {
+    state_.message = error.what();
+  }
+  ask_camera();
+}
+
+void CloudScreen::ask_camera() {
+  state_.camera.clear();
+  if (source_.camera == nullptr) return;
+  for (const CameraControl which : camera_controls) {
+    if (const auto value = source_.camera->control(which)) state_.camera.push_back({which, *value});
+  }
+}
+
+void CloudScreen::open(const std::string& path) {
+  if (!source_.open) return;
+  try {
+    opened_ = source_.open(path);
+    opened_->open = source_.open;
+    opened_->openable = source_.openable;
+  } catch (const std::exception& error) {
+    state_.message = error.what();
   }
 }
 

@@ -5,10 +5,14 @@
 #include <future>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "slipstream/opengl/picture_texture.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/view/gui.h"
+#include "slipstream/view/measuring.h"
+#include "slipstream/view/overlay.h"
 #include "slipstream/view/panel.h"
 #include "slipstream/view/scene_renderer.h"
 #include "slipstream/view/view_source.h"
@@ -29,21 +33,42 @@ class CloudScreen {
   bool take_newest();
   /// Draws into the framebuffer that is bound, and does what was asked of it by mouse and keys.
   void draw(const Screen& screen);
+  /// A key of GLFW's that was pressed, for the next draw(): none is lost, however long that takes.
+  void press(int key) { keys_.push_back(key); }
   /// Tells the source that what draw() drew is on the screen now.
   void tell_shown();
 
+  /// Opens a file in place of the source, see ViewSource::open; says in the panel why not.
+  void open(const std::string& path);
+  /// What was opened since the last call.
+  std::optional<ViewSource> take_opened() { return std::exchange(opened_, std::nullopt); }
   [[nodiscard]] PanelState& state() { return state_; }
+  /// Whether the window is to be closed: its key was pressed.
+  [[nodiscard]] bool closed() const { return closed_; }
 
  private:
   void set_cloud(const ShownCloud& shown);
+  void set_pictures(const ShownCloud& shown);
   void update_pictures(const FrameViews& frames, const Maps* maps);
+  [[nodiscard]] int width_of(std::size_t picture) const;
   /// What the frames say, decoded again when it is looked at; null where there are none or they are
   /// of another strategy, as those just before a change are. Valid until the next call.
   const Maps* maps_of(const FrameViews& frames);
+  void draw_scene(const Pane& pane, const Screen& screen);
+  void draw_over(const Area& area, const Screen& screen) const;
+  /// What the mouse does to the cloud: turns it, moves it, measures it.
+  void take_mouse(const Pane& pane, const Area& area, const Screen& screen);
   void move_camera(const Pane& pane, const Screen& screen);
+  void measure(const CloudOnPicture& shown, const Area& area, float pixel_ratio);
+  /// How sure the points are, worked out when it is first asked for a cloud that stands still; null
+  /// where that is not known.
+  const Uncertainty* uncertainty();
   void take_keys(PanelRequests& requests);
+  void take_key(int key, PanelRequests& requests);
   void answer(const PanelRequests& requests);
   void change_setup();
+  void set_control(const ShownControl& asked);
+  void ask_camera();
   void save();
   void hear_of_saving();
   void count_drawn();
@@ -54,13 +79,28 @@ class CloudScreen {
   std::array<opengl::PictureTexture, 3> pictures_;
   std::optional<Engine> engine_;  ///< of the setup accepted last; none where the source has none
   Maps maps_;
+  Image<Validity> validity_;  ///< of the pictures, where there are no points
+  Image<float> shading_;
+  std::optional<Uncertainty> uncertainty_;  ///< of the cloud shown
+  std::optional<ViewSource> opened_;
   PanelState state_;
   std::size_t accepted_strategy_ = 0, accepted_gamma_ = 0;
   ShownCloud cloud_;
   bool told_shown_ = true;
   bool fitted_ = false, fit_wanted_ = false;
-  PointColour drawn_colour_ = PointColour::reflectivity;
-  std::array<bool, 3> drawn_open_{};
+  /// What the cloud in the graphics memory and the pictures were made for.
+  struct Look {
+    PointColour colour = PointColour::reflectivity;
+    bool shaded = false, shown = false;
+    std::array<bool, 3> picture_open{};
+    std::size_t picture = 0;
+
+    friend bool operator==(const Look&, const Look&) = default;
+  };
+  [[nodiscard]] Look look() const;
+  Look drawn_;
+  std::vector<int> keys_;
+  bool closed_ = false;
   std::future<std::string> saving_;
   std::chrono::steady_clock::time_point counted_since_;
   int counted_ = 0;

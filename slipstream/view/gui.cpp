@@ -40,7 +40,11 @@ float Screen::pixel_ratio() const {
 }
 
 float Screen::unit() const {
-  return std::max(content_scale / pixel_ratio(), 0.5F);
+  // Up to about this size text is as large as elsewhere on the desktop.
+  constexpr float ordinary_width = 1600, ordinary_height = 960;
+  const float share = std::min(static_cast<float>(window.width) / ordinary_width,
+                               static_cast<float>(window.height) / ordinary_height);
+  return std::max({content_scale / pixel_ratio(), share, 0.5F});
 }
 
 Screen screen_of(const opengl::Window& window) {

@@ -13,7 +13,8 @@ struct Screen {
 
   /// Pixels for a unit of the window: 2 where the desktop hides HiDPI from windows.
   [[nodiscard]] float pixel_ratio() const;
-  /// Window units for what takes one on an ordinary screen: 2 where it leaves HiDPI to them.
+  /// Window units for what takes one on an ordinary screen: 2 where it leaves HiDPI to them, and
+  /// more in large windows, so that text keeps its share of them.
   [[nodiscard]] float unit() const;
 };
 

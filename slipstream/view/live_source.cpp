@@ -28,7 +28,7 @@ std::vector<std::pair<std::string, Strategy>> strategies_beside(const Strategy& 
 std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas_beside(
     const std::optional<MeasuredResponse>& given) {
   std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> choices{
-      {"as given", given}, {"none", std::nullopt}};
+      {"as at the start", given}, {"none", std::nullopt}};
   for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
     choices.emplace_back(fmt::format("{:g}", gamma), MeasuredResponse{PowerLaw{gamma}, gamma});
   }

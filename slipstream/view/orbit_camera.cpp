@@ -22,6 +22,8 @@ glm::vec3 towards_eye(const OrbitCamera& camera) {
           std::cos(camera.azimuth) * std::cos(camera.elevation)};
 }
 
+constexpr float steepest = glm::half_pi<float>() - 0.01F;  // an elevation; straight up has no side
+
 /// Half a turn about X.
 glm::mat4 display_from_scanner() {
   return glm::scale(glm::mat4(1), glm::vec3(1, -1, -1));
@@ -39,7 +41,6 @@ glm::vec3 in_display_frame(const glm::vec3& point) {
 
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag) {
   constexpr float turn = glm::pi<float>();  // for a drag over the whole height
-  constexpr float steepest = glm::half_pi<float>() - 0.01F;
   camera.azimuth = std::remainder(camera.azimuth - turn * drag.x, glm::two_pi<float>());
   camera.elevation = std::clamp(camera.elevation + turn * drag.y, -steepest, steepest);
   return camera;
@@ -57,6 +58,13 @@ OrbitCamera panned(OrbitCamera camera, const glm::vec2& drag) {
 OrbitCamera zoomed(OrbitCamera camera, float steps) {
   constexpr float nearest = 1e-3F, farthest = 1e7F;
   camera.distance = std::clamp(camera.distance * std::pow(0.88F, steps), nearest, farthest);
+  return camera;
+}
+
+OrbitCamera looking_from(OrbitCamera camera, Viewpoint viewpoint) {
+  constexpr float right_angle = glm::half_pi<float>();
+  camera.azimuth = viewpoint == Viewpoint::side ? right_angle : 0;
+  camera.elevation = viewpoint == Viewpoint::top ? steepest : 0;
   return camera;
 }
 

@@ -42,6 +42,10 @@ OrbitCamera panned(OrbitCamera camera, const glm::vec2& drag);
 /// Nearer by so many steps of a wheel, or farther where negative.
 OrbitCamera zoomed(OrbitCamera camera, float steps);
 
+/// From where a person looks: as the scanner's camera does, from the right, from above.
+enum class Viewpoint { front, side, top };
+OrbitCamera looking_from(OrbitCamera camera, Viewpoint viewpoint);
+
 /// Looking at the box's middle from where all of it is seen, at the same angles.
 OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture);
 

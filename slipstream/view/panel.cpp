@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <utility>
 
 #include <fmt/format.h>
 #include <imgui.h>
@@ -10,8 +11,9 @@
 namespace slipstream::view {
 namespace {
 
-const ImVec4 quiet(0.62F, 0.66F, 0.72F, 1), bad(1.0F, 0.50F, 0.42F, 1),
-    doubtful(1.0F, 0.78F, 0.36F, 1), good(0.50F, 0.85F, 0.55F, 1);
+const ImVec4 white(1, 1, 1, 1), quiet(0.62F, 0.66F, 0.72F, 1), bad(1.0F, 0.50F, 0.42F, 1),
+    doubtful(1.0F, 0.78F, 0.36F, 1), good(0.50F, 0.85F, 0.55F, 1),
+    saturated_ink(1.0F, 0.42F, 0.40F, 1), too_dark_ink(0.50F, 0.65F, 1.0F, 1);
 constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                           ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoTitleBar;
 
@@ -30,7 +32,7 @@ bool section(const char* name) {
 }
 
 /// A name at the left, what it is at the right of it.
-void row(const char* name, const std::string& value, const ImVec4& colour = {1, 1, 1, 1}) {
+void row(const char* name, const std::string& value, const ImVec4& colour = white) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
   ImGui::PushStyleColor(ImGuiCol_Text, quiet);
@@ -59,41 +61,44 @@ double rate_of(const LiveStatistics& statistics, std::string_view stage) {
 
 void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   if (!ImGui::BeginTable("rates", 2, ImGuiTableFlags_SizingStretchProp)) return;
-  row("frames", fmt::format("{:.1f} / s", rate_of(statistics, "capture")));
-  row("clouds", fmt::format("{:.1f} / s", rate_of(statistics, "reconstruct")));
-  row("display", fmt::format("{:.1f} / s", state.drawn_per_second));
-  row("lost",
-      fmt::format("{} of {} frames", statistics.frames.lost,
+  row("frames", fmt::format("{:.1f} per s", rate_of(statistics, "capture")));
+  row("scans", fmt::format("{:.1f} per s", rate_of(statistics, "reconstruct")));
+  row("pictures drawn", fmt::format("{:.1f} per s", state.drawn_per_second));
+  row("frames lost",
+      fmt::format("{} of {}", statistics.frames.lost,
                   statistics.frames.captured + statistics.frames.lost),
       statistics.frames.lost == 0 ? good : bad);
-  count_row("overwritten", statistics.frames.overwritten);
-  count_row("repeated", statistics.frames.repeated);
-  count_row("windows lost", statistics.windows_lost);
-  count_row("resynchronised", statistics.resynchronisations);
+  count_row("frames not used", statistics.frames.overwritten);
+  count_row("frames repeated", statistics.frames.repeated);
+  count_row("scans lost", statistics.windows_lost);
+  count_row("order set right", statistics.resynchronisations);
   ImGui::EndTable();
 }
 
 void draw_latencies(const LiveStatistics& statistics) {
-  if (!ImGui::BeginTable("latencies", 2, ImGuiTableFlags_SizingStretchProp)) return;
-  row("ms", "p50 / p99 / max", quiet);
-  row("to cloud", text_of(statistics.latency));
-  row("to screen", text_of(statistics.screen_latency));
-  ImGui::EndTable();
+  if (!ImGui::TreeNode("delay since capture, ms")) return;
+  if (ImGui::BeginTable("latencies", 2, ImGuiTableFlags_SizingStretchProp)) {
+    row("", "half / 99 of 100 / most", quiet);
+    row("to points", text_of(statistics.latency));
+    row("to screen", text_of(statistics.screen_latency));
+    ImGui::EndTable();
+  }
+  ImGui::TreePop();
 }
 
 void draw_stages(const LiveStatistics& statistics) {
-  if (statistics.stages.empty() || !ImGui::TreeNode("stages")) return;
+  if (statistics.stages.empty() || !ImGui::TreeNode("threads")) return;
   if (ImGui::BeginTable("stages", 4, ImGuiTableFlags_SizingStretchProp)) {
-    for (const char* const title : {"stage", "per s", "queue", "p99 ms"}) {
+    for (const char* const title : {"", "per s", "waiting", "ms"}) {
       ImGui::TableNextColumn();
       say(quiet, "{}", title);
     }
     for (const StageStatistics& stage : statistics.stages) {
       row(stage.name.c_str(), fmt::format("{:.1f}", stage.rate));
       ImGui::TableNextColumn();
-      say({1, 1, 1, 1}, "{}/{}", stage.waiting, stage.capacity);
+      say(white, "{}/{}", stage.waiting, stage.capacity);
       ImGui::TableNextColumn();
-      say({1, 1, 1, 1}, "{:.1f}", stage.latency.p99);
+      say(white, "{:.1f}", stage.latency.p99);
     }
     ImGui::EndTable();
   }
@@ -108,40 +113,134 @@ void draw_findings(const std::vector<Finding>& findings) {
   }
 }
 
+std::string percent_of(std::size_t count, std::size_t all) {
+  const double percent =
+      100 * static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(all, 1));
+  return fmt::format("{:.{}f} %", percent, percent < 1 && count != 0 ? 2 : 1);
+}
+
+/// How many pixels became points, and why the others did not.
+void draw_counts(const PanelState& state, const ViewSource& source) {
+  if (state.pixels == 0 || !section("Pixels")) return;
+  const bool alone = pictures_alone(source);
+  if (!ImGui::BeginTable("pixels", 2, ImGuiTableFlags_SizingFixedFit)) return;
+  for (std::size_t i = 0; i < state.counts.size(); ++i) {
+    if (i != 0 && state.counts[i] == 0) continue;
+    const std::string percent = percent_of(state.counts[i], state.pixels);
+    const std::string_view reason = name_of(static_cast<Validity>(i));
+    const std::string points = fmt::format("are {} points", state.counts[i]);
+    row(percent.c_str(), i != 0 ? std::string(reason) : alone ? "measured" : points);
+  }
+  ImGui::EndTable();
+  if (alone) say(quiet, "median modulation {:.0f} of 127 grey levels", state.modulation);
+}
+
 void draw_status(const PanelState& state, const ViewSource& source,
                  const LiveStatistics& statistics) {
   if (!statistics.source_state.empty()) say(bad, "{}", statistics.source_state);
   draw_findings(source.findings);
   draw_findings(statistics.findings);
-  if (source.statistics && section("Rates")) {
-    draw_rates(state, statistics);
-    draw_latencies(statistics);
-    draw_stages(statistics);
+  draw_counts(state, source);
+}
+
+void draw_colour_choice(ViewSettings& view) {
+  static constexpr std::array<const char*, 3> names{"brightness (1)", "modulation (2)",
+                                                    "depth (3)"};
+  int colour = static_cast<int>(view.colour);
+  ImGui::Combo("colour", &colour, names.data(), static_cast<int>(names.size()));
+  view.colour = static_cast<PointColour>(colour);
+}
+
+void draw_viewpoints(PanelRequests& requests) {
+  static constexpr std::array<std::pair<const char*, Viewpoint>, 3> named{
+      {{"Front (4)", Viewpoint::front},
+       {"Side (5)", Viewpoint::side},
+       {"Top (6)", Viewpoint::top}}};
+  for (const auto& [name, viewpoint] : named) {
+    if (ImGui::Button(name)) requests.viewpoint = viewpoint;
+    ImGui::SameLine();
   }
-  say(quiet, "{} points of {} pixels", state.points, state.pixels);
+  requests.fit |= ImGui::Button("Fit (F)");
 }
 
 void draw_view_settings(PanelState& state, PanelRequests& requests) {
-  if (!section("Cloud")) return;
+  if (!section("View")) return;
   ViewSettings& view = state.view;
-  int colour = static_cast<int>(view.colour);
-  ImGui::TextUnformatted("colour");
-  ImGui::RadioButton("reflectivity", &colour, static_cast<int>(PointColour::reflectivity));
-  ImGui::SameLine();
-  ImGui::RadioButton("B", &colour, static_cast<int>(PointColour::modulation));
-  ImGui::SameLine();
-  ImGui::RadioButton("depth", &colour, static_cast<int>(PointColour::depth));
-  view.colour = static_cast<PointColour>(colour);
+  draw_colour_choice(view);
   ImGui::SliderFloat("point size", &view.point_size, 0.3F, 6, "%.1f", ImGuiSliderFlags_Logarithmic);
-  ImGui::SliderFloat("brightness", &view.brightness, 0.2F, 5, "%.2f", ImGuiSliderFlags_Logarithmic);
-  ImGui::Checkbox("shaded", &view.shaded);
-  ImGui::SameLine(0.5F * ImGui::GetWindowWidth());
+  if (view.colour != PointColour::depth) {
+    ImGui::SliderFloat("contrast", &view.brightness, 0.2F, 5, "%.2f", ImGuiSliderFlags_Logarithmic);
+  }
+  const float middle = 0.5F * ImGui::GetWindowWidth();
+  ImGui::Checkbox("shading", &view.shaded);
+  ImGui::SameLine(middle);
   ImGui::Checkbox("reflection", &view.reflection);
   ImGui::Checkbox("axes", &view.axes);
-  ImGui::SameLine(0.5F * ImGui::GetWindowWidth());
+  ImGui::SameLine(middle);
   ImGui::Checkbox("floor", &view.grid);
-  if (view.grid) say(quiet, "floor lines every {:g} mm", state.grid_mm);
-  requests.fit |= ImGui::Button("Fit (F)");
+  if (view.grid) say(quiet, "a line of the floor every {:g} mm", state.grid_mm);
+  draw_viewpoints(requests);
+}
+
+void draw_measuring(PanelState& state) {
+  if (!section("Measure")) return;
+  ImGui::Checkbox("with the mouse (M)", &state.measures);
+  if (state.measures && state.measured.lines.empty()) {
+    say(quiet,
+        "Click two points for their distance; drag over a surface for its plane and sphere.");
+  }
+  for (const std::string& line : state.measured.lines) say(white, "{}", line);
+}
+
+/// Files to choose from, and a field for any other.
+void draw_open(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (!source.open || !section("Open")) return;
+  for (const std::string& name : state.openable) {
+    if (ImGui::Selectable(name.c_str())) requests.open = name;
+  }
+  ImGui::PushAllowKeyboardFocus(true);
+  ImGui::SetNextItemWidth(-1);
+  if (ImGui::InputTextWithHint("##path", "path, then Enter; or drop a file here", state.path.data(),
+                               state.path.size(), ImGuiInputTextFlags_EnterReturnsTrue)) {
+    requests.open = state.path.data();
+  }
+  ImGui::PopAllowKeyboardFocus();
+}
+
+/// A filter, and how many points it took.
+bool draw_filter(const char* name, bool& on, const PanelState& state, Validity kind) {
+  const std::size_t count = state.counts[static_cast<std::size_t>(kind)];
+  const bool changed = ImGui::Checkbox(name, &on);
+  ImGui::SameLine(0.62F * ImGui::GetWindowWidth());
+  say(quiet, "{} points", count);
+  return changed;
+}
+
+void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (!source.setup || !source.change || !section("Left out")) return;
+  const CleanSettings on, off = CleanSettings::none();
+  CleanSettings& clean = state.setup.settings.clean;
+  bool trusted = clean.largest_sigma != off.largest_sigma;
+  bool connected = clean.smallest_component != off.smallest_component;
+  bool changed = draw_filter("too noisy", trusted, state, Validity::low_trust);
+  changed |= draw_filter("mixed at edges", clean.drop_mixed, state, Validity::mixed);
+  changed |= draw_filter("outliers", clean.drop_outliers, state, Validity::outlier);
+  changed |= draw_filter("floating specks", connected, state, Validity::small_component);
+  if (!changed) return;
+  clean.largest_sigma = trusted ? on.largest_sigma : off.largest_sigma;
+  clean.smallest_component = connected ? on.smallest_component : off.smallest_component;
+  requests.change_setup = true;
+}
+
+/// Which picture is shown large.
+void draw_picture_choice(PanelState& state) {
+  if (!section("View")) return;
+  static constexpr std::array<const char*, 3> names{"camera (1)", "modulation (2)", "phase (3)"};
+  int chosen = static_cast<int>(state.picture);
+  ImGui::Combo("picture", &chosen, names.data(), static_cast<int>(names.size()));
+  state.picture = static_cast<std::size_t>(chosen);
+  say(saturated_ink, "red: a frame is saturated");
+  say(too_dark_ink, "blue: too dark to measure");
 }
 
 /// One of the labelled choices; whether another was chosen.
@@ -173,22 +272,45 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
     requests.change_setup = true;
   }
   auto threshold = static_cast<float>(settings.minimum_modulation);
-  if (ImGui::SliderFloat("least B", &threshold, 1, 100, "%.0f")) {
+  if (ImGui::SliderFloat("least light", &threshold, 1, 100, "%.0f of 127")) {
     settings.minimum_modulation = static_cast<double>(threshold);
   }
   // Tables are built for every change, so one that is dragged counts when it is let go.
   requests.change_setup |= ImGui::IsItemDeactivatedAfterEdit();
+  if (ImGui::IsItemHovered()) {
+    ImGui::SetTooltip(
+        "modulation below which a pixel is too dark, in grey levels of an 8-bit camera");
+  }
   bool drop = settings.drop_saturated;
-  if (ImGui::Checkbox("drop saturated pixels", &drop)) {
+  if (ImGui::Checkbox("leave out saturated pixels", &drop)) {
     settings.drop_saturated = drop;
     requests.change_setup = true;
   }
 }
 
+void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& source) {
+  if (state.camera.empty() || !section("Camera")) return;
+  static constexpr std::array<std::pair<const char*, const char*>, 3> words{
+      {{"exposure", "%.3f ms"}, {"gain", "%.1f"}, {"rate", "%.1f per s"}}};
+  for (ShownControl& shown : state.camera) {
+    const auto& [name, form] = words.at(static_cast<std::size_t>(shown.which));
+    auto value = static_cast<float>(shown.value.value);
+    // Cameras say that they expose up to minutes: where it matters a finger's width would be all.
+    const auto flags =
+        ImGuiSliderFlags_AlwaysClamp | (shown.value.least > 0 ? ImGuiSliderFlags_Logarithmic : 0);
+    if (ImGui::SliderFloat(name, &value, static_cast<float>(shown.value.least),
+                           static_cast<float>(shown.value.most), form, flags)) {
+      shown.value.value = static_cast<double>(value);
+    }
+    if (ImGui::IsItemDeactivatedAfterEdit()) requests.set_control = shown;
+  }
+  if (!source.camera_region.empty()) say(quiet, "region {}", source.camera_region);
+}
+
 void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   ImGui::Separator();
   if (source.statistics) {
-    state.paused ^= ImGui::Button(state.paused ? "Go on (space)" : "Pause (space)");
+    state.paused ^= ImGui::Button(state.paused ? "Go on (Space)" : "Pause (Space)");
   }
   if (source.save) {
     if (source.statistics) ImGui::SameLine();
@@ -199,7 +321,7 @@ void draw_actions(PanelState& state, PanelRequests& requests, const ViewSource& 
     requests.toggle_recording |= ImGui::Button(recording.empty() ? "Record (R)" : "Stop (R)");
     if (!recording.empty()) say(bad, "recording: {}", recording);
   }
-  if (!state.message.empty()) say({1, 1, 1, 1}, "{}", state.message);
+  if (!state.message.empty()) say(white, "{}", state.message);
 }
 
 void place_window(float left, float width, const Screen& screen) {
@@ -211,12 +333,43 @@ bool has_pictures(const ViewSource& source) {
   return source.setup.has_value();
 }
 
+void draw_histogram(const PanelState& state) {
+  const float height = 4 * ImGui::GetFontSize();
+  ImGui::PlotHistogram("##grey levels", state.histogram.data(),
+                       static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1,
+                       {ImGui::GetContentRegionAvail().x, height});
+  say(quiet, "grey levels of all frames, dark to bright");
+}
+
 }  // namespace
+
+bool pictures_alone(const ViewSource& source) {
+  return source.setup && !has_geometry(source.setup->scanner);
+}
+
+std::string why_no_points(const PanelState& state) {
+  const auto points = state.counts.front();
+  if (state.pixels == 0 || points > state.pixels / 100) return {};
+  std::string words = points == 0 ? "No points." : fmt::format("Next to no points: {}.", points);
+  std::size_t most = 1;
+  for (std::size_t i = 1; i < state.counts.size(); ++i) {
+    if (state.counts[i] == 0) continue;
+    words += fmt::format("\n{} of the pixels: {}", percent_of(state.counts[i], state.pixels),
+                         name_of(static_cast<Validity>(i)));
+    if (state.counts[i] > state.counts[most]) most = i;
+  }
+  if (most == static_cast<std::size_t>(Validity::too_dark)) {
+    words += "\nDoes the projector shine on what the camera sees? Else expose longer.";
+  } else if (most == static_cast<std::size_t>(Validity::saturated)) {
+    words += "\nExpose for a shorter time, or dim the projector.";
+  }
+  return words;
+}
 
 PanelWidths panel_widths(const PanelState& state, const ViewSource& source, const Screen& screen) {
   if (!state.shown) return {};
   const auto width = static_cast<float>(screen.window.width);
-  const float left = std::min(270 * screen.unit(), 0.5F * width);
+  const float left = std::min(286 * screen.unit(), 0.5F * width);
   const float right = std::min(300 * screen.unit(), 0.3F * width);
   const bool room = width >= 760 * screen.unit();
   return {left, has_pictures(source) && room ? right : 0};
@@ -228,12 +381,28 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
   if (widths.left <= 0) return;
   place_window(0, widths.left, screen);
   if (ImGui::Begin("panel", nullptr, fixed_window)) {
-    ImGui::PushItemWidth(-80 * screen.unit());
+    ImGui::PushItemWidth(-86 * screen.unit());
+    ImGui::PushAllowKeyboardFocus(false);  // Tab would begin to type into the next slider
     draw_status(state, source, statistics);
-    draw_view_settings(state, requests);
+    if (pictures_alone(source)) {
+      draw_picture_choice(state);
+    } else {
+      draw_view_settings(state, requests);
+      draw_filters(state, requests, source);
+      draw_measuring(state);
+    }
+    draw_camera(state, requests, source);
     draw_scan_settings(state, requests, source);
     draw_actions(state, requests, source);
-    say(quiet, "drag: turn; right drag: move; wheel: zoom; Tab: hide this");
+    draw_open(state, requests, source);
+    if (source.statistics && section("Speed")) {
+      draw_rates(state, statistics);
+      draw_latencies(statistics);
+      draw_stages(statistics);
+    }
+    say(quiet, "{}Tab: hide this; Esc: close",
+        pictures_alone(source) ? "" : "drag: turn; right drag: move; wheel: zoom; ");
+    ImGui::PopAllowKeyboardFocus();
     ImGui::PopItemWidth();
   }
   ImGui::End();
@@ -241,7 +410,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
 
 void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3>& pictures,
                    const ViewSource& source, const Screen& screen) {
-  static constexpr std::array<const char*, 3> titles{"Camera (saturated: red)", "Modulation B",
+  static constexpr std::array<const char*, 3> titles{"Camera (red: saturated)", "Modulation",
                                                      "Wrapped phase"};
   const PanelWidths widths = panel_widths(state, source, screen);
   if (widths.right <= 0) return;
@@ -257,6 +426,7 @@ void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3
       // Dear ImGui hands a texture on as whatever its backend takes it for: here OpenGL's number.
       ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
                    {width, height});
+      if (i == 0) draw_histogram(state);
     }
   }
   ImGui::End();

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <type_traits>
 
+#include "slipstream/image/colour_map.h"
 #include "slipstream/view/cloud_extent.h"
-#include "slipstream/view/colour_map.h"
 
 namespace slipstream::view {
 namespace {
@@ -43,6 +43,11 @@ Colour grey(double level) {
   return {part, part, part};
 }
 
+Colour bluish(const Colour& grey) {
+  return {static_cast<std::uint8_t>(grey.red / 2), static_cast<std::uint8_t>(grey.green / 2 + 24),
+          static_cast<std::uint8_t>(grey.blue / 2 + 96)};
+}
+
 template <class Pixel>
 void mark_saturated(Image<Colour>& picture, const ImageView<const Pixel>& frame, Pixel full_scale,
                     int step) {
@@ -58,12 +63,15 @@ void mark_saturated(Image<Colour>& picture, const ImageView<const Pixel>& frame,
 
 }  // namespace
 
-Image<Colour> camera_picture(const FrameViews& frames, int widest) {
+Image<Colour> camera_picture(const FrameViews& frames, int widest,
+                             const Image<Validity>* validity) {
   if (frames.count() == 0) return {};
   const double full_scale = frames.full_scale();
   return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     Image<Colour> picture = picture_of(frames.size(), widest, [&](int column, int row) {
-      return grey(255 * views.front()(column, row) / full_scale);
+      const Colour level = grey(255 * views.front()(column, row) / full_scale);
+      const bool dark = validity != nullptr && (*validity)(column, row) == Validity::too_dark;
+      return dark ? bluish(level) : level;
     });
     // Unquantised frames are cut off nowhere.
     if constexpr (std::is_integral_v<Pixel>) {
@@ -74,6 +82,25 @@ Image<Colour> camera_picture(const FrameViews& frames, int widest) {
     }
     return picture;
   });
+}
+
+GreyHistogram grey_histogram(const FrameViews& frames) {
+  GreyHistogram histogram{};
+  constexpr int every = 7;  // of so many pixels one is looked at, in each direction
+  const double bins_per_level = static_cast<double>(histogram.size()) / (frames.full_scale() + 1);
+  frames.visit([&](const auto& views) {
+    for (const auto& view : views) {
+      for (int row = 0; row < view.height(); row += every) {
+        for (int column = 0; column < view.width(); column += every) {
+          const double bin = std::max(bins_per_level * view(column, row), 0.0);
+          ++histogram[std::min(static_cast<std::size_t>(bin), histogram.size() - 1)];
+        }
+      }
+    }
+  });
+  const float most = std::max(*std::max_element(histogram.begin(), histogram.end()), 1.0F);
+  for (float& count : histogram) count = std::sqrt(count / most);
+  return histogram;
 }
 
 Image<Colour> modulation_picture(const Image<float>& modulation, int widest) {

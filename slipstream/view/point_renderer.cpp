@@ -1,9 +1,6 @@
 #include "slipstream/view/point_renderer.h"
 
 #include <algorithm>
-#include <bit>
-#include <limits>
-#include <vector>
 
 #include <epoxy/gl.h>
 #include <glm/gtc/type_ptr.hpp>
@@ -11,42 +8,23 @@
 namespace slipstream::view {
 namespace {
 
-// The neighbours come from the same buffers, read some pixels and some rows further on: a slope
-// costs no memory. Comparisons are written so that NaN fails them.
+// Comparisons are written so that NaN fails them.
 constexpr const char* vertex_shader = R"(#version 330 core
 layout(location = 0) in float x;
 layout(location = 1) in float y;
 layout(location = 2) in float z;
 layout(location = 3) in float value;
-layout(location = 4) in float right_x;
-layout(location = 5) in float right_y;
-layout(location = 6) in float right_z;
-layout(location = 7) in float lower_x;
-layout(location = 8) in float lower_y;
-layout(location = 9) in float lower_z;
+layout(location = 4) in float brightness;
 uniform mat4 clip;
 uniform float pixel_size;
 uniform float size_depth;
-uniform float largest_step;
 uniform vec2 range;
 uniform int coloured;
-uniform int shaded;
 uniform float floor_height;
 uniform vec3 veil;
 uniform float strength;
 uniform sampler2D colours;
 flat out vec3 colour;
-
-float brightness(vec3 point) {
-  const vec3 towards_light = normalize(vec3(-0.4, -0.5, -1.0));
-  vec3 across = vec3(right_x, right_y, right_z) - point;
-  vec3 down = vec3(lower_x, lower_y, lower_z) - point;
-  bool on_one_surface = length(across) < largest_step && length(down) < largest_step;
-  vec3 normal = cross(across, down);
-  float size = length(normal);
-  if (!(on_one_surface && size > 0.0)) return 0.82;
-  return 0.30 + 0.70 * abs(dot(normal, towards_light)) / size;
-}
 
 void main() {
   vec3 point = vec3(x, y, z);
@@ -63,8 +41,7 @@ void main() {
   float share = clamp((( coloured != 0 ? z : value) - range.x) / (range.y - range.x), 0.0, 1.0);
   vec3 lit = coloured != 0 ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb
                            : vec3(pow(share, 1.0 / 2.2));
-  if (shaded != 0) lit *= brightness(point);
-  colour = mix(veil, lit, strength);
+  colour = mix(veil, lit * brightness, strength);
 }
 )";
 
@@ -77,10 +54,6 @@ void main() { pixel = vec4(colour, 1.0); }
 std::array<float, 3> as_array(const glm::vec3& vector) {
   return {vector.x, vector.y, vector.z};
 }
-
-/// How many pixels away the neighbours are that a slope is told from: over fewer the noise of depth
-/// shows as grain, over more edges wear away.
-constexpr std::size_t slope_reach = 3;
 
 }  // namespace
 
@@ -96,44 +69,33 @@ PointRenderer::PointRenderer()
 
 void PointRenderer::upload(const PointImages& cloud, const Image<float>& value) {
   count_ = cloud.z.pixel_count();
-  width_ = static_cast<std::size_t>(cloud.z.width());
   organised_ = cloud.z.height() > 1;
   upload_image(0, cloud.x);
   upload_image(1, cloud.y);
   upload_image(2, cloud.z);
   upload_image(3, value);
+  shaded_ = cloud.shading != nullptr;
+  if (shaded_) upload_image(4, *cloud.shading);
 }
 
 void PointRenderer::upload_image(std::size_t which, const Image<float>& image) {
-  const std::size_t past_end = organised_ ? slope_reach * (width_ + 1) : 0;
-  const std::vector<float> nothing(past_end, std::numeric_limits<float>::quiet_NaN());
-  const auto bytes = [](std::size_t floats) {
-    return static_cast<GLsizeiptr>(floats * sizeof(float));
-  };
+  const auto bytes = static_cast<GLsizeiptr>(count_ * sizeof(float));
   glBindBuffer(GL_ARRAY_BUFFER, buffers_[which].number());
   // New memory each time, so that what is being drawn from the old is not waited for.
-  glBufferData(GL_ARRAY_BUFFER, bytes(count_ + past_end), nullptr, GL_STREAM_DRAW);
-  glBufferSubData(GL_ARRAY_BUFFER, 0, bytes(count_), image.begin());
-  if (past_end != 0) {
-    glBufferSubData(GL_ARRAY_BUFFER, bytes(count_), bytes(past_end), nothing.data());
-  }
+  glBufferData(GL_ARRAY_BUFFER, bytes, image.begin(), GL_STREAM_DRAW);
 }
 
-void PointRenderer::point_at(int every) const {
+void PointRenderer::point_at(int every, bool shaded) const {
   const auto stride = static_cast<GLsizei>(static_cast<std::size_t>(every) * sizeof(float));
-  const auto attribute = [&](GLuint location, std::size_t which, std::size_t first) {
+  const GLuint count = shaded ? 5 : 4;
+  for (GLuint which = 0; which < count; ++which) {
     glBindBuffer(GL_ARRAY_BUFFER, buffers_[which].number());
-    glVertexAttribPointer(location, 1, GL_FLOAT, GL_FALSE, stride,
-                          std::bit_cast<const void*>(first * sizeof(float)));
-    glEnableVertexAttribArray(location);
-  };
-  for (std::size_t which = 0; which < 4; ++which) {
-    attribute(static_cast<GLuint>(which), which, 0);
+    glVertexAttribPointer(which, 1, GL_FLOAT, GL_FALSE, stride, nullptr);
+    glEnableVertexAttribArray(which);
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    attribute(static_cast<GLuint>(4 + axis), axis, organised_ ? slope_reach : 0);
-    attribute(static_cast<GLuint>(7 + axis), axis, organised_ ? slope_reach * width_ : 0);
-  }
+  if (shaded) return;
+  glDisableVertexAttribArray(4);
+  glVertexAttrib1f(4, 1);
 }
 
 void PointRenderer::draw(const PointPass& pass) const {
@@ -142,11 +104,9 @@ void PointRenderer::draw(const PointPass& pass) const {
   program_.set_matrix("clip", glm::value_ptr(pass.clip));
   program_.set("pixel_size", pass.point_size * pass.pixels_per_slope);
   program_.set("size_depth", organised_ ? pass.size_depth : 0.0F);
-  program_.set("largest_step", pass.largest_step);
   program_.set("range",
                std::array{pass.range.low, std::max(pass.range.high, pass.range.low + 1e-6F)});
   program_.set("coloured", pass.coloured ? 1 : 0);
-  program_.set("shaded", pass.shaded && organised_ ? 1 : 0);
   program_.set("floor_height", pass.floor);
   program_.set("veil", as_array(pass.veil));
   program_.set("strength", pass.strength);
@@ -157,7 +117,7 @@ void PointRenderer::draw(const PointPass& pass) const {
   glEnable(GL_PROGRAM_POINT_SIZE);
   glDisable(GL_BLEND);
   glBindVertexArray(vertex_array_.number());
-  point_at(pass.every);
+  point_at(pass.every, pass.shaded && shaded_);
   glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count_) / pass.every);
   glBindVertexArray(0);
 }

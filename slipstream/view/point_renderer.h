@@ -6,11 +6,11 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
+#include "slipstream/image/colour_map.h"
 #include "slipstream/opengl/picture_texture.h"
 #include "slipstream/opengl/resource.h"
 #include "slipstream/opengl/shader_program.h"
 #include "slipstream/view/cloud_extent.h"
-#include "slipstream/view/colour_map.h"
 #include "slipstream/view/point_images.h"
 
 namespace slipstream::view {
@@ -21,14 +21,13 @@ struct PointPass {
   float point_size = 1;        ///< mm
   float size_depth = 1;        ///< mm; a camera's points are larger beyond it, as its pixels are
   float pixels_per_slope = 1;  ///< see pixels_per_slope()
-  float largest_step = 1;      ///< mm; neighbours farther apart are not on one surface
   bool coloured = false;       ///< by depth; else grey by the value
   Range range = {};            ///< of the depth, mm, or of the value: from black to white
-  bool shaded = false;
-  float floor = 1e30F;  ///< Y below which nothing is drawn, mm
-  glm::vec3 veil{0};    ///< what colours are mixed with
-  float strength = 1;   ///< of the colours against the veil
-  int every = 1;        ///< of so many points one is drawn
+  bool shaded = false;         ///< where the cloud has a shading
+  float floor = 1e30F;         ///< Y below which nothing is drawn, mm
+  glm::vec3 veil{0};           ///< what colours are mixed with
+  float strength = 1;          ///< of the colours against the veil
+  int every = 1;               ///< of so many points one is drawn
 };
 
 /// A cloud in the graphics memory. Its images go there as they are: a pixel without a point is
@@ -45,15 +44,14 @@ class PointRenderer {
 
  private:
   void upload_image(std::size_t which, const Image<float>& image);
-  void point_at(int stride) const;
+  void point_at(int every, bool shaded) const;
 
   opengl::ShaderProgram program_;
   opengl::Resource vertex_array_;
-  std::array<opengl::Resource, 4> buffers_;  ///< x, y, z, value
+  std::array<opengl::Resource, 5> buffers_;  ///< x, y, z, value, shading
   opengl::PictureTexture colours_;
   std::size_t count_ = 0;
-  std::size_t width_ = 0;
-  bool organised_ = false;
+  bool organised_ = false, shaded_ = false;
 };
 
 }  // namespace slipstream::view

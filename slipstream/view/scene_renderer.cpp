@@ -11,18 +11,18 @@ namespace {
 
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
-/// A little more than the values seen, so that their ends have colours apart.
-Range widened(const Range& range) {
-  const float margin = 0.04F * (range.high - range.low) + 1e-4F;
-  return {range.low - margin, range.high + margin};
-}
-
 }  // namespace
 
 Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
   const bool of_mean = colour == PointColour::reflectivity;
   const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
   return {black, black + std::max(range.high - black, 1e-3F) / std::max(brightness, 1e-3F)};
+}
+
+Range SceneRenderer::depths() const {
+  const float low = extent_.box.low.z, high = extent_.box.high.z;
+  const float margin = 0.04F * (high - low) + 1e-4F;
+  return {low - margin, high + margin};
 }
 
 void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modulation,
@@ -47,10 +47,9 @@ void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pan
                  .point_size = settings.point_size * extent_.spacing,
                  .size_depth = extent_.box.centre().z,
                  .pixels_per_slope = pixels_per_slope(settings.camera, picture),
-                 .largest_step = 16 * extent_.spacing,
                  .coloured = coloured,
                  .range = coloured
-                              ? widened({extent_.box.low.z, extent_.box.high.z})
+                              ? depths()
                               : grey_range(settings.colour, values_, ambient, settings.brightness),
                  .shaded = settings.shaded};
   points_.draw(pass);

@@ -28,6 +28,9 @@ class SceneRenderer {
   /// The floor, the axes and the colours of depth are placed by this extent.
   void set_extent(const CloudExtent& extent) { extent_ = extent; }
   [[nodiscard]] const CloudExtent& extent() const { return extent_; }
+  /// What the colours of depth span, mm: a little more than the extent, so that its ends have
+  /// colours apart.
+  [[nodiscard]] Range depths() const;
 
   /// Into a pane of the bound framebuffer, which is cleared. `ambient`: the light in the cloud's
   /// intensities that is not the projector's, see grey_range. `pixel_ratio`: by how much lines are

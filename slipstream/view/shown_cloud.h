@@ -5,14 +5,16 @@
 
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/uncertainty.h"
 
 namespace slipstream::view {
 
 /// A cloud to be shown, and the frames that it was made of where there are any. A copy shares both:
 /// neither changes, and both stay in memory, as long as there is one.
 struct ShownCloud {
-  std::shared_ptr<const Cloud> cloud{};  ///< keeps the memory of the frames too
-  FrameViews frames{};                   ///< in pattern order; none of a cloud from a file
+  std::shared_ptr<const Cloud> cloud{};              ///< keeps the memory of the frames too
+  std::shared_ptr<const Uncertainty> uncertainty{};  ///< where it came with the cloud
+  FrameViews frames{};  ///< in pattern order; none of a cloud from a file
   std::chrono::steady_clock::time_point
       captured{};  ///< when the newest frame was; 0 without frames
 

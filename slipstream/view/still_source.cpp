@@ -23,8 +23,9 @@ ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const En
 
 }  // namespace
 
-ViewSource still_source(Cloud cloud) {
-  const ShownCloud shown{.cloud = std::make_shared<const Cloud>(std::move(cloud))};
+ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty) {
+  ShownCloud shown{.cloud = std::make_shared<const Cloud>(std::move(cloud))};
+  if (uncertainty) shown.uncertainty = std::make_shared<const Uncertainty>(*std::move(uncertainty));
   return {.newest = [shown] { return shown; }};
 }
 
@@ -34,7 +35,6 @@ ViewSource still_source(FrameSet frames, const EngineSetup& setup) {
   return {
       .newest = [shown] { return *shown; },
       .setup = setup,
-      .full_scale = kept->full_scale(),
       .change = [kept, shown](const EngineSetup& other) { *shown = reconstructed(kept, other); }};
 }
 

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
@@ -15,13 +18,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// When something last happened to the window, so that it is not drawn again for nothing.
+/// When something last happened to the window, so that it is not drawn again for nothing; and the
+/// keys, which may be pressed and let go of between two pictures.
 struct WindowEvents {
   Clock::time_point last = Clock::now();
+  std::vector<int> keys;
+  std::string dropped;  ///< path of a file that was dropped on the window
 };
 
+WindowEvents& events_of(GLFWwindow* window) {
+  return *static_cast<WindowEvents*>(glfwGetWindowUserPointer(window));
+}
+
 void touch(GLFWwindow* window) {
-  static_cast<WindowEvents*>(glfwGetWindowUserPointer(window))->last = Clock::now();
+  events_of(window).last = Clock::now();
 }
 
 /// Dear ImGui calls on what is set before it starts.
@@ -33,9 +43,13 @@ void listen(GLFWwindow* window, WindowEvents& events) {
   glfwSetCursorPosCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
   glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int, int, int) { touch(w); });
   glfwSetScrollCallback(window, [](GLFWwindow* w, double, double) { touch(w); });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int count, const char** paths) {
+    touch(w);
+    if (count > 0) events_of(w).dropped = paths[0];
+  });
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int) {
     touch(w);
-    if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) glfwSetWindowShouldClose(w, GLFW_TRUE);
+    if (action == GLFW_PRESS) events_of(w).keys.push_back(key);
   });
 }
 
@@ -82,23 +96,33 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
   window.wait_for_refresh(true);
   WindowEvents events;
   listen(window.get(), events);
-  CloudScreen clouds(source, settings.view, &window);
+  ViewSource shown = source;
+  std::optional<CloudScreen> clouds(std::in_place, shown, settings.view, &window);
   Pace pace(settings.most_per_second);
   std::optional<Image<Colour>> last;
   bool open = true;
   while (open) {
-    open = !window.should_close() && !(settings.ends && settings.ends());
+    for (const int key : std::exchange(events.keys, {})) clouds->press(key);
+    if (!events.dropped.empty()) clouds->open(std::exchange(events.dropped, {}));
+    if (auto opened = clouds->take_opened()) {
+      const ViewSettings kept = clouds->state().view;
+      clouds.reset();  // there is one at a time
+      shown = std::move(*opened);
+      glfwSetWindowTitle(window.get(), shown.title.c_str());
+      clouds.emplace(shown, kept, &window);
+    }
+    open = !window.should_close() && !clouds->closed() && !(settings.ends && settings.ends());
     const Screen screen = screen_of(window);
     const bool visible = screen.framebuffer.width > 0 && screen.framebuffer.height > 0;
     if (visible && (!open || pace.rested())) {
-      const bool fresh = clouds.take_newest();
+      const bool fresh = clouds->take_newest();
       if (!open || fresh || pace.outdated(events.last)) {
         pace.draw([&] {
-          clouds.draw(screen);
+          clouds->draw(screen);
           if (!open && settings.keep_last) last = opengl::read_pixels(screen.framebuffer);
         });
         window.swap();
-        clouds.tell_shown();
+        clouds->tell_shown();
       }
     }
     if (open) glfwWaitEventsTimeout(std::max(pace.seconds_to_next(), 0.004));

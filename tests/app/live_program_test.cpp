@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
@@ -139,6 +140,27 @@ TEST(LiveProgram, a_full_disk_ends_the_recording_and_not_the_scan) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_NE(run.err.find("frames.slip"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("297 clouds"), std::string::npos) << run.err;
+}
+
+TEST(LiveProgram, without_a_scanner_tells_what_the_pictures_say) {
+  const TemporaryFolder folder;
+  const fs::path scan = folder.path() / "scan";
+  ASSERT_EQ(run_program({"simulate", scan.string(), "--camera", "96x72"}).exit_code, 0);
+  const std::string described = contents(scan / "scan.yaml");
+  write_file(scan / "scan.yaml", std::regex_replace(described, std::regex("scanner:.*\n"), ""));
+  const std::vector<std::string> live{"live", "--source", "replay:" + scan.string(), "--headless"};
+  const ProgramRun run = run_program(with(live, {"--json"}));
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("pictures without points"), std::string::npos) << run.err;
+  const double measured = number_of(run.out, "measured"), dark = number_of(run.out, "too_dark"),
+               saturated = number_of(run.out, "saturated");
+  EXPECT_EQ(measured + dark + saturated, 96 * 72) << run.out;
+  EXPECT_GT(measured, dark);
+  EXPECT_GT(number_of(run.out, "median_modulation"), 15);
+  const ProgramRun refused =
+      run_program(with(live, {"-o", (folder.path() / "cloud.ply").string()}));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("there are no points"), std::string::npos) << refused.err;
 }
 
 TEST(LiveProgram, refuses_what_cannot_be) {

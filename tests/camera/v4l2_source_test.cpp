@@ -67,6 +67,19 @@ class MadeUpDevice : public VideoDevice {
         camera_->controls[control->id] = control->value;
         return 0;
       }
+      case VIDIOC_G_CTRL: {
+        auto* control = static_cast<v4l2_control*>(argument);
+        if (!camera_->controls.contains(control->id)) return fail(EINVAL);
+        control->value = camera_->controls[control->id];
+        return 0;
+      }
+      case VIDIOC_QUERYCTRL: {
+        auto* range = static_cast<v4l2_queryctrl*>(argument);
+        if (!camera_->controls.contains(range->id)) return fail(EINVAL);
+        range->minimum = 1;
+        range->maximum = 500;
+        return 0;
+      }
       case VIDIOC_REQBUFS: {
         auto& asked = *static_cast<v4l2_requestbuffers*>(argument);
         asked.count = std::min(asked.count, 3U);  // fewer than were asked for
@@ -284,6 +297,32 @@ TEST(V4l2Source, SetsRateAndLight) {
   EXPECT_EQ(camera->controls[V4L2_CID_EXPOSURE_AUTO], V4L2_EXPOSURE_MANUAL);
   EXPECT_EQ(camera->controls[V4L2_CID_EXPOSURE_ABSOLUTE], 20);
   EXPECT_EQ(camera->controls[V4L2_CID_GAIN], 7);
+}
+
+TEST(V4l2Source, IsSetWhileFramesComeAndAgainWhenItIsBack) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  V4l2Source source("made up", opener(camera), small_frames());
+  source.start();
+  CameraControls& controls = *source.controls();
+  controls.set_control(CameraControl::exposure, 12.5);
+  const auto exposure = controls.control(CameraControl::exposure);
+  ASSERT_TRUE(exposure);
+  EXPECT_DOUBLE_EQ(exposure->value, 12.5);
+  EXPECT_DOUBLE_EQ(exposure->least, 0.1);
+  EXPECT_DOUBLE_EQ(exposure->most, 50);
+  EXPECT_FALSE(controls.control(CameraControl::frame_rate));
+  EXPECT_THROW(controls.set_control(CameraControl::exposure, 0.001), Error);
+
+  camera->plugged_in = false;
+  Frame frame(source.format());
+  EXPECT_EQ(source.next(frame, 1ms), Arrival::nothing);
+  EXPECT_FALSE(controls.control(CameraControl::exposure)) << "it is gone";
+  controls.set_control(CameraControl::gain, 9);
+  camera->controls[V4L2_CID_EXPOSURE_ABSOLUTE] = 1;
+  camera->plugged_in = true;
+  EXPECT_EQ(source.next(frame, 1ms), Arrival::nothing);
+  EXPECT_EQ(camera->controls[V4L2_CID_EXPOSURE_ABSOLUTE], 125);
+  EXPECT_EQ(camera->controls[V4L2_CID_GAIN], 9);
 }
 
 TEST(V4l2Source, SaysWhatTheCameraDoesNotTake) {

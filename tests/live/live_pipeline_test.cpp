@@ -472,5 +472,26 @@ TEST(LivePipeline, tells_what_its_stages_did) {
   EXPECT_NEAR(statistics.clouds_per_second, 497 / statistics.seconds, 1e-6);
 }
 
+TEST(LivePipeline, without_a_scanner_hands_on_frames_and_findings_without_points) {
+  const EngineSetup scan{.scanner = without_geometry({64, 48}, {}),
+                         .sequence = {.strategy = DualFrequency{.steps = 4, .high = 16}}};
+  std::vector<Frame> pictures = frames_of(scan.sequence.strategy);
+  std::swap(pictures[1].pixels, pictures[2].pixels);  // in every cycle
+  for (std::size_t n = 8; n < pictures.size(); ++n) pictures[n].pixels = pictures[n % 8].pixels;
+  std::uint64_t handed_on = 0;
+  LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan,
+                        {.most_frames = 40, .on_cloud = [&](const Pooled<LiveCloud>& live) {
+                           EXPECT_TRUE(live->cloud.z.empty());
+                           EXPECT_EQ(live->frames.size(), 8U);
+                           ++handed_on;
+                         }});
+  pipeline.start();
+  while (pipeline.running()) std::this_thread::sleep_for(1ms);
+  pipeline.stop();
+  EXPECT_EQ(pipeline.failure(), nullptr);
+  EXPECT_EQ(handed_on, 33U);
+  EXPECT_FALSE(pipeline.findings().empty()) << "two frames are swapped";
+}
+
 }  // namespace
 }  // namespace slipstream

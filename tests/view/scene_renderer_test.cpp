@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/cloud/shading.h"
 #include "slipstream/error/error.h"
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/view/axes.h"
@@ -39,10 +40,13 @@ class SceneRendererTest : public testing::Test {
   }
 
   static Image<Colour> drawn(const MadeUpCloud& cloud, const ViewSettings& settings,
-                             const CloudExtent& extent, Size size = picture) {
+                             const CloudExtent& extent, Size size = picture,
+                             const Image<float>* light = nullptr) {
     SceneRenderer scene;
     scene.set_extent(extent);
-    scene.set_cloud(cloud.images(), nullptr, settings.colour);
+    PointImages images = cloud.images();
+    images.shading = light;
+    scene.set_cloud(images, nullptr, settings.colour);
     const opengl::RenderTarget target(size);
     target.bind();
     scene.draw(settings, 0, {.size = size});
@@ -165,7 +169,8 @@ TEST_F(SceneRendererTest, LightensSlopesTowardsTheLight) {
     for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
       cloud.z.begin()[i] += slope * cloud.x.begin()[i];
     }
-    return brightness(drawn(cloud, settings, extent_of(cloud.images()))(160, 120));
+    const Image<float> light = shading(cloud_of(cloud));
+    return brightness(drawn(cloud, settings, extent_of(cloud.images()), picture, &light)(160, 120));
   };
   // Light comes over the viewer's left shoulder: a wall whose left end is nearer is turned away.
   EXPECT_LT(brightness_of_slope(0.5F), brightness_of_slope(0) - 60);

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/image/colour_map.h"
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/view/cloud_screen.h"
 #include "tests/opengl/desktop.h"
@@ -118,6 +119,78 @@ TEST_F(CloudScreenTest, IsAsLargeOnHiDpi) {
     different += std::abs(first.begin()[i].green - second.begin()[i].green) > 40 ? 1 : 0;
   }
   EXPECT_LT(different, 1280 * 960 / 50);
+}
+
+TEST_F(CloudScreenTest, TextGrowsWithLargeWindows) {
+  EXPECT_FLOAT_EQ(screen({1280, 800}).unit(), 1);
+  EXPECT_GT(screen({3840, 2160}).unit(), 2);
+  const Screen by_desktop{.window = {1920, 1080}, .framebuffer = {3840, 2160}, .content_scale = 2};
+  EXPECT_NEAR(by_desktop.unit() * by_desktop.pixel_ratio(), screen({3840, 2160}).unit(), 0.05);
+}
+
+TEST_F(CloudScreenTest, LosesNoKeyBetweenTwoPictures) {
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.take_newest();
+  for (const int key :
+       {GLFW_KEY_3, GLFW_KEY_SPACE, GLFW_KEY_6, GLFW_KEY_M, GLFW_KEY_TAB, GLFW_KEY_ESCAPE}) {
+    clouds.press(key);
+  }
+  drawn(clouds, screen({640, 480}));
+  const PanelState& state = clouds.state();
+  EXPECT_EQ(state.view.colour, PointColour::depth);
+  EXPECT_TRUE(state.paused);
+  EXPECT_GT(state.view.camera.elevation, 1.5F) << "from above";
+  EXPECT_TRUE(state.measures);
+  EXPECT_FALSE(state.shown);
+  EXPECT_TRUE(clouds.closed());
+  clouds.press(GLFW_KEY_SPACE);
+  clouds.press(GLFW_KEY_SPACE);
+  drawn(clouds, screen({640, 480}));
+  EXPECT_TRUE(state.paused) << "twice is not once";
+}
+
+TEST_F(CloudScreenTest, SaysWhyThereAreNoPoints) {
+  Cloud dark({64, 48});
+  std::fill(dark.validity.begin(), dark.validity.end(), Validity::too_dark);
+  const auto shared = std::make_shared<const Cloud>(dark);
+  source_.newest = [&] { return ShownCloud{.cloud = shared}; };
+  CloudScreen clouds(source_, {}, nullptr);
+  const Image<Colour> waiting = drawn(clouds, screen({900, 500}));
+  clouds.take_newest();
+  const Image<Colour> empty = drawn(clouds, screen({900, 500}));
+  const std::string why = why_no_points(clouds.state());
+  EXPECT_NE(why.find("100.0 % of the pixels: too dark"), std::string::npos) << why;
+  EXPECT_NE(why.find("expose longer"), std::string::npos) << why;
+  EXPECT_GT(bright_pixels(waiting), 0) << "says what it waits for";
+  EXPECT_FALSE(std::equal(waiting.begin(), waiting.end(), empty.begin()));
+}
+
+TEST_F(CloudScreenTest, HasAScaleOfDepth) {
+  CloudScreen clouds(source_, {.colour = PointColour::depth}, nullptr);
+  clouds.take_newest();
+  const Image<Colour> image = drawn(clouds, screen({900, 500}));
+  for (const Colour& end : {depth_colours().front(), depth_colours().back()}) {
+    EXPECT_GT(std::count(image.begin() + 900 * 200, image.end(), end), 10);
+  }
+}
+
+TEST_F(CloudScreenTest, OpensAnotherFileOrSaysWhyNot) {
+  source_.open = [](const std::string& path) {
+    if (path == "missing") throw Error("missing: there is none");
+    ViewSource other;
+    other.title = path;
+    return other;
+  };
+  CloudScreen clouds(source_, {}, nullptr);
+  clouds.open("missing");
+  EXPECT_FALSE(clouds.take_opened());
+  EXPECT_EQ(clouds.state().message, "missing: there is none");
+  clouds.open("other");
+  const auto opened = clouds.take_opened();
+  ASSERT_TRUE(opened);
+  EXPECT_EQ(opened->title, "other");
+  EXPECT_TRUE(opened->open) << "and another from there";
+  EXPECT_FALSE(clouds.take_opened());
 }
 
 TEST_F(CloudScreenTest, TellsOnceThatACloudIsShown) {

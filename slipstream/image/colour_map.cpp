@@ -1,11 +1,12 @@
-#include "slipstream/view/colour_map.h"
+#include "slipstream/image/colour_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <span>
 
-namespace slipstream::view {
+namespace slipstream {
 namespace {
 
 /// Straight lines between colours at even distances.
@@ -52,4 +53,4 @@ ColourMap phase_colours() {
   return map;
 }
 
-}  // namespace slipstream::view
+}  // namespace slipstream

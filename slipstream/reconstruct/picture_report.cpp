@@ -1,0 +1,33 @@
+#include "slipstream/reconstruct/picture_report.h"
+
+#include <cstdint>
+#include <vector>
+
+#include "slipstream/image/quantile.h"
+
+namespace slipstream {
+
+PictureReport picture_report(const FrameViews& frames, const Maps& maps,
+                             const ReconstructSettings& settings) {
+  const auto least = static_cast<float>(least_modulation(settings, frames.full_scale()));
+  const Image<std::uint8_t> saturated = saturation_mask(frames);
+  PictureReport report{.validity = Image<Validity>(frames.size())};
+  std::vector<float> modulations;
+  for (std::size_t i = 0; i < saturated.pixel_count(); ++i) {
+    const float modulation = maps.modulation.begin()[i];
+    Validity& pixel = report.validity.begin()[i];
+    if (!(modulation >= least)) {
+      pixel = Validity::too_dark;
+    } else if (saturated.begin()[i] != 0) {
+      pixel = Validity::saturated;
+    } else {
+      modulations.push_back(modulation);
+    }
+  }
+  if (!modulations.empty()) {
+    report.modulation = 255 / frames.full_scale() * static_cast<double>(quantile(modulations, 0.5));
+  }
+  return report;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "slipstream/capture/frame_views.h"
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/maps.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+
+namespace slipstream {
+
+/// What the frames of a scan say about its light, with or without a scanner.
+struct PictureReport {
+  Image<Validity> validity{};  ///< too_dark, saturated, else valid
+  double modulation = 0;       ///< median of the valid pixels, grey levels of 255; 0 without any
+};
+
+/// By the maps of these frames, which are merged where there are several exposures: Engine::merged.
+PictureReport picture_report(const FrameViews& frames, const Maps& maps,
+                             const ReconstructSettings& settings);
+
+}  // namespace slipstream

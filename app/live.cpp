@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/clean_flags.h"
 #include "app/commands.h"
 #include "app/live_findings.h"
 #include "app/live_session.h"
@@ -31,6 +32,7 @@ struct LiveFlags {
   std::string indexing = "told";
   std::string gamma = "scanner";
   ReconstructSettings settings;
+  CleanFlags clean;
   std::string output;
   std::string record;
   ViewFlags view;
@@ -46,6 +48,7 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
   EngineSetup setup{
       completed(*opened.scanner, file, opened.frames->format().size, opened.sequence.projector),
       opened.sequence, flags.settings};
+  setup.settings.clean = clean_settings_from(flags.clean);
   require_ambient_known(setup, file);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
@@ -77,6 +80,7 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"clouds_per_second", statistics.clouds_per_second},
           {"windows_lost", statistics.windows_lost},
           {"resynchronisations", statistics.resynchronisations},
+          {"cleaned", app::json_of(statistics.cleaned)},
           {"seconds", statistics.seconds},
           {"latency_ms", json_of(statistics.latency)},
           {"screen_latency_ms", json_of(statistics.screen_latency)},
@@ -215,6 +219,7 @@ void add_live(CLI::App& program, Command& chosen) {
               "the response the phase is corrected for: scanner (as its file says, if it "
               "does), none, or a number");
   add_point_flags(command.app, flags.settings);
+  add_clean_flags(command.app, flags.clean);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif

@@ -12,6 +12,7 @@ namespace slipstream {
 /// The cloud of one window of frames, with what it was made from.
 struct LiveCloud {
   Cloud cloud;
+  ValidityCounts cleaned{};  ///< how many points cleaning took, by reason
   /// The window, in pattern order, each frame still as the camera gave it.
   std::vector<Pooled<Frame>> frames;
   FrameStamp newest;                               ///< of the frame that completed the window

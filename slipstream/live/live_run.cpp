@@ -252,7 +252,7 @@ void LiveRun::reconstruct() {
   while (auto window = windows_.pop()) {
     LiveCloud& cloud = window->cloud.fill();
     look(*window->reconstruct, cloud);
-    window->reconstruct->cloud(cloud.frames, cloud.cloud);
+    cloud.cleaned = window->reconstruct->cloud(cloud.frames, cloud.cloud);
     cloud.finished = Clock::now();
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);
@@ -313,6 +313,7 @@ LiveStatistics LiveRun::statistics() const {
   statistics.source_state = source_.state();
   const std::lock_guard lock(mutex_);
   statistics.findings = findings_.current();
+  if (newest_) statistics.cleaned = newest_->cleaned;
   return statistics;
 }
 

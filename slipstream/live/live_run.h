@@ -29,9 +29,9 @@ namespace slipstream {
 struct WindowEngine {
   WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
-  void cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
+  ValidityCounts cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
     view_window(window, views);
-    engine.cloud(views, cloud);
+    return engine.cloud(views, cloud);
   }
   /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;

@@ -30,7 +30,8 @@ void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
 
 /// What copies of an engine share.
 struct Engine::Tables {
-  explicit Tables(const EngineSetup& of) : setup(of), corrections(phase_corrections(of)) {
+  explicit Tables(const EngineSetup& of)
+      : setup(of), corrections(phase_corrections(of)), noise(depth_noise(of)) {
     if (setup.settings.engine != EngineKind::reference) {
       fused = FusedEngine::make(setup, corrections);
     }
@@ -42,32 +43,45 @@ struct Engine::Tables {
     std::call_once(once, [this] { built.emplace(setup, corrections); });
     return *built;
   }
+  /// In grey levels of the frames.
+  [[nodiscard]] DepthNoise noise_for(const FrameViews& frames) const {
+    DepthNoise scaled = noise;
+    scaled.noise *= static_cast<float>(frames.full_scale() / 255);
+    return scaled;
+  }
   [[nodiscard]] bool is_fused(const FrameViews& frames) const {
     return fused && frames.quantised();
   }
 
   EngineSetup setup;
   PhaseCorrections corrections;
+  DepthNoise noise;  ///< of frames of 8 bits
   std::optional<FusedEngine> fused;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
 };
 
 struct Engine::Memory {
+  explicit Memory(const CleanSettings& settings) : clean(settings) {}
+
   FusedMemory fused;
   MergedFrames merged;
+  Image<float> modulation;
+  Cleaner clean;
 };
 
-Engine::Engine(const EngineSetup& setup) : memory_(std::make_unique<Memory>()) {
+Engine::Engine(const EngineSetup& setup) {
   require_reconstructible(setup);
   tables_ = std::make_shared<Tables>(setup);
+  memory_ = std::make_unique<Memory>(setup.settings.clean);
 }
 
 Engine::Engine(const Scanner& scanner, const Sequence& sequence,
                const ReconstructSettings& settings)
     : Engine(EngineSetup{scanner, sequence, settings}) {}
 
-Engine::Engine(const Engine& other) : tables_(other.tables_), memory_(std::make_unique<Memory>()) {}
+Engine::Engine(const Engine& other)
+    : tables_(other.tables_), memory_(std::make_unique<Memory>(other.setup().settings.clean)) {}
 
 Engine::Engine(Engine&& other) noexcept = default;
 
@@ -90,14 +104,20 @@ const FrameViews& Engine::merged(const FrameViews& frames) {
   return memory_->merged.views;
 }
 
-void Engine::cloud(const FrameViews& given, Cloud& cloud) {
+ValidityCounts Engine::cloud(const FrameViews& given, Cloud& cloud) {
   const FrameViews& frames = merged(given);
+  Image<float>& modulation = memory_->modulation;
   if (tables_->is_fused(frames)) {
-    (*tables_->fused)(frames, {.cloud = &cloud}, memory_->fused);
+    const bool wanted = memory_->clean.wants_modulation();
+    (*tables_->fused)(frames, {.cloud = &cloud, .modulation = wanted ? &modulation : nullptr},
+                      memory_->fused);
   } else {
-    convert(tables_->reference()(frames).cloud, cloud);
+    const ReferenceResult result = tables_->reference()(frames);
+    convert(result.cloud, cloud);
+    convert(result.maps.modulation, modulation);
   }
   divide_by_gain(frames, cloud.intensity);
+  return memory_->clean(cloud, modulation, tables_->noise_for(frames));
 }
 
 void Engine::depth(const FrameViews& given, Depth& depth) {
@@ -118,7 +138,7 @@ void Engine::maps(const FrameViews& given, Maps& maps) {
   convert(tables_->reference().maps(frames), maps);
 }
 
-void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
+ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
     (*tables_->fused)(frames, {.cloud = &cloud, .maps = &maps}, memory_->fused);
@@ -128,6 +148,7 @@ void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
     convert(result.maps, maps);
   }
   divide_by_gain(frames, cloud.intensity);
+  return memory_->clean(cloud, maps.modulation, tables_->noise_for(frames));
 }
 
 Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {

@@ -70,6 +70,11 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   count_row("repeated", statistics.frames.repeated);
   count_row("windows lost", statistics.windows_lost);
   count_row("resynchronised", statistics.resynchronisations);
+  for (std::size_t i = 1; i < validity_count; ++i) {
+    if (statistics.cleaned[i] == 0) continue;
+    row(std::string(name_of(static_cast<Validity>(i))).c_str(),
+        fmt::format("{} points", statistics.cleaned[i]));
+  }
   ImGui::EndTable();
 }
 

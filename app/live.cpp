@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/clean_flags.h"
 #include "app/commands.h"
 #include "app/live_findings.h"
 #include "app/live_session.h"
@@ -15,9 +16,9 @@
 #include "app/scan_input.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
-#include "slipstream/cycle/window_frames.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
+#include "slipstream/cycle/window_frames.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/picture_report.h"
@@ -33,6 +34,7 @@ struct LiveFlags {
   std::string indexing = "told";
   std::string gamma = "scanner";
   ReconstructSettings settings;
+  CleanFlags clean;
   std::string output;
   std::string record;
   ViewFlags view;
@@ -87,6 +89,7 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"clouds_per_second", statistics.clouds_per_second},
           {"windows_lost", statistics.windows_lost},
           {"resynchronisations", statistics.resynchronisations},
+          {"cleaned", app::json_of(statistics.cleaned)},
           {"seconds", statistics.seconds},
           {"latency_ms", json_of(statistics.latency)},
           {"screen_latency_ms", json_of(statistics.screen_latency)},
@@ -254,6 +257,7 @@ void add_live(CLI::App& program, Command& chosen) {
               "the response the phase is corrected for: scanner (as its file says, if it "
               "does), none, or a number");
   add_point_flags(command.app, flags.settings);
+  add_clean_flags(command.app, flags.clean);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif

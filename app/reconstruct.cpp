@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "app/clean_flags.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/progress.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/stopwatch.h"
+#include "slipstream/clean/subsampled.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/result_files.h"
@@ -33,6 +35,8 @@ struct ReconstructFlags {
   bool anyway = false;
   PhaseMatchSettings match;
   ReconstructSettings settings;
+  CleanFlags clean;
+  int subsample = 1;
   bool normals = false;
   bool uncertainty = false;
   ResultFiles files;
@@ -54,16 +58,12 @@ struct ReconstructedScan {
 };
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
-  nlohmann::json counts, files = nlohmann::json::object();
-  const auto by_validity = count_by_validity(scan.cloud);
-  for (std::size_t i = 0; i < validity_count; ++i) {
-    counts[std::string(name_of(static_cast<Validity>(i)))] = by_validity[i];
-  }
+  nlohmann::json files = nlohmann::json::object();
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
   nlohmann::json told = {{"scan", scan.folder},
                          {"points", point_count(scan.cloud)},
                          {"pixels", scan.cloud.z.pixel_count()},
-                         {"counts", std::move(counts)},
+                         {"counts", app::json_of(count_by_validity(scan.cloud))},
                          {"backend", scan.backend},
                          {"gamma", app::json_of(scan.gamma)},
                          {"files", std::move(files)},
@@ -181,6 +181,31 @@ void tell_no_points(ReconstructedScan& result, Output& output) {
   result.checked.findings.push_back(finding);
 }
 
+/// The cloud with its normals and uncertainty on the grid asked for; maps and preview on the
+/// camera's.
+void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
+  ResultFiles maps = scan.files;
+  maps.cloud.clear();
+  write_results(maps, scan.cloud, scan.maps, {});
+  std::optional<Normals> normals;
+  if (flags.normals && !scan.files.cloud.empty()) normals = smoothed_normals(scan.cloud);
+  std::optional<Uncertainty> uncertainty = scan.uncertainty;
+  const auto sparse = [&](Image<float>& image) { image = subsampled(image, flags.subsample); };
+  if (normals) {
+    for (Image<float>* image : {&normals->x, &normals->y, &normals->z}) sparse(*image);
+  }
+  if (uncertainty) {
+    for (Image<float>* image :
+         {&uncertainty->coordinate, &uncertainty->x, &uncertainty->y, &uncertainty->z}) {
+      sparse(*image);
+    }
+  }
+  write_results({.cloud = scan.files.cloud}, subsampled(scan.cloud, flags.subsample), {},
+                {.normals = normals ? &*normals : nullptr,
+                 .uncertainty = uncertainty ? &*uncertainty : nullptr,
+                 .remarks = doubts(scan.checked.findings)});
+}
+
 ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
                                    std::optional<Engine>& engine, Output& output) {
   Stopwatch watch;
@@ -206,13 +231,7 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
     result.median_sigma = median_depth(*result.uncertainty);
   }
   result.files = files_of_scan(flags.files, folder);
-  const std::optional<Normals> normals = flags.normals && !flags.files.cloud.empty()
-                                             ? std::optional(surface_normals(result.cloud))
-                                             : std::nullopt;
-  write_results(result.files, result.cloud, result.maps,
-                {.normals = normals ? &*normals : nullptr,
-                 .uncertainty = result.uncertainty ? &*result.uncertainty : nullptr,
-                 .remarks = doubts(result.checked.findings)});
+  write_files(flags, result);
   result.rms = error_against_truth(folder, result.cloud);
   result.written = watch.lap();
   return result;
@@ -223,6 +242,10 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
   require_writable(flags.files, flags.folders);
   set_backend(flags.settings, flags.backend);
   flags.settings.cue_rule = cue_rule_named(flags.unwrapping);
+  flags.settings.clean = clean_settings_from(flags.clean);
+  if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
+    throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
+  }
   std::optional<Engine> engine;
   output.document["scans"] = nlohmann::json::array();
 
@@ -249,7 +272,8 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   group.add("--modulation", files.modulation, "modulation B, grey levels: .tiff");
   group.add("--mean", files.mean, "mean A, grey levels: .tiff");
   group.add("--preview", files.preview, "depth as a coloured picture with a scale: .png");
-  group.add("--normals", flags.normals, "surface normals into the cloud");
+  group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
+  group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");
   group.add("--uncertainty", flags.uncertainty,
             "standard deviation of each point, by the frames' noise, into the cloud");
 }
@@ -273,6 +297,7 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
   add_anyway_flag(command.app, flags.anyway);
   add_output_flags(command.app, flags);
   add_point_flags(command.app, flags.settings);
+  add_clean_flags(command.app, flags.clean);
   add_scan_input_flags(command.app, flags.input);
   command.app.footer(
       "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "app/clean_flags.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/scan_findings.h"
@@ -30,6 +31,7 @@ namespace {
 struct ViewPathFlags {
   std::string path;
   ScanInputFlags input;
+  CleanFlags clean;
   bool anyway = false;
   std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
   const CLI::App* command = nullptr;
@@ -38,7 +40,7 @@ struct ViewPathFlags {
 
 view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
   Scan scan = load(flags.path, flags.input, false, output);
-  EngineSetup setup = setup_for(scan);
+  EngineSetup setup = setup_for(scan, {.clean = clean_settings_from(flags.clean)});
   const std::optional<MeasuredResponse> of_scanner = setup.scanner.photometry.response;
   choose_response(scan, flags.input);
   require_reconstructible(setup);
@@ -140,6 +142,7 @@ void add_view(CLI::App& program, Command& chosen) {
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.input);
+  add_clean_flags(command.app, flags.clean);
   add_anyway_flag(command.app, flags.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
   flags.command = &command.app;

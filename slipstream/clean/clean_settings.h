@@ -28,9 +28,9 @@ struct PictureCorner {
 /// them moves a point or adds one.
 struct CleanSettings {
   /// Of depth, one standard deviation as the noise predicts it, mm: a point with more is
-  /// `low_trust`. By default a hundredth of its depth; infinity for no limit.
+  /// `low_trust`. By default three hundredths of its depth; infinity for no limit.
   std::optional<double> largest_sigma{};
-  bool drop_mixed = true;     ///< points at a depth edge that lie on neither side of it
+  bool drop_mixed = true;     ///< points at the end of a surface and off it
   bool drop_outliers = true;  ///< points off the surface that their neighbours agree on
   /// Pixels: a point in a component of fewer is `small_component`. Points are connected in rows and
   /// columns, but not across a depth edge. 0 keeps all.

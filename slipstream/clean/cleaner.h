@@ -41,9 +41,14 @@ class Cleaner {
   ValidityCounts operator()(Cloud& cloud, const Image<float>& modulation, const DepthNoise& noise);
 
   [[nodiscard]] const CleanSettings& settings() const { return settings_; }
+  /// Whether trust by noise is asked for.
+  [[nodiscard]] bool wants_modulation() const;
 
  private:
   struct Memory;
+  struct Pass;
+
+  ValidityCounts clean(Cloud& cloud, const Image<float>* modulation, const DepthNoise& noise);
 
   CleanSettings settings_;
   std::unique_ptr<Memory> memory_;

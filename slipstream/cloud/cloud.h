@@ -22,7 +22,7 @@ enum class Validity : std::uint8_t {
   out_of_range,    ///< depth outside the range asked for
   // What follows is left out of a finished cloud, see CleanSettings.
   low_trust,        ///< standard deviation of depth, as the noise predicts it, above the limit
-  mixed,            ///< at a depth edge, on neither side of it: the pixel sees both
+  mixed,            ///< at the end of a surface and off it: the pixel sees two
   outlier,          ///< off the surface that its neighbours agree on
   small_component,  ///< connected with too few others
   outside_region,   ///< outside the box or the outline asked for

@@ -17,4 +17,8 @@ struct Normals {
 /// is left out.
 Normals surface_normals(const Cloud& cloud, double largest_step = 8);
 
+/// The same of planes laid through all points of one surface in a window, of 5x5 pixels by default,
+/// so that noise shows less: for shading. `reach`: half the window's width, pixels, 1 or more.
+Normals smoothed_normals(const Cloud& cloud, int reach = 2, double largest_step = 8);
+
 }  // namespace slipstream

@@ -206,7 +206,7 @@ class CueVectors {
   template <std::size_t count>
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
-    const bool decoding = row_.turn != nullptr;
+    const bool decoding = row_.turn != nullptr, told = row_.modulation != nullptr;
     Several<count> U, V, square, sum;
     CueChannels<count> cue;
     FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
@@ -219,9 +219,10 @@ class CueVectors {
       sum[k] = hn::ConvertTo(d, sums.high.sum);
       square[k] = modulation_square(stage_, sums.high);
       cue.modulation[k] = square[k];  // of no use where it is not asked for
-      if (!is_circle<steps> || decoding) {
+      if (!is_circle<steps> || told) {
         cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
       }
+      if (told) hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
       all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
     });
     if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
@@ -248,7 +249,6 @@ class CueVectors {
       store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
       if (HWY_UNLIKELY(decoding)) {
         hn::StoreU(turn[k], d, row_.turn + pixel);
-        hn::StoreU(cue.modulation[k], d, row_.modulation + pixel);
         hn::StoreU(doubt, d, row_.doubt + pixel);
         hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
       }

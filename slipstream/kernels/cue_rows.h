@@ -33,7 +33,8 @@ struct CueLimits {
   float voting_square = 0;  ///< likewise: below it a pixel has no say in its neighbours' orders
 };
 
-/// Where a row of such frames goes. The last four are null where only points are wanted.
+/// Where a row of such frames goes. `modulation` may be null, and the last three are where only
+/// points are wanted.
 struct CueRow {
   int width = 0;
   /// As each pixel alone says it; NaN where it has no say in its neighbours' orders.
@@ -41,8 +42,8 @@ struct CueRow {
   float* mean = nullptr;
   std::int32_t* flags = nullptr;  ///< PixelFlag
   bool past_cache = false;        ///< `mean` is aligned to 8 floats and written past the cache
-  float* turn = nullptr;
   float* modulation = nullptr;
+  float* turn = nullptr;
   float* doubt = nullptr;
   float* unhidden_coordinate = nullptr;  ///< as `coordinate`, but a number at every pixel
 };

@@ -11,7 +11,8 @@ namespace slipstream {
 
 /// The cloud of one window of frames, with what it was made from.
 struct LiveCloud {
-  Cloud cloud;  ///< empty where no scanner is known
+  Cloud cloud;               ///< empty where no scanner is known
+  ValidityCounts cleaned{};  ///< how many points cleaning took, by reason
   /// The window, in pattern order, each frame still as the camera gave it.
   std::vector<Pooled<Frame>> frames;
   FrameStamp newest;                               ///< of the frame that completed the window

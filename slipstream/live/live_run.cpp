@@ -41,13 +41,13 @@ std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSe
 WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
     : engine(setup), check(settings.check ? settings.check : live_check(setup)) {}
 
-void WindowEngine::cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
+ValidityCounts WindowEngine::cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
   if (!has_geometry(engine.setup().scanner)) {
     if (!cloud.z.empty()) cloud = Cloud();
-    return;
+    return {};
   }
   view_window(window, views);
-  engine.cloud(views, cloud);
+  return engine.cloud(views, cloud);
 }
 
 bool WindowEngine::is_due(const LiveCloud& window) const {
@@ -265,7 +265,7 @@ void LiveRun::reconstruct() {
   while (auto window = windows_.pop()) {
     LiveCloud& cloud = window->cloud.fill();
     look(*window->reconstruct, cloud);
-    window->reconstruct->cloud(cloud.frames, cloud.cloud);
+    cloud.cleaned = window->reconstruct->cloud(cloud.frames, cloud.cloud);
     cloud.finished = Clock::now();
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);
@@ -326,6 +326,7 @@ LiveStatistics LiveRun::statistics() const {
   statistics.source_state = source_.state();
   const std::lock_guard lock(mutex_);
   statistics.findings = findings_.current();
+  if (newest_) statistics.cleaned = newest_->cleaned;
   return statistics;
 }
 

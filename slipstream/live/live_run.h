@@ -29,8 +29,8 @@ namespace slipstream {
 struct WindowEngine {
   WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
-  /// Without a scanner the cloud is empty.
-  void cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud);
+  /// Without a scanner the cloud is empty. What cleaning took, by reason.
+  ValidityCounts cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud);
   /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slipstream/check/finding.h"
+#include "slipstream/cloud/cloud.h"
 
 namespace slipstream {
 
@@ -37,17 +38,20 @@ struct LiveStatistics {
   std::uint64_t clouds = 0;
   std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or slipped
   std::uint64_t resynchronisations = 0;  ///< pattern indices found slipped, and set right
-  double seconds = 0;                    ///< since the start
-  double clouds_per_second = 0;          ///< over the whole time
-  Latency latency;                       ///< from capture to cloud
-  Latency screen_latency;                ///< from capture to screen; zeros without one
+  /// How many points cleaning took from the newest cloud, by reason, and at `valid` how many gaps
+  /// it filled.
+  ValidityCounts cleaned{};
+  double seconds = 0;            ///< since the start
+  double clouds_per_second = 0;  ///< over the whole time
+  Latency latency;               ///< from capture to cloud
+  Latency screen_latency;        ///< from capture to screen; zeros without one
   std::vector<StageStatistics> stages;
   std::string source_state;  ///< FrameSource::state
   std::vector<Finding>
       findings;  ///< about the newest cycle that was looked at; empty: all is right
 };
 
-/// Three lines for people: frames, clouds, latency.
+/// Lines for people: frames, clouds, latency, and what cleaning took.
 std::string text_of(const LiveStatistics& statistics);
 
 }  // namespace slipstream

@@ -47,6 +47,7 @@ struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
       : setup(of), complete(with_geometry(of)), corrections(phase_corrections(of)) {
     require_reconstructible(complete);
+    noise = depth_noise(complete);
     if (setup.settings.engine != EngineKind::reference) {
       fused = FusedEngine::make(complete, corrections);
     }
@@ -58,6 +59,12 @@ struct Engine::Tables {
     std::call_once(once, [this] { built.emplace(complete, corrections); });
     return *built;
   }
+  /// In grey levels of the frames.
+  [[nodiscard]] DepthNoise noise_for(const FrameViews& frames) const {
+    DepthNoise scaled = noise;
+    scaled.noise *= static_cast<float>(frames.full_scale() / 255);
+    return scaled;
+  }
   void require_geometry() const {
     if (!has_geometry(setup.scanner)) throw Error("without a scanner frames give maps, no points");
   }
@@ -68,25 +75,31 @@ struct Engine::Tables {
   EngineSetup setup;
   EngineSetup complete;  ///< with a geometry of some kind where `setup` has none
   PhaseCorrections corrections;
+  DepthNoise noise;  ///< of frames of 8 bits
   std::optional<FusedEngine> fused;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
 };
 
 struct Engine::Memory {
+  explicit Memory(const CleanSettings& settings) : clean(settings) {}
+
   FusedMemory fused;
   MergedFrames merged;
+  Image<float> modulation;
+  Cleaner clean;
 };
 
-Engine::Engine(const EngineSetup& setup) : memory_(std::make_unique<Memory>()) {
-  tables_ = std::make_shared<Tables>(setup);
-}
+Engine::Engine(const EngineSetup& setup)
+    : tables_(std::make_shared<Tables>(setup)),
+      memory_(std::make_unique<Memory>(setup.settings.clean)) {}
 
 Engine::Engine(const Scanner& scanner, const Sequence& sequence,
                const ReconstructSettings& settings)
     : Engine(EngineSetup{scanner, sequence, settings}) {}
 
-Engine::Engine(const Engine& other) : tables_(other.tables_), memory_(std::make_unique<Memory>()) {}
+Engine::Engine(const Engine& other)
+    : tables_(other.tables_), memory_(std::make_unique<Memory>(other.setup().settings.clean)) {}
 
 Engine::Engine(Engine&& other) noexcept = default;
 
@@ -109,15 +122,21 @@ const FrameViews& Engine::merged(const FrameViews& frames) {
   return memory_->merged.views;
 }
 
-void Engine::cloud(const FrameViews& given, Cloud& cloud) {
+ValidityCounts Engine::cloud(const FrameViews& given, Cloud& cloud) {
   tables_->require_geometry();
   const FrameViews& frames = merged(given);
+  Image<float>& modulation = memory_->modulation;
   if (tables_->is_fused(frames)) {
-    (*tables_->fused)(frames, {.cloud = &cloud}, memory_->fused);
+    const bool wanted = memory_->clean.wants_modulation();
+    (*tables_->fused)(frames, {.cloud = &cloud, .modulation = wanted ? &modulation : nullptr},
+                      memory_->fused);
   } else {
-    convert(tables_->reference()(frames).cloud, cloud);
+    const ReferenceResult result = tables_->reference()(frames);
+    convert(result.cloud, cloud);
+    convert(result.maps.modulation, modulation);
   }
   divide_by_gain(frames, cloud.intensity);
+  return memory_->clean(cloud, modulation, tables_->noise_for(frames));
 }
 
 void Engine::depth(const FrameViews& given, Depth& depth) {
@@ -139,7 +158,7 @@ void Engine::maps(const FrameViews& given, Maps& maps) {
   convert(tables_->reference().maps(frames), maps);
 }
 
-void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
+ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
   tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
@@ -150,6 +169,7 @@ void Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
     convert(result.maps, maps);
   }
   divide_by_gain(frames, cloud.intensity);
+  return memory_->clean(cloud, maps.modulation, tables_->noise_for(frames));
 }
 
 Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {

@@ -14,8 +14,9 @@ namespace slipstream {
 
 /// Frames to cloud and maps, for one scanner and one sequence: the one way there is. Tables are
 /// built once and memory is reused, so that from the second call on nothing is allocated where the
-/// same outputs are handed in. Phases are corrected for the scanner's response where it is known. A
-/// scanner without geometry (see has_geometry) gives maps alone; all else throws Error.
+/// same outputs are handed in. Phases are corrected for the scanner's response where it is known,
+/// and clouds are cleaned as the settings say: by default, and not at all by CleanSettings::none().
+/// A scanner without geometry (see has_geometry) gives maps alone; all else throws Error.
 ///
 /// One thread uses it at a time. A copy shares the tables and has memory of its own: one for each
 /// thread.
@@ -39,13 +40,14 @@ class Engine {
   // Each throws Error when the frames are not of the camera's size or not as many as the
   // sequence's. Memory that the output has is used where it is of the size.
 
-  void cloud(const FrameViews& frames, Cloud& cloud);
-  /// Less is computed and written than for a cloud.
+  /// Returns how many points cleaning took, by reason.
+  ValidityCounts cloud(const FrameViews& frames, Cloud& cloud);
+  /// Less is computed and written than for a cloud; nothing is cleaned.
   void depth(const FrameViews& frames, Depth& depth);
   /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
   void maps(const FrameViews& frames, Maps& maps);
-  /// Both in one pass.
-  void cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps);
+  /// Both in one pass; likewise.
+  ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps);
 
   /// How sure each point of a scan is under noise of the scanner's variance on each frame (1.6
   /// where it is not known): sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the

@@ -351,6 +351,8 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
       cloud.z(column, row) = static_cast<float>(Z);
     }
   });
+  Cleaner clean(settings.clean);
+  clean(cloud);
   Result result{.cloud = std::move(cloud)};
   convert(first.maps, result.maps);
   return result;

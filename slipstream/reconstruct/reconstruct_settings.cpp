@@ -8,6 +8,8 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/gamma/correction.h"
+#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/noise/predicted_variance.h"
 #include "slipstream/strategy/registry.h"
 
 namespace slipstream {
@@ -23,6 +25,7 @@ void require_valid(const ReconstructSettings& settings) {
   require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
   require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
           "more than the nearest");
+  require_valid(settings.clean);
 }
 
 }  // namespace
@@ -80,6 +83,19 @@ PhaseCorrections phase_corrections(const EngineSetup& setup) {
   const auto& measured = setup.scanner.photometry.response;
   if (!measured) return {};
   return phase_corrections(measured->response, step_counts(setup.sequence.strategy));
+}
+
+DepthNoise depth_noise(const EngineSetup& setup) {
+  const ProjectionMatrices rows = projection_matrices(setup.scanner, setup.sequence.axis);
+  const auto &y = rows.projector_coordinate, &z = rows.projector_depth;
+  const double variance =
+      coordinate_variance(setup.sequence.strategy.layout(), 1, cue_settings(setup).noise_variance);
+  const Eigen::Vector4f depth = z.transpose().cast<float>();
+  const Eigen::Vector3f parallax =
+      (z(3) * y.head<3>() - y(3) * z.head<3>()).transpose().cast<float>();
+  return {.noise = static_cast<float>(std::sqrt(variance)),
+          .projector_depth = {depth(0), depth(1), depth(2), depth(3)},
+          .parallax = {parallax(0), parallax(1), parallax(2)}};
 }
 
 int projector_length(const EngineSetup& setup) {

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "slipstream/clean/clean_settings.h"
+#include "slipstream/clean/cleaner.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/phase/phase_correction.h"
 #include "slipstream/phase/phase_decoder.h"
@@ -70,6 +71,10 @@ CueSettings cue_settings(const EngineSetup& setup);
 /// What is added to each band's phase so that the scanner's response does not show; none where it
 /// is not known.
 PhaseCorrections phase_corrections(const EngineSetup& setup);
+
+/// What the frames' noise does to depth, to first order and but for the projector's distortion:
+/// Eq. (3.40) or (3.63) through the derivative of the point. For frames of 8 bits.
+DepthNoise depth_noise(const EngineSetup& setup);
 
 /// Projector pixels along the axis of the patterns.
 int projector_length(const EngineSetup& setup);

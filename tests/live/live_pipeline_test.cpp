@@ -144,7 +144,8 @@ TEST(LivePipeline, each_frame_gives_the_cloud_that_its_window_gives_by_itself) {
 
 TEST(LivePipeline, without_a_fused_pass_clouds_are_those_in_double) {
   const Size size{12, 16};
-  const EngineSetup scan = scan_of(four_steps, size);
+  EngineSetup scan = scan_of(four_steps, size);
+  scan.settings.clean = CleanSettings::none();
   const auto pictures = frames_of(four_steps, {.size = size});
   const BasicCloud<double> offline =
       ReferenceEngine(scan, {})(set_of(pictures, {0, 1, 2, 3})).cloud;

@@ -89,8 +89,10 @@ inline FrameSet statue_frames(const Scanner& scanner, const Strategy& strategy, 
       .frames;
 }
 
+/// For clouds as they are computed, not cleaned.
 inline EngineSetup setup_of(const Scanner& scanner, const Strategy& strategy, Axis axis,
-                            const ReconstructSettings& settings = {}) {
+                            ReconstructSettings settings = {}) {
+  settings.clean = CleanSettings::none();
   return {scanner, {.strategy = strategy, .axis = axis}, settings};
 }
 

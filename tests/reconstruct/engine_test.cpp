@@ -46,7 +46,8 @@ FrameSet frames_of(const Scanner& scanner, const Strategy& strategy, int bits = 
 }
 
 std::vector<ReconstructSettings> both_engines() {
-  return {{.engine = EngineKind::fused}, {.engine = EngineKind::reference}};
+  return {{.engine = EngineKind::fused, .clean = CleanSettings::none()},
+          {.engine = EngineKind::reference, .clean = CleanSettings::none()}};
 }
 
 template <class Pixel>

@@ -25,17 +25,22 @@ struct Way {
 constexpr double least = 15;
 const Way equation{{.engine = EngineKind::reference,
                     .phase_method = PhaseMethod::equation,
-                    .minimum_modulation = least},
+                    .minimum_modulation = least,
+                    .clean = CleanSettings::none()},
                    "equation"};
 const Way closed_forms{{.engine = EngineKind::reference,
                         .phase_method = PhaseMethod::closed_form,
-                        .minimum_modulation = least},
+                        .minimum_modulation = least,
+                        .clean = CleanSettings::none()},
                        "closed-form"};
 const Way tables{{.engine = EngineKind::reference,
                   .phase_method = PhaseMethod::tables,
-                  .minimum_modulation = least},
+                  .minimum_modulation = least,
+                  .clean = CleanSettings::none()},
                  "lut"};
-const Way fused{{.engine = EngineKind::fused, .minimum_modulation = least}, "fused"};
+const Way fused{
+    {.engine = EngineKind::fused, .minimum_modulation = least, .clean = CleanSettings::none()},
+    "fused"};
 
 class Skull : public testing::TestWithParam<Way> {};
 

@@ -92,6 +92,7 @@ class EngineOfKind : public testing::TestWithParam<EngineKind> {
   [[nodiscard]] static Cloud cloud_of(const FrameViews& frames, const Scanner& scanner,
                                       const Sequence& sequence, ReconstructSettings settings = {}) {
     settings.engine = GetParam();
+    settings.clean = CleanSettings::none();
     Engine engine(scanner, sequence, settings);
     EXPECT_EQ(engine.backend_for(frames) == "fused", GetParam() == EngineKind::fused);
     Cloud cloud;

@@ -62,6 +62,7 @@ void prepare(const FusedOutput& output, Size size, bool doubtful) {
     }
     prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
   }
+  if (output.modulation != nullptr) prepare(*output.modulation, size);
 }
 
 /// Where what is written would push out of the cache what is read, and rows start at whole vectors
@@ -101,6 +102,11 @@ struct Pass {
     if (output.maps != nullptr) return output.maps->mean.row(row);
     if (output.cloud != nullptr) return output.cloud->intensity.row(row);
     return scratch.mean.begin();
+  }
+
+  [[nodiscard]] float* modulation_row(int row) const {
+    if (output.maps != nullptr) return output.maps->modulation.row(row);
+    return output.modulation != nullptr ? output.modulation->row(row) : nullptr;
   }
 
   /// Frames of one row to the turns of every band, and to flags and levels.
@@ -175,7 +181,7 @@ void one_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratc
     pass.decode(row, scratch,
                 {.width = pass.width(),
                  .mean = pass.mean_row(row, scratch),
-                 .modulation = maps != nullptr ? maps->modulation.row(row) : nullptr,
+                 .modulation = pass.modulation_row(row),
                  .flags = flags,
                  .past_cache = pass.past_cache,
                  .only_lit = maps == nullptr,
@@ -252,7 +258,7 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
     pass.decode(row, scratch,
                 {.width = pass.width(),
                  .mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin(),
-                 .modulation = maps != nullptr ? maps->modulation.row(row) : nullptr,
+                 .modulation = ours ? pass.modulation_row(row) : nullptr,
                  .flags = kept(row).flags.begin(),
                  .past_cache = ours && pass.past_cache,
                  .only_lit = maps == nullptr});
@@ -280,10 +286,10 @@ void decode_with_cue(const Pass<Pixel>& pass, int row, bool ours, FusedScratch& 
             .coordinate = scratch.block.coordinates(row),
             .mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin(),
             .flags = scratch.block.flags(row),
-            .past_cache = ours && pass.past_cache};
+            .past_cache = ours && pass.past_cache,
+            .modulation = ours ? pass.modulation_row(row) : nullptr};
   if (Maps* const maps = ours ? pass.output.maps : nullptr) {
     to.turn = scratch.turns.begin();
-    to.modulation = maps->modulation.row(row);
     to.doubt = maps->fringe_order_doubt.row(row);
     to.unhidden_coordinate = maps->coordinate.row(row);
   }

@@ -40,6 +40,7 @@ struct FusedOutput {
   Cloud* cloud = nullptr;
   Depth* depth = nullptr;
   Maps* maps = nullptr;  ///< coordinates as each pixel says them, not confirmed by its neighbours
+  Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
 };
 
 /// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, rows

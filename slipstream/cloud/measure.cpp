@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "slipstream/cloud/depth_step.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/quantile.h"
 
@@ -205,7 +206,7 @@ std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* unc
   const Size size = cloud.size();
   if (column < 0 || row < 0 || column >= size.width || row >= size.height) return std::nullopt;
   if (cloud.validity(column, row) != Validity::valid) return std::nullopt;
-  MeasuredPoint point{{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)}};
+  MeasuredPoint point{position_at(cloud, column, row)};
   if (uncertainty != nullptr && std::isfinite(uncertainty->z(column, row))) {
     point.sigma = Vector(uncertainty->x(column, row), uncertainty->y(column, row),
                          uncertainty->z(column, row));

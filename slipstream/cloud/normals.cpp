@@ -1,12 +1,12 @@
 #include "slipstream/cloud/normals.h"
 
-#include <cmath>
 #include <limits>
 #include <optional>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "slipstream/cloud/depth_step.h"
 #include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
@@ -16,28 +16,19 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 using Vector = Eigen::Vector3d;
 
-Vector point_at(const Cloud& cloud, int column, int row) {
-  return {cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)};
-}
-
 /// The step along the surface from the neighbour before to the one after, of those that there are.
 std::optional<Vector> surface_step(const Cloud& cloud, int column, int row, int right, int down,
                                    double largest_step) {
-  const Vector centre = point_at(cloud, column, row);
+  const Vector centre = position_at(cloud, column, row);
   Vector step = Vector::Zero();
   int neighbours = 0;
   for (const int side : {-1, 1}) {
     const int c = column + side * right;
     const int r = row + side * down;
     if (c < 0 || r < 0 || c >= cloud.size().width || r >= cloud.size().height) continue;
-    const Vector neighbour = point_at(cloud, c, r);
-    const Vector difference = side * (neighbour - centre);
-    // Between the two rays, at the depth of the centre: off the axis a jump in depth moves a point
-    // sideways as well.
-    const double across =
-        centre.z() * (neighbour.head<2>() / neighbour.z() - centre.head<2>() / centre.z()).norm();
-    if (!(std::abs(difference.z()) <= largest_step * across)) continue;
-    step += difference;
+    const Vector neighbour = position_at(cloud, c, r);
+    if (!on_one_surface(centre, neighbour, largest_step)) continue;
+    step += side * (neighbour - centre);
     ++neighbours;
   }
   return neighbours > 0 ? std::optional<Vector>(step) : std::nullopt;
@@ -54,7 +45,7 @@ Normals surface_normals(const Cloud& cloud, double largest_step) {
       const auto along_column = surface_step(cloud, column, row, 0, 1, largest_step);
       if (!along_row || !along_column) continue;
       Vector normal = along_row->cross(*along_column).normalized();
-      if (normal.dot(point_at(cloud, column, row)) > 0) normal = -normal;
+      if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
       normals.x(column, row) = static_cast<float>(normal.x());
       normals.y(column, row) = static_cast<float>(normal.y());
       normals.z(column, row) = static_cast<float>(normal.z());

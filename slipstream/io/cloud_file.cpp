@@ -1,7 +1,6 @@
 #include "slipstream/io/cloud_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -10,18 +9,12 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/detail/number_bytes.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "clouds are written as they lie in memory");
-
-void append(std::string& bytes, float value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
 
 /// What stands behind x y z intensity, each by its name in PLY and in PCD.
 struct Extra {
@@ -60,11 +53,11 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
 /// x y z intensity and the extras of one pixel, as 32-bit floats.
 void append_point(std::string& bytes, const Cloud& cloud, const std::vector<Extra>& extras,
                   int column, int row) {
-  append(bytes, cloud.x(column, row));
-  append(bytes, cloud.y(column, row));
-  append(bytes, cloud.z(column, row));
-  append(bytes, cloud.intensity(column, row));
-  for (const Extra& extra : extras) append(bytes, extra.values(column, row));
+  append_bytes(bytes, cloud.x(column, row));
+  append_bytes(bytes, cloud.y(column, row));
+  append_bytes(bytes, cloud.z(column, row));
+  append_bytes(bytes, cloud.intensity(column, row));
+  for (const Extra& extra : extras) append_bytes(bytes, extra.values(column, row));
 }
 
 template <class Visit>

@@ -39,7 +39,8 @@ StoredCloud cloud_of_scan(const MeasureFlags& flags, Output& output) {
   output.document["findings"] = app::json_of(checked.findings);
   if (!checked.repairs.empty()) choose_response(scan, flags.input);
   Engine engine(setup_for(scan, flags.settings));
-  StoredCloud result{.organised = true};
+  StoredCloud result;
+  result.organised = true;
   Maps maps;
   engine.cloud_and_maps(scan.frames, result.cloud, maps);
   if (engine.setup().scanner.photometry.noise_variance) {

@@ -10,6 +10,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "slipstream/cloud/depth_step.h"
@@ -81,35 +82,33 @@ FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
           .residuals = {}};
 }
 
-/// The sphere of least squares by Gauss and Newton, from one near it.
+/// The sphere of least squares by Gauss and Newton, from one near it. Of a nearly flat patch the
+/// normals differ little: their products, as in normal equations, would not tell its radius.
 FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
   constexpr int most_steps = 50;
-  double squares = 0;
-  Eigen::Matrix4d normal;
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixX4d rows(count, 4);
+  Eigen::VectorXd residuals(count);
+  Eigen::HouseholderQR<Eigen::MatrixX4d> solver;
   for (int i = 0; i < most_steps; ++i) {
-    normal.setZero();
-    squares = 0;
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
-    for (const MeasuredPoint& point : points) {
-      const double residual = signed_distance(sphere, point.position);
-      const Eigen::Vector4d row = normal_at(sphere, point.position).homogeneous();
-      normal += row * row.transpose();
-      right += row * residual;
-      squares += residual * residual;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Vector& point = points[static_cast<std::size_t>(k)].position;
+      rows.row(k) = normal_at(sphere, point).homogeneous();
+      residuals(k) = signed_distance(sphere, point);
     }
-    const Eigen::Vector4d step = normal.ldlt().solve(right);
+    const Eigen::Vector4d step = solver.compute(rows).solve(residuals);
     sphere.centre += step.head<3>();
     sphere.radius += step(3);
     if (!(step.norm() > 1e-10 * sphere.radius)) break;
   }
-  const double freedom = std::max(static_cast<double>(points.size()) - 4, 1.0);
-  sphere.radius_sigma = std::sqrt(squares / freedom * normal.inverse()(3, 3));
-  // Points on a plane have some radius by chance; five standard deviations are not by chance.
-  if (!(5 * sphere.radius_sigma < sphere.radius)) {
-    throw Error(
-        fmt::format("the points are too flat for a sphere: its radius would be {:.4g} mm "
-                    "with a standard deviation of {:.2g} mm",
-                    sphere.radius, sphere.radius_sigma));
+  const double freedom = std::max(static_cast<double>(count) - 4, 1.0);
+  const double to_radius = std::abs(solver.matrixQR()(3, 3));  // the radius is the last unknown
+  sphere.radius_sigma = residuals.norm() / std::sqrt(freedom) / to_radius;
+  // Points on a plane have some radius by chance; five standard deviations are not by chance. Where
+  // the radius is that much larger than their extent, it is lost in rounding.
+  const double extent = (points.front().position - points.back().position).norm();
+  if (!(5 * sphere.radius_sigma < sphere.radius && sphere.radius < 1e4 * extent)) {
+    throw Error("the points are too flat to tell the radius of a sphere");
   }
   return sphere;
 }

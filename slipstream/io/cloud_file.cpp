@@ -10,6 +10,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/detail/number_bytes.h"
+#include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
@@ -50,13 +51,13 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
   return lines;
 }
 
-/// x y z intensity and the extras of one pixel, as 32-bit floats.
-void append_point(std::string& bytes, const Cloud& cloud, const std::vector<Extra>& extras,
-                  int column, int row) {
+void append_place(std::string& bytes, const Cloud& cloud, int column, int row) {
   append_bytes(bytes, cloud.x(column, row));
   append_bytes(bytes, cloud.y(column, row));
   append_bytes(bytes, cloud.z(column, row));
-  append_bytes(bytes, cloud.intensity(column, row));
+}
+
+void append_extras(std::string& bytes, const std::vector<Extra>& extras, int column, int row) {
   for (const Extra& extra : extras) append_bytes(bytes, extra.values(column, row));
 }
 
@@ -79,12 +80,14 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float intensity\n",
-      comments_of(remarks, "comment"), point_count(cloud));
+      "{}",
+      comments_of(remarks, "comment"), point_count(cloud), ply_intensity);
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   for_each_point(cloud, [&](int column, int row) {
-    append_point(file, cloud, extras, column, row);
+    append_place(file, cloud, column, row);
+    append_bytes(file, double{cloud.intensity(column, row)});
+    append_extras(file, extras, column, row);
     file.append(3, static_cast<char>(grey_level(cloud.intensity(column, row))));
   });
   return file;
@@ -105,8 +108,11 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
       "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
       comments_of(remarks, "#"), fields, sizes, types, counts, cloud.size().width,
       cloud.size().height, cloud.z.pixel_count());
-  for_each_pixel(cloud,
-                 [&](int column, int row) { append_point(file, cloud, extras, column, row); });
+  for_each_pixel(cloud, [&](int column, int row) {
+    append_place(file, cloud, column, row);
+    append_bytes(file, cloud.intensity(column, row));
+    append_extras(file, extras, column, row);
+  });
   return file;
 }
 

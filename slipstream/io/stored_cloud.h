@@ -10,7 +10,7 @@ namespace slipstream {
 
 /// A cloud as a file holds it.
 struct StoredCloud {
-  Cloud cloud;
+  Cloud cloud{};
   std::optional<Uncertainty> uncertainty{};  ///< where the file has sigma_z
   /// Whether the cloud has a pixel for each of the camera's; else it is one row of points.
   bool organised = false;

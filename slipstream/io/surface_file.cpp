@@ -9,6 +9,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/detail/glb.h"
 #include "slipstream/io/detail/number_bytes.h"
+#include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 
@@ -20,12 +21,12 @@ std::string ply_file(const Surface& surface) {
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float intensity\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+      "{}property uchar red\nproperty uchar green\nproperty uchar blue\n"
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
-      surface.vertices.size(), surface.triangles.size());
+      surface.vertices.size(), ply_intensity, surface.triangles.size());
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
     append_bytes(file, surface.vertices[i]);
-    append_bytes(file, surface.intensity[i]);
+    append_bytes(file, double{surface.intensity[i]});
     file.append(3, static_cast<char>(grey_level(surface.intensity[i])));
   }
   for (const auto& triangle : surface.triangles) {

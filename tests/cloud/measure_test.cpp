@@ -105,6 +105,14 @@ TEST(Fits, RefusePointsThatMakeOutNoShape) {
   EXPECT_NE(error_of(plane, Points(10, flat[0])).find("line"), std::string::npos);
 }
 
+RC_GTEST_PROP(FitSphere, RefusesAFlatPatch, (unsigned seed)) {
+  const double noise = 0.001 * *rc::gen::inRange(1, 500);
+  const auto sphere = [](const Points& points) { return fit_sphere(points); };
+  const std::string error = error_of(
+      sphere, patch([](double x, double y) { return 600 - 0.4 * x - 0.2 * y; }, noise, seed));
+  RC_ASSERT(error.find("too flat") != std::string::npos);
+}
+
 TEST(Distance, ErrsAlongTheRaysOfBothPoints) {
   // On the axis noise moves a point along z alone, which an upright distance does not feel.
   const MeasuredPoint near{{0, 0, 500}, Vector3d(0, 0, 0.3)}, far{{0, 0, 600}, Vector3d(0, 0, 0.4)};

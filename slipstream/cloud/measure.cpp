@@ -82,10 +82,21 @@ FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
           .residuals = {}};
 }
 
+constexpr std::size_t least_of_plane = 3, least_of_sphere = 4;
+
+void require_points(std::span<const MeasuredPoint> points, std::size_t least,
+                    std::string_view shape) {
+  if (points.size() < least) {
+    throw Error(fmt::format("{} points are too few for a {}; {} or more are wanted", points.size(),
+                            shape, least));
+  }
+}
+
 /// The sphere of least squares by Gauss and Newton, from one near it. Of a nearly flat patch the
 /// normals differ little: their products, as in normal equations, would not tell its radius.
 FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
   constexpr int most_steps = 50;
+  require_points(points, least_of_sphere, "sphere");
   const auto count = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixX4d rows(count, 4);
   Eigen::VectorXd residuals(count);
@@ -190,14 +201,6 @@ Shape fit_without_outliers(std::span<const MeasuredPoint> points, Shape shape, c
   return shape;
 }
 
-void require_points(std::span<const MeasuredPoint> points, std::size_t least,
-                    std::string_view shape) {
-  if (points.size() < least) {
-    throw Error(fmt::format("{} points are too few for a {}; {} or more are wanted", points.size(),
-                            shape, least));
-  }
-}
-
 }  // namespace
 
 std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* uncertainty,
@@ -237,21 +240,20 @@ Distance distance(const MeasuredPoint& from, const MeasuredPoint& to) {
 }
 
 FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
-  constexpr std::size_t least = 3;
-  require_points(points, least, "plane");
+  require_points(points, least_of_plane, "plane");
   const auto through = [](std::span<const MeasuredPoint> few) {
     const Vector first = few[0].position;
     const Vector normal = (few[1].position - first).cross(few[2].position - first);
     return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
   };
   return fit_without_outliers(
-      points, least_median_shape<FittedPlane>(points, least, through),
+      points, least_median_shape<FittedPlane>(points, least_of_plane, through),
       [](const Points& used, const FittedPlane&) { return plane_of(used); });
 }
 
 FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
-  constexpr std::size_t least = 4, drawn = 6;
-  require_points(points, least, "sphere");
+  constexpr std::size_t drawn = 6;
+  require_points(points, least_of_sphere, "sphere");
   return fit_without_outliers(
       points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), sphere_of);
 }

@@ -102,6 +102,8 @@ TEST(Fits, RefusePointsThatMakeOutNoShape) {
   EXPECT_NE(error_of(plane, {line[0], line[1]}).find("too few"), std::string::npos);
   EXPECT_NE(error_of(sphere, flat).find("too flat"), std::string::npos);
   EXPECT_NE(error_of(sphere, {flat[0], flat[1], flat[2]}).find("too few"), std::string::npos);
+  EXPECT_NE(error_of(sphere, Points(10, flat[0])), "");
+  EXPECT_NE(error_of(sphere, line), "");
   EXPECT_NE(error_of(plane, Points(10, flat[0])).find("line"), std::string::npos);
 }
 

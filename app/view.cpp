@@ -80,7 +80,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 void add_view(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(
       program, chosen, view_path, "view", "look at a cloud or a scan, in a window or as a picture");
-  command.add("path", flags.path, "a PLY file, a scan folder or a recording")->required();
+  command.add("path", flags.path, "a cloud or a mesh, a scan folder or a recording")->required();
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.input);

@@ -266,6 +266,8 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   const FlagGroup group{command, "What to write"};
   ResultFiles& files = flags.files;
   group.add("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz");
+  group.add("--mesh", files.mesh,
+            "its points joined, with the camera's picture: .ply, .stl, .obj or .glb");
   group.add("--depth", files.depth, "depth map, mm: .tiff");
   group.add("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff");
   group.add("--phase", files.phase, "wrapped phase, rad: .tiff");

@@ -16,6 +16,7 @@ set(slipstream_libraries
   "yaml-cpp                      yaml-cpp        yaml-cpp"
   "pugixml::pugixml              pugixml         pugixml"
   "tinyobjloader::tinyobjloader  tinyobjloader   tinyobjloader"
+  "nlohmann_json::nlohmann_json  nlohmann_json   nlohmann_json"
   "ZLIB::ZLIB                    zlib            ZLIB"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"

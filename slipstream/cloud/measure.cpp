@@ -10,8 +10,10 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
+#include "slipstream/cloud/depth_step.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/quantile.h"
 
@@ -80,35 +82,44 @@ FittedSphere rough_sphere_of(std::span<const MeasuredPoint> points) {
           .residuals = {}};
 }
 
-/// The sphere of least squares by Gauss and Newton, from one near it.
+constexpr std::size_t least_of_plane = 3, least_of_sphere = 4;
+
+void require_points(std::span<const MeasuredPoint> points, std::size_t least,
+                    std::string_view shape) {
+  if (points.size() < least) {
+    throw Error(fmt::format("{} points are too few for a {}; {} or more are wanted", points.size(),
+                            shape, least));
+  }
+}
+
+/// The sphere of least squares by Gauss and Newton, from one near it. Of a nearly flat patch the
+/// normals differ little: their products, as in normal equations, would not tell its radius.
 FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
   constexpr int most_steps = 50;
-  double squares = 0;
-  Eigen::Matrix4d normal;
+  require_points(points, least_of_sphere, "sphere");
+  const auto count = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixX4d rows(count, 4);
+  Eigen::VectorXd residuals(count);
+  Eigen::HouseholderQR<Eigen::MatrixX4d> solver;
   for (int i = 0; i < most_steps; ++i) {
-    normal.setZero();
-    squares = 0;
-    Eigen::Vector4d right = Eigen::Vector4d::Zero();
-    for (const MeasuredPoint& point : points) {
-      const double residual = signed_distance(sphere, point.position);
-      const Eigen::Vector4d row = normal_at(sphere, point.position).homogeneous();
-      normal += row * row.transpose();
-      right += row * residual;
-      squares += residual * residual;
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Vector& point = points[static_cast<std::size_t>(k)].position;
+      rows.row(k) = normal_at(sphere, point).homogeneous();
+      residuals(k) = signed_distance(sphere, point);
     }
-    const Eigen::Vector4d step = normal.ldlt().solve(right);
+    const Eigen::Vector4d step = solver.compute(rows).solve(residuals);
     sphere.centre += step.head<3>();
     sphere.radius += step(3);
     if (!(step.norm() > 1e-10 * sphere.radius)) break;
   }
-  const double freedom = std::max(static_cast<double>(points.size()) - 4, 1.0);
-  sphere.radius_sigma = std::sqrt(squares / freedom * normal.inverse()(3, 3));
-  // Points on a plane have some radius by chance; five standard deviations are not by chance.
-  if (!(5 * sphere.radius_sigma < sphere.radius)) {
-    throw Error(
-        fmt::format("the points are too flat for a sphere: its radius would be {:.4g} mm "
-                    "with a standard deviation of {:.2g} mm",
-                    sphere.radius, sphere.radius_sigma));
+  const double freedom = std::max(static_cast<double>(count) - 4, 1.0);
+  const double to_radius = std::abs(solver.matrixQR()(3, 3));  // the radius is the last unknown
+  sphere.radius_sigma = residuals.norm() / std::sqrt(freedom) / to_radius;
+  // Points on a plane have some radius by chance; five standard deviations are not by chance. Where
+  // the radius is that much larger than their extent, it is lost in rounding.
+  const double extent = (points.front().position - points.back().position).norm();
+  if (!(5 * sphere.radius_sigma < sphere.radius && sphere.radius < 1e4 * extent)) {
+    throw Error("the points are too flat to tell the radius of a sphere");
   }
   return sphere;
 }
@@ -190,14 +201,6 @@ Shape fit_without_outliers(std::span<const MeasuredPoint> points, Shape shape, c
   return shape;
 }
 
-void require_points(std::span<const MeasuredPoint> points, std::size_t least,
-                    std::string_view shape) {
-  if (points.size() < least) {
-    throw Error(fmt::format("{} points are too few for a {}; {} or more are wanted", points.size(),
-                            shape, least));
-  }
-}
-
 }  // namespace
 
 std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* uncertainty,
@@ -205,7 +208,7 @@ std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* unc
   const Size size = cloud.size();
   if (column < 0 || row < 0 || column >= size.width || row >= size.height) return std::nullopt;
   if (cloud.validity(column, row) != Validity::valid) return std::nullopt;
-  MeasuredPoint point{{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)}};
+  MeasuredPoint point{position_at(cloud, column, row)};
   if (uncertainty != nullptr && std::isfinite(uncertainty->z(column, row))) {
     point.sigma = Vector(uncertainty->x(column, row), uncertainty->y(column, row),
                          uncertainty->z(column, row));
@@ -237,21 +240,20 @@ Distance distance(const MeasuredPoint& from, const MeasuredPoint& to) {
 }
 
 FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
-  constexpr std::size_t least = 3;
-  require_points(points, least, "plane");
+  require_points(points, least_of_plane, "plane");
   const auto through = [](std::span<const MeasuredPoint> few) {
     const Vector first = few[0].position;
     const Vector normal = (few[1].position - first).cross(few[2].position - first);
     return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
   };
   return fit_without_outliers(
-      points, least_median_shape<FittedPlane>(points, least, through),
+      points, least_median_shape<FittedPlane>(points, least_of_plane, through),
       [](const Points& used, const FittedPlane&) { return plane_of(used); });
 }
 
 FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
-  constexpr std::size_t least = 4, drawn = 6;
-  require_points(points, least, "sphere");
+  constexpr std::size_t drawn = 6;
+  require_points(points, least_of_sphere, "sphere");
   return fit_without_outliers(
       points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), sphere_of);
 }

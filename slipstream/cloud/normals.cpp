@@ -1,7 +1,6 @@
 #include "slipstream/cloud/normals.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -9,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "slipstream/cloud/depth_step.h"
 #include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
@@ -18,33 +18,19 @@ constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 using Vector = Eigen::Vector3d;
 
-Vector point_at(const Cloud& cloud, int column, int row) {
-  return {cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)};
-}
-
-/// Whether the neighbour is on one surface with the centre. `largest_step`: in depth, over the
-/// distance between their two rays at the depth of the centre: off the axis a jump in depth moves a
-/// point sideways as well.
-bool on_one_surface(const Vector& centre, const Vector& neighbour, double largest_step) {
-  const double across =
-      centre.z() * (neighbour.head<2>() / neighbour.z() - centre.head<2>() / centre.z()).norm();
-  return std::abs(neighbour.z() - centre.z()) <= largest_step * across;
-}
-
 /// The step along the surface from the neighbour before to the one after, of those that there are.
 std::optional<Vector> surface_step(const Cloud& cloud, int column, int row, int right, int down,
                                    double largest_step) {
-  const Vector centre = point_at(cloud, column, row);
+  const Vector centre = position_at(cloud, column, row);
   Vector step = Vector::Zero();
   int neighbours = 0;
   for (const int side : {-1, 1}) {
     const int c = column + side * right;
     const int r = row + side * down;
     if (c < 0 || r < 0 || c >= cloud.size().width || r >= cloud.size().height) continue;
-    const Vector neighbour = point_at(cloud, c, r);
-    const Vector difference = side * (neighbour - centre);
+    const Vector neighbour = position_at(cloud, c, r);
     if (!on_one_surface(centre, neighbour, largest_step)) continue;
-    step += difference;
+    step += side * (neighbour - centre);
     ++neighbours;
   }
   return neighbours > 0 ? std::optional<Vector>(step) : std::nullopt;
@@ -65,12 +51,12 @@ std::optional<Tangents> tangents_to_neighbours(const Cloud& cloud, int column, i
 /// How the points of the window change from column to column and from row to row, by least squares.
 std::optional<Tangents> tangents_in_window(const Cloud& cloud, int column, int row, int reach,
                                            double largest_step) {
-  const Vector centre = point_at(cloud, column, row);
+  const Vector centre = position_at(cloud, column, row);
   const Size size = cloud.size();
   Eigen::Matrix3d places = Eigen::Matrix3d::Zero(), points = Eigen::Matrix3d::Zero();
   for (int r = std::max(0, row - reach); r <= std::min(size.height - 1, row + reach); ++r) {
     for (int c = std::max(0, column - reach); c <= std::min(size.width - 1, column + reach); ++c) {
-      const Vector point = point_at(cloud, c, r);
+      const Vector point = position_at(cloud, c, r);
       if (!on_one_surface(centre, point, largest_step)) continue;
       const Vector place(c - column, r - row, 1);
       places += place * place.transpose();
@@ -92,7 +78,7 @@ Normals normals_of(const Cloud& cloud, const TangentsAt& tangents_at) {
       const std::optional<Tangents> tangents = tangents_at(column, row);
       if (!tangents) continue;
       Vector normal = tangents->col(0).cross(tangents->col(1)).normalized();
-      if (normal.dot(point_at(cloud, column, row)) > 0) normal = -normal;
+      if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
       normals.x(column, row) = static_cast<float>(normal.x());
       normals.y(column, row) = static_cast<float>(normal.y());
       normals.z(column, row) = static_cast<float>(normal.z());

@@ -1,7 +1,6 @@
 #include "slipstream/io/cloud_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -10,18 +9,13 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/detail/number_bytes.h"
+#include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-static_assert(std::endian::native == std::endian::little,
-              "clouds are written as they lie in memory");
-
-void append(std::string& bytes, float value) {
-  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
-}
 
 /// What stands behind x y z intensity, each by its name in PLY and in PCD.
 struct Extra {
@@ -57,14 +51,14 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
   return lines;
 }
 
-/// x y z intensity and the extras of one pixel, as 32-bit floats.
-void append_point(std::string& bytes, const Cloud& cloud, const std::vector<Extra>& extras,
-                  int column, int row) {
-  append(bytes, cloud.x(column, row));
-  append(bytes, cloud.y(column, row));
-  append(bytes, cloud.z(column, row));
-  append(bytes, cloud.intensity(column, row));
-  for (const Extra& extra : extras) append(bytes, extra.values(column, row));
+void append_place(std::string& bytes, const Cloud& cloud, int column, int row) {
+  append_bytes(bytes, cloud.x(column, row));
+  append_bytes(bytes, cloud.y(column, row));
+  append_bytes(bytes, cloud.z(column, row));
+}
+
+void append_extras(std::string& bytes, const std::vector<Extra>& extras, int column, int row) {
+  for (const Extra& extra : extras) append_bytes(bytes, extra.values(column, row));
 }
 
 template <class Visit>
@@ -86,12 +80,14 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
-      "property float intensity\n",
-      comments_of(remarks, "comment"), point_count(cloud));
+      "{}",
+      comments_of(remarks, "comment"), point_count(cloud), ply_intensity);
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   for_each_point(cloud, [&](int column, int row) {
-    append_point(file, cloud, extras, column, row);
+    append_place(file, cloud, column, row);
+    append_bytes(file, double{cloud.intensity(column, row)});
+    append_extras(file, extras, column, row);
     file.append(3, static_cast<char>(grey_level(cloud.intensity(column, row))));
   });
   return file;
@@ -112,8 +108,11 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
       "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
       comments_of(remarks, "#"), fields, sizes, types, counts, cloud.size().width,
       cloud.size().height, cloud.z.pixel_count());
-  for_each_pixel(cloud,
-                 [&](int column, int row) { append_point(file, cloud, extras, column, row); });
+  for_each_pixel(cloud, [&](int column, int row) {
+    append_place(file, cloud, column, row);
+    append_bytes(file, cloud.intensity(column, row));
+    append_extras(file, extras, column, row);
+  });
   return file;
 }
 

@@ -63,6 +63,18 @@ cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) 
   return grey;
 }
 
+/// As a file of that ending; empty where such a file does not hold such pixels.
+std::vector<std::uint8_t> encoded(const std::string& extension, const cv::Mat& mat) {
+  const QuietOpenCv quiet;
+  std::vector<std::uint8_t> bytes;
+  try {
+    if (!cv::imencode(extension, mat, bytes)) bytes.clear();
+  } catch (const cv::Exception&) {
+    bytes.clear();
+  }
+  return bytes;
+}
+
 void write_mat(const fs::path& path, const cv::Mat& mat) {
   const std::string extension = lower_case_extension(path);
   if (!is_image_file(path)) {
@@ -71,14 +83,8 @@ void write_mat(const fs::path& path, const cv::Mat& mat) {
                     ".pgm",
                     path.string(), extension));
   }
-  const QuietOpenCv quiet;
-  std::vector<std::uint8_t> bytes;
-  bool encoded = false;
-  try {
-    encoded = cv::imencode(extension, mat, bytes);
-  } catch (const cv::Exception&) {
-  }
-  if (!encoded) {
+  const std::vector<std::uint8_t> bytes = encoded(extension, mat);
+  if (bytes.empty()) {
     throw Error(fmt::format("{}: a {} file does not hold such pixels; use .tiff", path.string(),
                             extension));
   }
@@ -179,6 +185,10 @@ void write_image(const fs::path& path, const Image<Colour>& image) {
   cv::Mat turned;
   cv::cvtColor(colours, turned, cv::COLOR_RGB2BGR);
   write_mat(path, turned);
+}
+
+std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image) {
+  return encoded(".png", mat_of(image));
 }
 
 void write_map(const fs::path& path, const Image<float>& map) {

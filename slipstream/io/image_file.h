@@ -39,6 +39,9 @@ void write_image(const std::filesystem::path& path, const Image<std::uint16_t>& 
 /// The same for colours; PGM has none.
 void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 
+/// A grey picture as the bytes of a PNG file.
+std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);
+
 /// Writes a map (depth, phase, coordinate, modulation) as TIFF of 32-bit float, NaN kept.
 void write_map(const std::filesystem::path& path, const Image<float>& map);
 void write_map(const std::filesystem::path& path, const Image<double>& map);

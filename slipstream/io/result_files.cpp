@@ -8,6 +8,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"
+#include "slipstream/io/surface_file.h"
 
 namespace slipstream {
 namespace {
@@ -22,8 +23,10 @@ void write_map_if_asked(const std::string& path, const Image<float>& map) {
 
 std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
   std::vector<std::pair<const char*, std::string>> asked{
-      {"cloud", cloud},           {"depth", depth}, {"coordinate", coordinate}, {"phase", phase},
-      {"modulation", modulation}, {"mean", mean},   {"preview", preview}};
+      {"cloud", cloud}, {"mesh", mesh},
+      {"depth", depth}, {"coordinate", coordinate},
+      {"phase", phase}, {"modulation", modulation},
+      {"mean", mean},   {"preview", preview}};
   std::erase_if(asked, [](const auto& file) { return file.second.empty(); });
   return asked;
 }
@@ -37,8 +40,9 @@ ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path&
   const std::string name =
       (std::filesystem::is_directory(whole) ? whole.filename() : whole.stem()).string();
   ResultFiles filled = files;
-  for (std::string* const path : {&filled.cloud, &filled.depth, &filled.coordinate, &filled.phase,
-                                  &filled.modulation, &filled.mean, &filled.preview}) {
+  for (std::string* const path :
+       {&filled.cloud, &filled.mesh, &filled.depth, &filled.coordinate, &filled.phase,
+        &filled.modulation, &filled.mean, &filled.preview}) {
     for (std::size_t at = path->find(placeholder); at != std::string::npos;
          at = path->find(placeholder, at + name.size())) {
       path->replace(at, placeholder.size(), name);
@@ -49,6 +53,7 @@ ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path&
 
 void require_writable(const ResultFiles& files, const std::vector<std::string>& scans) {
   if (!files.cloud.empty()) require_cloud_ending(files.cloud);
+  if (!files.mesh.empty()) require_mesh_ending(files.mesh);
   std::set<std::string> written;
   for (const std::string& scan : scans) {
     for (const auto& [name, path] : files_of_scan(files, scan).named()) {
@@ -64,6 +69,7 @@ void require_writable(const ResultFiles& files, const std::vector<std::string>& 
 void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
                    const CloudExtras& extras) {
   if (!files.cloud.empty()) write_cloud(files.cloud, cloud, extras);
+  if (!files.mesh.empty()) write_surface(files.mesh, surface_of(cloud));
   write_map_if_asked(files.depth, cloud.z);
   write_map_if_asked(files.coordinate, maps.coordinate);
   write_map_if_asked(files.phase, maps.wrapped_phase);

@@ -12,7 +12,7 @@ namespace slipstream {
 
 /// Where to write what was made of a scan; a path that is empty: not at all.
 struct ResultFiles {
-  std::string cloud{}, depth{}, coordinate{}, phase{}, modulation{}, mean{}, preview{};
+  std::string cloud{}, mesh{}, depth{}, coordinate{}, phase{}, modulation{}, mean{}, preview{};
 
   /// Those that are not empty, each with its name above.
   [[nodiscard]] std::vector<std::pair<const char*, std::string>> named() const;
@@ -24,12 +24,12 @@ struct ResultFiles {
 /// or of its recording without the ending.
 ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan);
 
-/// Throws Error for a cloud of unknown ending, or where two of the scans would be written to one
-/// file.
+/// Throws Error for a cloud or mesh of unknown ending, or where two of the scans would be written to
+/// one file.
 void require_writable(const ResultFiles& files, const std::vector<std::string>& scans);
 
-/// Writes them: cloud with its extras, depth in mm, the maps as TIFF of 32-bit float, the preview
-/// as PNG. Throws as the writer of each.
+/// Writes them: cloud with its extras, the mesh of its points, depth in mm, the maps as TIFF of
+/// 32-bit float, the preview as PNG. Throws as the writer of each.
 void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& maps,
                    const CloudExtras& extras = {});
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,8 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/detail/glb.h"
+#include "slipstream/io/detail/stored_points.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/number_reader.h"
 #include "slipstream/io/ply_elements.h"
@@ -22,18 +25,6 @@
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-struct StoredPoint {
-  double x = 0, y = 0, z = 0, intensity = 0;
-  double sigma_coordinate = 0, sigma_x = 0, sigma_y = 0, sigma_z = 0;
-};
-
-/// What a file says, before it is a cloud.
-struct StoredPoints {
-  std::vector<StoredPoint> points{};
-  bool has_sigma = false;
-  Size organised{};  ///< as so many columns and rows; 0: not
-};
 
 /// Where a column of that name goes, and how much of it.
 struct Target {
@@ -95,30 +86,13 @@ void read_element(const ply::Element& element, NumberReader& reader, StoredPoint
                       });
 }
 
-StoredPoints ply_points(NumberReader reader) {
+StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
+  NumberReader reader(bytes);
   StoredPoints stored;
   for (const ply::Element& element : ply::read_header(reader)) {
     read_element(element, reader, stored);
   }
   return stored;
-}
-
-/// A PCD header's type "F" of size "4", and so on.
-NumberType pcd_type(std::string_view type, std::string_view size) {
-  static constexpr std::array<std::pair<std::string_view, NumberType>, 8> types{
-      {{"I1", NumberType::int8},
-       {"U1", NumberType::uint8},
-       {"I2", NumberType::int16},
-       {"U2", NumberType::uint16},
-       {"I4", NumberType::int32},
-       {"U4", NumberType::uint32},
-       {"F4", NumberType::float32},
-       {"F8", NumberType::float64}}};
-  const std::string name = std::string(type) + std::string(size);
-  for (const auto& [known, number] : types) {
-    if (name == known) return number;
-  }
-  throw Error(fmt::format("'{}' is no type of PCD", name.substr(0, 20)));
 }
 
 /// The words of each line of a PCD header by its first word, which goes.
@@ -131,38 +105,35 @@ std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(Num
     words.erase(words.begin());
     header[key] = std::move(words);
   }
-  for (const char* key : {"FIELDS", "SIZE", "TYPE", "WIDTH", "HEIGHT", "DATA"}) {
+  for (const char* key : {"FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "DATA"}) {
     if (header[key].empty()) throw Error(fmt::format("its header has no {}", key));
   }
   return header;
 }
 
-StoredPoints pcd_points(NumberReader reader) {
-  auto header = pcd_header(reader);
-  const auto& fields = header["FIELDS"];
-  auto& counts = header["COUNT"];
-  counts.resize(fields.size(), "1");
-  if (header["SIZE"].size() != fields.size() || header["TYPE"].size() != fields.size()) {
-    throw Error("its FIELDS, SIZE and TYPE are not as many");
+/// All fields of 32-bit float, one number each, as write_cloud and most others write them.
+StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
+  NumberReader reader(bytes);
+  const auto header = pcd_header(reader);
+  const auto all = [&](const char* key, std::string_view wanted) {
+    const auto& words = header.at(key);
+    return std::all_of(words.begin(), words.end(), [&](auto word) { return word == wanted; });
+  };
+  if (!all("SIZE", "4") || !all("TYPE", "F") || !all("COUNT", "1")) {
+    throw Error("its fields are not all of one 32-bit float");
   }
+  if (!all("DATA", "binary") && !all("DATA", "ascii")) {
+    throw Error("its DATA are neither ascii nor binary");
+  }
+  if (all("DATA", "binary")) reader.set_format(NumberFormat::little_endian);
   ply::Element element{.name = "vertex", .properties = {}};
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    const ply::Property property{std::string(fields[i]),
-                                 pcd_type(header["TYPE"][i], header["SIZE"][i]), std::nullopt};
-    const std::size_t count = count_from(counts[i]);
-    if (count > reader.left().size()) throw Error("it is truncated");
-    element.properties.insert(element.properties.end(), count, property);
+  for (const std::string_view field : header.at("FIELDS")) {
+    element.properties.push_back({std::string(field), NumberType::float32, std::nullopt});
   }
-  const std::size_t width = count_from(header["WIDTH"][0]),
-                    height = count_from(header["HEIGHT"][0]);
-  if (width > reader.left().size() || height > reader.left().size()) throw Error("it is truncated");
+  const std::size_t width = count_from(header.at("WIDTH")[0]);
+  const std::size_t height = count_from(header.at("HEIGHT")[0]);
+  if (std::max(width, height) > reader.left().size()) throw Error("it is truncated");
   element.count = width * height;
-  if (header["DATA"][0] == "binary") {
-    reader.set_format(NumberFormat::little_endian);
-  } else if (header["DATA"][0] != "ascii") {
-    throw Error(fmt::format("its DATA are '{}'; ascii and binary can be read",
-                            header["DATA"][0].substr(0, 20)));
-  }
   StoredPoints stored;
   if (height > 1) stored.organised = {static_cast<int>(width), static_cast<int>(height)};
   read_element(element, reader, stored);
@@ -181,7 +152,8 @@ std::vector<std::string_view> names_of_columns(std::size_t count) {
   return names;
 }
 
-StoredPoints xyz_points(NumberReader reader) {
+StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
+  NumberReader reader(bytes);
   NumberReader lines = reader;
   const std::size_t columns = lines.left().empty() ? 0 : words_of(lines.line()).size();
   ply::Element element{.name = "vertex", .count = 1, .properties = {}};
@@ -199,10 +171,22 @@ StoredPoints xyz_points(NumberReader reader) {
   return stored;
 }
 
-StoredPoints parsed(const std::vector<std::uint8_t>& bytes, const std::string& extension) {
-  if (extension == ".ply") return ply_points(NumberReader(bytes));
-  if (extension == ".pcd") return pcd_points(NumberReader(bytes));
-  return xyz_points(NumberReader(bytes));
+using Parse = StoredPoints (*)(std::span<const std::uint8_t>);
+
+constexpr std::array<std::pair<std::string_view, Parse>, 6> formats{{{".ply", ply_points},
+                                                                     {".pcd", pcd_points},
+                                                                     {".xyz", xyz_points},
+                                                                     {".stl", stl_points},
+                                                                     {".obj", obj_points},
+                                                                     {".glb", glb_points}}};
+
+/// Null where no such file can be read.
+Parse parse_for(const fs::path& path) {
+  const std::string extension = lower_case_extension(path);
+  const auto* const found = std::find_if(formats.begin(), formats.end(), [&](const auto& format) {
+    return format.first == extension;
+  });
+  return found == formats.end() ? nullptr : found->second;
 }
 
 bool is_finite(const StoredPoint& point) {
@@ -239,21 +223,25 @@ StoredCloud cloud_of(StoredPoints stored) {
 
 }  // namespace
 
+bool is_cloud_file(const fs::path& path) {
+  return parse_for(path) != nullptr;
+}
+
 StoredCloud read_cloud(const fs::path& path) {
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".ply" && extension != ".pcd" && extension != ".xyz") {
+  const Parse parse = parse_for(path);
+  if (parse == nullptr) {
     throw Error(
-        fmt::format("{}: no cloud that can be read has the ending '{}'; use .ply, .pcd or "
-                    ".xyz",
-                    path.string(), extension));
+        fmt::format("{}: no cloud or mesh that can be read has the ending '{}'; use .ply, "
+                    ".pcd, .xyz, .stl, .obj or .glb",
+                    path.string(), lower_case_extension(path)));
   }
   const std::vector<std::uint8_t> bytes = read_file(path);
   StoredCloud stored;
   try {
-    stored = cloud_of(parsed(bytes, extension));
+    stored = cloud_of(parse(bytes));
   } catch (const Error& error) {
-    throw Error(
-        fmt::format("{} is not a good {} file: {}", path.string(), extension, error.what()));
+    throw Error(fmt::format("{} is not a good {} file: {}", path.string(),
+                            lower_case_extension(path).substr(1), error.what()));
   }
   if (point_count(stored.cloud) == 0) throw Error(fmt::format("{}: no point in it", path.string()));
   return stored;

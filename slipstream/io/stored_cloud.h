@@ -10,16 +10,19 @@ namespace slipstream {
 
 /// A cloud as a file holds it.
 struct StoredCloud {
-  Cloud cloud;
+  Cloud cloud{};
   std::optional<Uncertainty> uncertainty{};  ///< where the file has sigma_z
   /// Whether the cloud has a pixel for each of the camera's; else it is one row of points.
   bool organised = false;
 };
 
-/// The points of a file that write_cloud or write_mesh wrote, or others in the same formats, by its
-/// ending:
+/// Whether the file's ending is one that read_cloud knows.
+bool is_cloud_file(const std::filesystem::path& path);
+
+/// The points of a file that write_cloud or write_surface wrote, or others in the same formats, by
+/// its ending:
 ///   .ply         ASCII, or binary of either byte order; the vertices of a mesh too
-///   .pcd         ASCII or binary; organised where its height is more than one
+///   .pcd         ASCII or binary, of 32-bit float; organised where its height is more than one
 ///   .xyz         text, by the count of columns that write_cloud writes; or x y z alone
 ///   .stl         binary; the corners of its triangles, each once
 ///   .obj, .glb   the vertices

@@ -102,7 +102,17 @@ TEST(Fits, RefusePointsThatMakeOutNoShape) {
   EXPECT_NE(error_of(plane, {line[0], line[1]}).find("too few"), std::string::npos);
   EXPECT_NE(error_of(sphere, flat).find("too flat"), std::string::npos);
   EXPECT_NE(error_of(sphere, {flat[0], flat[1], flat[2]}).find("too few"), std::string::npos);
+  EXPECT_NE(error_of(sphere, Points(10, flat[0])), "");
+  EXPECT_NE(error_of(sphere, line), "");
   EXPECT_NE(error_of(plane, Points(10, flat[0])).find("line"), std::string::npos);
+}
+
+RC_GTEST_PROP(FitSphere, RefusesAFlatPatch, (unsigned seed)) {
+  const double noise = 0.001 * *rc::gen::inRange(1, 500);
+  const auto sphere = [](const Points& points) { return fit_sphere(points); };
+  const std::string error = error_of(
+      sphere, patch([](double x, double y) { return 600 - 0.4 * x - 0.2 * y; }, noise, seed));
+  RC_ASSERT(error.find("too flat") != std::string::npos);
 }
 
 TEST(Distance, ErrsAlongTheRaysOfBothPoints) {

@@ -60,8 +60,8 @@ TEST(CloudFile, PlyHasTheValidPointsAndNoWordOfTheOthers) {
   EXPECT_NE(header.find("element vertex 3\n"), std::string::npos);
   // By it the Point Cloud Library reads a point for each pixel, most of them at the origin.
   EXPECT_EQ(header.find("obj_info"), std::string::npos);
-  ASSERT_EQ(bytes.size(), 3 * (4 * sizeof(float) + 3));
-  EXPECT_EQ(bytes.substr(19 + 16, 3), "\x0a\x0a\x0a");
+  ASSERT_EQ(bytes.size(), 3 * (3 * sizeof(float) + sizeof(double) + 3));
+  EXPECT_EQ(bytes.substr(23 + 20, 3), "\x0a\x0a\x0a");
 }
 
 /// A cloud with points here and there, and something in all that a file may hold of it.
@@ -145,7 +145,7 @@ TEST(CloudFile, PlyTakesNormals) {
   write_cloud(folder.path() / "cloud.ply", cloud, {.normals = &normals});
   const auto [header, bytes] = parse(folder.path() / "cloud.ply", "end_header\n");
   EXPECT_NE(header.find("property float nz\n"), std::string::npos);
-  EXPECT_EQ(bytes.size(), 3U * (7 * 4 + 3));
+  EXPECT_EQ(bytes.size(), 3U * (6 * 4 + 8 + 3));
 }
 
 TEST(CloudFile, PlyAndPcdTakeUncertainty) {
@@ -156,8 +156,8 @@ TEST(CloudFile, PlyAndPcdTakeUncertainty) {
   write_cloud(folder.path() / "cloud.ply", cloud, {.uncertainty = &sigma});
   const Parsed ply = parse(folder.path() / "cloud.ply", "end_header\n");
   EXPECT_NE(ply.header.find("property float sigma_z\n"), std::string::npos);
-  EXPECT_EQ(ply.bytes.size(), 3U * (8 * 4 + 3));
-  EXPECT_EQ(ply.floats()[7], 0.125F);
+  EXPECT_EQ(ply.bytes.size(), 3U * (7 * 4 + 8 + 3));
+  EXPECT_EQ(ply.floats()[8], 0.125F);
   write_cloud(folder.path() / "cloud.pcd", cloud, {.uncertainty = &sigma});
   const Parsed pcd = parse(folder.path() / "cloud.pcd", "DATA binary\n");
   EXPECT_NE(pcd.header.find("sigma_coordinate sigma_x sigma_y sigma_z\n"), std::string::npos);

@@ -19,8 +19,10 @@
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/io/stored_cloud.h"
+#include "slipstream/io/surface_file.h"
 #include "slipstream/strategy/dual_frequency.h"
 #include "tests/io/recorded_frames.h"
+#include "tests/io/sheet_cloud.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {
@@ -101,6 +103,9 @@ const auto write_some_cloud = [](const auto& path) {
   const Uncertainty sigma(cloud.size());
   write_cloud(path, cloud, {.uncertainty = &sigma});
 };
+const auto write_some_surface = [](const auto& path) {
+  write_surface(path, surface_of(sheet_cloud()));
+};
 const auto read_any_cloud = [](const auto& path) { (void)read_cloud(path); };
 
 const std::vector<Format> formats{
@@ -144,6 +149,10 @@ const std::vector<Format> formats{
     {"written.ply", write_some_cloud, read_any_cloud},
     {"cloud.pcd", write_some_cloud, read_any_cloud},
     {"cloud.xyz", write_some_cloud, read_any_cloud},
+    {"surface.ply", write_some_surface, read_any_cloud},
+    {"surface.stl", write_some_surface, read_any_cloud},
+    {"surface.obj", write_some_surface, read_any_cloud},
+    {"surface.glb", write_some_surface, read_any_cloud},
     {"frames.recording",
      [](const auto& path) {
        RecordingWriter writer(path, {.format = some_format,

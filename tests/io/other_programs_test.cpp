@@ -1,0 +1,113 @@
+// What other programs make of the files that are written; skipped where one is not installed.
+// docs/files.md says how to get them.
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/stored_cloud.h"
+#include "slipstream/io/surface_file.h"
+#include "tests/io/sheet_cloud.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+class OtherProgram : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  /// Whether the command, run in the folder, went well.
+  [[nodiscard]] bool run(const std::string& command) const {
+    return std::system(
+               fmt::format("cd {} && ({}) >said 2>&1", folder_.path().string(), command).c_str()) ==
+           0;
+  }
+  [[nodiscard]] bool has(const std::string& program) const { return run("command -v " + program); }
+  [[nodiscard]] std::string said() const {
+    std::ifstream file(path("said"));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  const Cloud cloud_ = sheet_cloud();
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(OtherProgram, PclReadsExactlyTheValidPoints) {
+  if (!has("pcl_ply2pcd")) GTEST_SKIP() << "no pcl_ply2pcd; it is in Debian's pcl-tools";
+  write_cloud(path("cloud.ply"), cloud_);
+  ASSERT_TRUE(run("pcl_ply2pcd cloud.ply read.pcd && pcl_pcd2ply -format 0 read.pcd back.ply"))
+      << said();
+  const StoredCloud read = read_cloud(path("back.ply"));
+  ASSERT_EQ(point_count(read.cloud), point_count(cloud_));
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < cloud_.z.pixel_count(); ++i) {
+    if (cloud_.validity.begin()[i] != Validity::valid) continue;
+    EXPECT_NEAR(read.cloud.z.begin()[at], cloud_.z.begin()[i], 1e-3);
+    EXPECT_EQ(read.cloud.intensity.begin()[at], cloud_.intensity.begin()[i]);
+    ++at;
+  }
+}
+
+// Of OBJ nothing is asked: Debian's MeshLab aborts on every one (Debian bug 1054006).
+TEST_F(OtherProgram, MeshLabKeepsColoursAndTriangles) {
+  if (!has("meshlabserver") || !has("xvfb-run")) {
+    GTEST_SKIP() << "no meshlabserver or xvfb-run; they are in Debian's meshlab and xvfb";
+  }
+  write_cloud(path("cloud.ply"), cloud_);
+  write_surface(path("mesh.ply"), surface_of(cloud_));
+  for (const std::string name : {"cloud.ply", "mesh.ply"}) {
+    ASSERT_TRUE(run("xvfb-run -a timeout 120 meshlabserver -i " + name + " -o read.ply -m vc"))
+        << said();
+    const StoredCloud written = read_cloud(path(name)), read = read_cloud(path("read.ply"));
+    ASSERT_EQ(point_count(read.cloud), point_count(written.cloud));
+    for (std::size_t i = 0; i < read.cloud.z.pixel_count(); ++i) {
+      EXPECT_EQ(read.cloud.z.begin()[i], written.cloud.z.begin()[i]);
+      EXPECT_NEAR(read.cloud.intensity.begin()[i], written.cloud.intensity.begin()[i], 1e-3);
+    }
+  }
+}
+
+TEST_F(OtherProgram, CloudCompareKeepsColours) {
+  if (!has("CloudCompare")) GTEST_SKIP() << "no CloudCompare; it is in Debian's cloudcompare";
+  write_cloud(path("cloud.ply"), cloud_);
+  ASSERT_TRUE(
+      run("QT_QPA_PLATFORM=offscreen timeout 120 "
+          "CloudCompare -SILENT -AUTO_SAVE OFF -O cloud.ply -C_EXPORT_FMT ASC -PREC 4 "
+          "-SAVE_CLOUDS FILE read.asc"))
+      << said();
+  std::ifstream file(path("read.asc"));
+  std::size_t points = 0;
+  for (std::string line; std::getline(file, line); ++points) {
+    std::istringstream words(line);
+    double x, y, z, red, green, blue, intensity;
+    ASSERT_TRUE(words >> x >> y >> z >> red >> green >> blue >> intensity) << line;
+    EXPECT_EQ(red, std::round(intensity));
+  }
+  EXPECT_EQ(points, point_count(cloud_));
+}
+
+// It remarks on every picture whose sides are no powers of two, which no camera has.
+TEST_F(OtherProgram, ValidatorFindsNoErrorInGltf) {
+  if (!run("node -e \"require('gltf-validator')\"")) {
+    GTEST_SKIP() << "no gltf-validator of npm where NODE_PATH says";
+  }
+  write_surface(path("mesh.glb"), surface_of(cloud_));
+  EXPECT_TRUE(
+      run("node -e \"require('gltf-validator')"
+          ".validateBytes(new Uint8Array(require('fs').readFileSync('mesh.glb')))"
+          ".then(r => { console.log(JSON.stringify(r, null, 1)); const i = r.issues;"
+          " process.exit(i.numErrors + i.numWarnings) })\""))
+      << said();
+}
+
+}  // namespace
+}  // namespace slipstream

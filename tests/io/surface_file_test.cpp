@@ -1,0 +1,104 @@
+#include "slipstream/io/surface_file.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/mesh_file.h"
+#include "slipstream/io/stored_cloud.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/sheet_cloud.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+/// X, Y, Z and intensity of each, by X, Y and Z.
+using Sorted = std::vector<std::array<float, 4>>;
+
+Sorted sorted(const Surface& surface, bool with_intensity) {
+  Sorted all;
+  for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
+    const Eigen::Vector3f& at = surface.vertices[i];
+    all.push_back({at.x(), at.y(), at.z(), with_intensity ? surface.intensity[i] : 0});
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+Sorted sorted(const Cloud& cloud) {
+  Sorted all;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    all.push_back(
+        {cloud.x.begin()[i], cloud.y.begin()[i], cloud.z.begin()[i], cloud.intensity.begin()[i]});
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+class SurfaceFile : public testing::TestWithParam<const char*> {};
+
+TEST_P(SurfaceFile, IsReadAsItsVertices) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / (std::string("mesh") + GetParam());
+  const Surface surface = surface_of(sheet_cloud());
+  write_surface(path, surface);
+  const StoredCloud stored = read_cloud(path);
+  EXPECT_FALSE(stored.organised);
+  const Sorted written = sorted(surface, std::string(GetParam()) != ".stl");
+  const Sorted read = sorted(stored.cloud);
+  ASSERT_EQ(read.size(), written.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) ASSERT_NEAR(read[i][k], written[i][k], 1e-4) << i;
+    ASSERT_NEAR(read[i][3], written[i][3], 2e-3) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Ending, SurfaceFile, testing::Values(".ply", ".stl", ".obj", ".glb"),
+                         [](const auto& info) { return std::string(info.param).substr(1); });
+
+TEST(SurfaceFiles, PlyAndObjHaveTheTriangles) {
+  const TemporaryFolder folder;
+  const Surface surface = surface_of(sheet_cloud());
+  for (const char* const name : {"mesh.ply", "mesh.obj"}) {
+    write_surface(folder.path() / name, surface);
+    const Mesh mesh = read_mesh(folder.path() / name);
+    ASSERT_EQ(mesh.triangles.size(), surface.triangles.size());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        ASSERT_EQ(static_cast<std::uint32_t>(mesh.triangles[i][k]), surface.triangles[i][k]);
+      }
+    }
+  }
+}
+
+TEST(SurfaceFiles, ObjHasItsPictureBesideIt) {
+  const TemporaryFolder folder;
+  const Cloud cloud = sheet_cloud();
+  write_surface(folder.path() / "mesh.obj", surface_of(cloud));
+  EXPECT_EQ(entries_in(folder.path()), 3);
+  const Image<std::uint16_t> picture = read_grey_image(folder.path() / "mesh-texture.png");
+  ASSERT_EQ(picture.size(), cloud.size());
+  EXPECT_TRUE(std::equal(picture.begin(), picture.end(), cloud.intensity.begin()));
+}
+
+TEST(SurfaceFiles, RefuseWhatTheyCannotHold) {
+  const TemporaryFolder folder;
+  const Surface surface = surface_of(sheet_cloud());
+  expect_error([&] { write_surface(folder.path() / "mesh.fbx", surface); },
+               {".fbx", ".ply, .stl, .obj or .glb"});
+  expect_error(
+      [&] {
+        write_surface(folder.path() / "mesh.glb", surface_of(Cloud({9, 9})));
+      },
+      {"mesh.glb", "neighbouring"});
+  expect_error([&] { (void)read_cloud(folder.path() / "mesh.fbx"); }, {".fbx", ".glb"});
+  EXPECT_EQ(entries_in(folder.path()), 0);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -29,7 +29,7 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
   ScanAverage scans;
   for_each_scan(flags.folders, flags.scan, files, output,
                 [&](const Scan& scan, const std::string& folder) {
-                  require_ambient_measurable(scan.sequence, folder);
+                  require_ambient_measurable(scan, folder);
                   scans.add(scan, folder);
                 });
   std::optional<Response> response;

@@ -37,10 +37,15 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
 
 }  // namespace
 
-void require_ambient_measurable(const Sequence& sequence, const std::string& name) {
-  if (sequence.strategy.layout().unwrapping != Unwrapping::vote) return;
+void require_ambient_measurable(const Scan& scan, const std::string& name) {
+  if (scan.exposures.size() > 1) {
+    throw Error(fmt::format("{}: {} exposures; ambient light is measured with one", name,
+                            scan.exposures.size()));
+  }
+  const Strategy& strategy = scan.sequence.strategy;
+  if (strategy.layout().unwrapping != Unwrapping::vote) return;
   throw Error(fmt::format("{}: {}; ambient light is measured with patterns that hold no cue", name,
-                          sequence.strategy.name()));
+                          strategy.name()));
 }
 
 AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha,

@@ -24,7 +24,8 @@ struct AmbientCalibration {
 AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha = 0.5,
                                      const std::optional<Response>& response = std::nullopt);
 
-/// Throws Error, naming the scan, where its patterns do not serve to measure ambient light.
-void require_ambient_measurable(const Sequence& sequence, const std::string& name);
+/// Throws Error, naming the scan, where its patterns or exposures do not serve to measure ambient
+/// light.
+void require_ambient_measurable(const Scan& scan, const std::string& name);
 
 }  // namespace slipstream

@@ -48,7 +48,8 @@ TEST(AmbientCalibration, FindsTheAmbientLight) {
   }
   EXPECT_NEAR(calibrate_ambient(scans).estimate.mode, -5, 0.2);
   const Sequence cued{.strategy = PhaseChannelMultiplexing{}};
-  expect_error([&] { require_ambient_measurable(cued, "a cued scan"); }, {"a cued scan"});
+  expect_error([&] { require_ambient_measurable({.sequence = cued}, "a cued scan"); },
+               {"a cued scan"});
 }
 
 TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {

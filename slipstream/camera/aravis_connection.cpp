@@ -121,10 +121,8 @@ void AravisConnection::set_up(const CameraSettings& settings) {
   } else {
     set("the trigger " + settings.trigger, arv_camera_set_trigger, settings.trigger.c_str());
   }
-  if (settings.exposure) set_exposure(*settings.exposure);
-  if (settings.gain) {
-    set(fmt::format("a gain of {}", *settings.gain), arv_camera_set_gain, *settings.gain);
-  }
+  if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
+  if (settings.gain) set_control(CameraControl::gain, *settings.gain);
   if (arv_camera_is_gv_device(camera_.get()) != 0) {
     if (settings.packet_size > 0) {
       set(fmt::format("packets of {} bytes", settings.packet_size), arv_camera_gv_set_packet_size,
@@ -136,11 +134,6 @@ void AravisConnection::set_up(const CameraSettings& settings) {
   }
   int x = 0, y = 0;
   set("the question for its region", arv_camera_get_region, &x, &y, &size_.width, &size_.height);
-}
-
-void AravisConnection::set_exposure(double seconds) const {
-  const Settings set(camera_.get(), name_);
-  set(fmt::format("an exposure of {} s", seconds), arv_camera_set_exposure_time, seconds * 1e6);
 }
 
 void AravisConnection::watch() {

@@ -39,7 +39,6 @@ class AravisConnection {
   void start();  ///< frames come. Throws WorldError
   void stop();
   void trigger();
-  void set_exposure(double seconds) const;  ///< throws Error where the camera does not take it
 
   /// See CameraControls.
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const;

@@ -53,11 +53,6 @@ class AravisSource::Camera : public CameraControls {
     if (connection) connection->trigger();
   }
 
-  void set_exposure(double seconds) {
-    const std::shared_ptr<AravisConnection> connection = shared_connection();
-    if (connection) connection->set_exposure(seconds);
-  }
-
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const override {
     const bool triggered = !settings_.trigger.empty();
     if (triggered && which == CameraControl::frame_rate) return std::nullopt;
@@ -261,10 +256,6 @@ AravisSource::~AravisSource() {
 
 void AravisSource::trigger() {
   camera_->trigger();
-}
-
-void AravisSource::set_exposure(double seconds) {
-  camera_->set_exposure(seconds);
 }
 
 FrameFormat AravisSource::format() const {

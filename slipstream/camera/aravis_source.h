@@ -29,7 +29,6 @@ class AravisSource : public FrameSource {
   /// Starts a frame of a camera whose trigger is "Software". From any thread. A camera that is gone
   /// is not triggered.
   void trigger() override;
-  void set_exposure(double seconds) override;
   [[nodiscard]] SourceCounters counters() const override;
   [[nodiscard]] std::string state() const override;
   CameraControls* controls() override;

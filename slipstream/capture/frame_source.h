@@ -6,7 +6,6 @@
 
 #include "slipstream/capture/camera_controls.h"
 #include "slipstream/capture/frame.h"
-#include "slipstream/error/error.h"
 
 namespace slipstream {
 
@@ -45,11 +44,6 @@ class FrameSource {
   virtual void stop() = 0;
   /// Asks for a frame, of a camera that waits for that; does nothing with another.
   virtual void trigger() {}
-  /// Each frame is exposed for so many seconds from here on. Throws Error where the source cannot.
-  virtual void set_exposure(double /*seconds*/) {
-    throw Error(
-        "this source of frames takes no other exposure while it runs; leave --exposures out");
-  }
   [[nodiscard]] virtual SourceCounters counters() const = 0;
   /// One line for people where something is amiss ("camera X is gone; looking for it"), else empty.
   [[nodiscard]] virtual std::string state() const = 0;

@@ -14,6 +14,15 @@ using std::chrono::milliseconds;
 /// However slow the camera, one frame has come by then.
 constexpr milliseconds longest_wait{5000};
 
+void set_exposure(FrameSource& source, double seconds) {
+  CameraControls* const controls = source.controls();
+  if (controls == nullptr) {
+    throw Error(
+        "this source of frames takes no other exposure while it runs; leave --exposures out");
+  }
+  controls->set_control(CameraControl::exposure, seconds * 1e3);
+}
+
 FrameSet set_of(const Frame& frame) {
   return frame_set_of(1, [&](int) -> const Frame& { return frame; });
 }
@@ -36,7 +45,7 @@ ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
   light_ = patterns.size();
   patterns.emplace_back(patterns.front().size(), brightest);
   sink_.load(std::move(patterns));
-  if (!settings_.exposures.empty()) source_.set_exposure(settings_.exposures.front());
+  if (!settings_.exposures.empty()) set_exposure(source_, settings_.exposures.front());
 }
 
 bool ShownScans::next(milliseconds timeout) {
@@ -82,7 +91,7 @@ std::optional<std::vector<FrameSet>> ShownScans::take() {
     const std::size_t group = count / std::max<std::size_t>(1, settings_.exposures.size());
     for (std::size_t n = 0; n < count; ++n, ++pattern) {
       if (!settings_.exposures.empty() && n % group == 0) {
-        source_.set_exposure(settings_.exposures[n / group]);
+        set_exposure(source_, settings_.exposures[n / group]);
       }
       if (!show(pattern, longest_wait)) return std::nullopt;
       frames.push_back(frame_);
@@ -91,7 +100,7 @@ std::optional<std::vector<FrameSet>> ShownScans::take() {
       return frames[static_cast<std::size_t>(n)];
     }));
   }
-  if (settings_.exposures.size() > 1) source_.set_exposure(settings_.exposures.front());
+  if (settings_.exposures.size() > 1) set_exposure(source_, settings_.exposures.front());
   if (!show(light_, longest_wait) || !is_still(glimpse_, set_of(frame_))) return std::nullopt;
   return scans;
 }

@@ -111,6 +111,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_design(program, chosen);
   add_reconstruct(program, chosen);
   add_check(program, chosen);
+  add_assist(program, chosen);
   add_live(program, chosen);
 #ifdef SLIPSTREAM_VIEW
   add_project(program, chosen);

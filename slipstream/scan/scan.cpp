@@ -7,6 +7,7 @@
 namespace slipstream {
 
 Scan merged(Scan scan) {
+  scan.exposures = scan.sequence.exposures;
   if (scan.sequence.exposures.size() == 1) return scan;
   scan.order.clear();  // which is of the frames of all exposures
   scan.frames = merged_exposures(scan.frames, scan.sequence.exposures);

@@ -18,6 +18,7 @@ struct Scan {
   std::vector<int> order{};
   Sequence sequence{};
   std::optional<Scanner> scanner{};  ///< where it is known
+  std::vector<double> exposures{1};  ///< that were merged to these frames; one where none were
   /// What further cameras took at the same time under the same projector, each with the scanner
   /// that it makes with that. The world is the frame of this scan's camera.
   std::vector<Scan> further_cameras{};

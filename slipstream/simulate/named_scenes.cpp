@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <numbers>
 #include <utility>
@@ -68,6 +69,18 @@ Scene statue_scene(const Scanner& scanner, const WorkingVolume& volume) {
   return scene;
 }
 
+Scene contrast_scene(const WorkingVolume& volume) {
+  const double side = 4 * volume.extent;
+  const Texture wedge = [scale = 0.6 * volume.extent](const Vector& p) {
+    return 0.02 * std::pow(50, std::clamp(p.x() / scale + 0.5, 0.0, 1.0));
+  };
+  return {Body{.shape = Board{side, side}, .pose = placed(volume.centre), .texture = wedge},
+          Body{.shape = Sphere{0.2 * volume.extent},
+               .pose = placed(volume.centre),
+               .texture = uniform_texture(0.1),
+               .gloss = 3}};
+}
+
 }  // namespace
 
 WorkingVolume working_volume(const Scanner& scanner) {
@@ -108,7 +121,7 @@ Scanner example_scanner(Size camera) {
 }
 
 std::vector<std::string_view> scene_names() {
-  return {"board", "sphere", "boxes", "statue"};
+  return {"board", "sphere", "boxes", "statue", "contrast"};
 }
 
 Scene scene_named(std::string_view name, const Scanner& scanner) {
@@ -117,6 +130,7 @@ Scene scene_named(std::string_view name, const Scanner& scanner) {
   if (name == "sphere") return sphere_scene(volume);
   if (name == "boxes") return boxes_scene(volume);
   if (name == "statue") return statue_scene(scanner, volume);
+  if (name == "contrast") return contrast_scene(volume);
   throw Error(fmt::format("scene '{}' is not known; it is one of: {}{}", name,
                           fmt::join(scene_names(), ", "), did_you_mean(name, scene_names())));
 }

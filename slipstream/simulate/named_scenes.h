@@ -24,14 +24,15 @@ WorkingVolume working_volume(const Scanner& scanner);
 /// look at one place 600 mm away.
 Scanner example_scanner(Size camera = {640, 480});
 
-/// "board", "sphere", "boxes", "statue".
+/// "board", "sphere", "boxes", "statue", "contrast".
 std::vector<std::string_view> scene_names();
 
 /// The scene of that name, as large as the scanner's working volume:
 ///   board   a flat sheet, tilted, that fills the view;
 ///   sphere  one sphere;
 ///   boxes   two boxes side by side, apart, one nearer than the other;
-///   statue  a veined bust in partial shadow of itself before a wall.
+///   statue  a veined bust in partial shadow of itself before a wall;
+///   contrast  a sheet of reflectivity 0.02 to 1 from left to right, and a dark, glossy sphere.
 /// Throws Error for another name.
 Scene scene_named(std::string_view name, const Scanner& scanner);
 

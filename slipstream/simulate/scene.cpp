@@ -156,8 +156,9 @@ std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, in
   const Eigen::Vector3d point = ray.origin + first.distance * ray.direction;
   Eigen::Vector3d normal = (pose.linear() * first.normal).normalized();
   if (normal.dot(ray.direction) > 0) normal = -normal;
-  return SurfacePoint{first.distance, point, normal, nearest->texture(pose.inverse() * point),
-                      nearest->shading};
+  return SurfacePoint{first.distance,   point,
+                      normal,           nearest->texture(pose.inverse() * point),
+                      nearest->shading, nearest->gloss};
 }
 
 bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,

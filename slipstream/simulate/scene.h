@@ -62,6 +62,9 @@ struct Body {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< own frame to camera frame
   Texture texture = uniform_texture(0.8);
   Shading shading = Shading::none;
+  /// Added to alpha where the surface mirrors the light into the camera, less the farther it turns
+  /// from there: times the cosine between its normal and the half way to the 30th power.
+  double gloss = 0;
   Eigen::Vector3d motion =
       Eigen::Vector3d::Zero();  ///< mm from one frame to the next, camera frame
 };
@@ -75,6 +78,7 @@ struct SurfacePoint {
   Eigen::Vector3d normal;  ///< unit length, against the ray
   double alpha = 0;        ///< reflectivity of the texture
   Shading shading = Shading::none;
+  double gloss = 0;
 };
 
 /// In the scene as it stands at frame `frame` (0 at the first).

@@ -81,6 +81,17 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scen
   return pixel;
 }
 
+/// Seen from the origin, where the camera is.
+double reflectivity(const SurfacePoint& surface, const Eigen::Vector3d& light) {
+  constexpr double sharpness = 30;
+  const Eigen::Vector3d to_light = (light - surface.point).normalized();
+  double alpha = surface.alpha;
+  if (surface.shading == Shading::lambertian) alpha *= std::max(0.0, surface.normal.dot(to_light));
+  const Eigen::Vector3d half_way = (to_light - surface.point.normalized()).normalized();
+  return std::clamp(alpha, 0.0, 1.0) +
+         surface.gloss * std::pow(std::max(0.0, surface.normal.dot(half_way)), sharpness);
+}
+
 /// `offset`: of the rays from the pixels' centres.
 View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame,
           const Eigen::Vector2d& offset) {
@@ -95,11 +106,7 @@ View look(const Scanner& scanner, const Scene& scene, Axis axis, int frame,
       const std::optional<SurfacePoint> surface = first_surface(scene, ray, frame);
       if (!surface) continue;
       view.depth(column, row) = surface->distance;
-      double alpha = surface->alpha;
-      if (surface->shading == Shading::lambertian) {
-        alpha *= std::max(0.0, surface->normal.dot((light - surface->point).normalized()));
-      }
-      view.reflectivity(column, row) = std::clamp(alpha, 0.0, 1.0);
+      view.reflectivity(column, row) = reflectivity(*surface, light);
       if (const auto pixel = lighting_pixel(scanner, scene, *surface, frame)) {
         view.coordinate(column, row) = coordinate_along(axis, *pixel, scanner.projector.size);
       }

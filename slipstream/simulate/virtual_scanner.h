@@ -31,7 +31,7 @@ struct VirtualScan {
   /// y that lights it, [0, 1) but for half a pixel at either end; NaN in shadow or outside the
   /// field.
   Image<double> coordinate;
-  Image<double> reflectivity;  ///< alpha, shading included; 0 where there is no surface
+  Image<double> reflectivity;  ///< alpha, shading and gloss included; 0 where there is no surface
 };
 
 /// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each

@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/commands.h"
+#include "app/scan_input.h"
+#include "app/source_flags.h"
+#include "slipstream/error/error.h"
+#include "slipstream/live/exposure_series.h"
+#include "slipstream/photometry/exposure_advice.h"
+
+namespace slipstream::app {
+namespace {
+
+struct AssistFlags {
+  std::string scan;
+  SourceFlags source;
+  ExposureNeeds needs;
+  std::optional<double> noise_variance;
+};
+
+/// Frames, and what they show; the exposures are those that were taken.
+struct Taken {
+  FrameSet frames{};
+  Sequence sequence{};
+  std::optional<Scanner> scanner{};
+};
+
+Taken from_scan(const AssistFlags& flags, Output& output) {
+  ScanInputFlags input;
+  input.scan = flags.source.scan;
+  input.scanner = flags.source.scanner;
+  Scan scan = load_checkable(flags.scan, input, false, output);
+  scan.sequence.exposures = scan.exposures;
+  return {std::move(scan.frames), std::move(scan.sequence), std::move(scan.scanner)};
+}
+
+/// Opens the source once for each exposure, a camera set to it in ms.
+Taken from_source(const AssistFlags& flags, Output& output) {
+  SourceRequest request = request_from(flags.source);
+  const bool is_virtual = scheme_of(flags.source.source) == "virtual";
+  const std::vector<double> usual =
+      is_virtual ? std::vector<double>{0.25, 1, 4} : std::vector<double>{2, 8, 32};
+  const std::vector<double> exposures = request.sequence.exposures.value_or(usual);
+  Taken taken;
+  std::vector<FrameSet> each;
+  for (const double exposure : exposures) {
+    request.sequence.exposures = {exposure};
+    request.camera.exposure = exposure / 1e3;
+    const NamedSource opened = open_source(request);
+    if (!opened.warning.empty()) output.warn(opened.warning);
+    each.push_back(take_window(*opened.frames, opened.sequence, flags.source.source));
+    taken.sequence = opened.sequence;
+    taken.scanner = opened.scanner;
+  }
+  taken.frames = joined(std::move(each));
+  taken.sequence.exposures = exposures;
+  return taken;
+}
+
+nlohmann::json json_of(const std::vector<ExposureChoice>& choices) {
+  nlohmann::json document = nlohmann::json::array();
+  for (const ExposureChoice& choice : choices) {
+    document.push_back({{"exposures", choice.exposures},
+                        {"measured", choice.measured},
+                        {"saturated", choice.saturated},
+                        {"too_dark", choice.too_dark},
+                        {"coordinate_sigma", choice.sigma}});
+  }
+  return document;
+}
+
+void tell(const char* name, const std::vector<ExposureChoice>& choices, Output& output) {
+  for (const ExposureChoice& choice : choices) {
+    output.say("{:<9}{:<22}{:8.1f} %{:10.1f} %{:9.1f} %{:10.2g}", name,
+               fmt::format("{:.3g}", fmt::join(choice.exposures, ",")), 100 * choice.measured,
+               100 * choice.saturated, 100 * choice.too_dark, choice.sigma);
+  }
+}
+
+void tell(const ExposureAdvice& advice, const PatternLight& light, Output& output) {
+  output.say("{:.1f} % of the pixels are lit; of them", 100 * advice.lit);
+  output.say("{:<9}{:<22}{:>10}{:>12}{:>11}{:>10}", "", "exposures", "measured", "saturated",
+             "too dark", "sigma");
+  tell("taken", advice.taken, output);
+  tell("proposed", advice.proposed, output);
+  const ExposureChoice& best = advice.proposed[advice.best];
+  output.say("--exposures {:.3g}", fmt::join(best.exposures, ","));
+  for (std::size_t i = 1; i < advice.proposed.size(); ++i) {
+    const double gain = advice.proposed[i].measured - advice.proposed[i - 1].measured;
+    output.say("  a {} exposure measures {:.1f} % more of the lit pixels: {}",
+               i == 1 ? "second" : "third", 100 * gain,
+               i <= advice.best ? "worth it" : "not worth it");
+  }
+  if (advice.light < 0.9) {
+    output.say(
+        "  the shortest taken is too long for one alone; --alpha-p {:.0f} with it does the "
+        "same",
+        advice.light * light.alpha_p);
+  }
+  if (advice.unknown > 0.005) {
+    output.say(
+        "  {:.1f} % of the lit pixels are saturated in all exposures taken: take a shorter "
+        "one to see what they need",
+        100 * advice.unknown);
+  }
+}
+
+void assist(const AssistFlags& flags, Output& output) {
+  const Taken taken = flags.scan.empty() ? from_source(flags, output) : from_scan(flags, output);
+  ExposureNeeds needs = flags.needs;
+  if (taken.scanner) {
+    needs.noise_variance = taken.scanner->photometry.noise_variance.value_or(needs.noise_variance);
+  }
+  needs.noise_variance = flags.noise_variance.value_or(needs.noise_variance);
+  const ExposureAdvice advice = exposure_advice(taken.frames, taken.sequence, needs);
+  tell(advice, taken.sequence.light, output);
+  output.document = {{"lit", advice.lit},
+                     {"unknown", advice.unknown},
+                     {"taken", json_of(advice.taken)},
+                     {"proposed", json_of(advice.proposed)},
+                     {"exposures", advice.proposed[advice.best].exposures},
+                     {"light", advice.light}};
+}
+
+}  // namespace
+
+void add_assist(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, assist, "assist",
+                  "which exposures measure which share of what the patterns light");
+  command.add("scan", flags.scan, "a scan, of one or several exposures; or --source");
+  command.add("--source", flags.source.source,
+              fmt::format("{}; set to the exposures itself: to 2, 8 and 32 ms, the virtual one to "
+                          "0.25, 1 and 4, where --exposures says no others",
+                          source_forms()));
+  command.add("--scanner", flags.source.scanner, "scanner file, for its noise");
+  command.add("--noise-variance", flags.noise_variance,
+              "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
+  command.add("--least-modulation", flags.needs.least_modulation,
+              "of a pixel that counts as measured, grey levels of 255");
+  add_camera_flags(command.app, flags.source.camera);
+  add_pattern_flags(command.app, flags.source.scan);
+  add_virtual_flags(command.app, flags.source.virtual_scanner);
+  command.app.footer(
+      "Examples:\n  slipstream assist scan\n  slipstream assist --source virtual --scene "
+      "contrast\n  slipstream assist --source aravis: --strategy pmp --steps 4 --exposures 1,4,16");
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/capture/frame_source.h"
+#include "slipstream/strategy/sequence.h"
+
+namespace slipstream {
+
+/// The frames of one cycle of a source that shows the sequence over and over, in pattern order; the
+/// source is started and stopped. Throws WorldError, naming `source`, where none comes whole.
+FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::string& source);
+
+/// Frame sets of one format, one behind another. Throws Error where they differ.
+FrameSet joined(std::vector<FrameSet> sets);
+
+}  // namespace slipstream

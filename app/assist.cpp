@@ -60,7 +60,7 @@ Taken from_source(const AssistFlags& flags, Output& output) {
     taken.sequence = opened.sequence;
     taken.scanner = opened.scanner;
   }
-  taken.frames = joined(std::move(each));
+  taken.frames = joined(each);
   taken.sequence.exposures = exposures;
   return taken;
 }

@@ -14,6 +14,6 @@ namespace slipstream {
 FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::string& source);
 
 /// Frame sets of one format, one behind another. Throws Error where they differ.
-FrameSet joined(std::vector<FrameSet> sets);
+FrameSet joined(const std::vector<FrameSet>& sets);
 
 }  // namespace slipstream

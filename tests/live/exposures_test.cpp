@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/capture/merged_exposures.h"
+#include "slipstream/cycle/window_frames.h"
 #include "slipstream/live/exposure_series.h"
 #include "slipstream/live/live_pipeline.h"
-#include "slipstream/live/window_frames.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_camera.h"

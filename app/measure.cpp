@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "app/clean_flags.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/scan_findings.h"
@@ -23,6 +24,7 @@ struct MeasureFlags {
   std::string path;
   ScanInputFlags input;
   ReconstructSettings settings;
+  CleanFlags clean;
   bool anyway = false;
   std::vector<std::string> points, planes, spheres;
   std::vector<std::pair<std::string, std::string>> distances;
@@ -170,7 +172,9 @@ void measure_sphere(const std::string& rectangle, const Measuring& in) {
            sphere.residuals, in.output);
 }
 
-void measure(const MeasureFlags& flags, Output& output) {
+void measure(const MeasureFlags& given, Output& output) {
+  MeasureFlags flags = given;
+  flags.settings.clean = clean_settings_from(flags.clean);
   if (flags.points.empty() && flags.distances.empty() && flags.planes.empty() &&
       flags.spheres.empty()) {
     throw Error("nothing to measure; give --point, --distance, --plane or --sphere");
@@ -200,6 +204,7 @@ void add_measure(CLI::App& program, Command& chosen) {
   group.add("--sphere", flags.spheres, "likewise");
   add_anyway_flag(command.app, flags.anyway);
   add_point_flags(command.app, flags.settings);
+  add_clean_flags(command.app, flags.clean);
   add_scan_input_flags(command.app, flags.input);
   command.app.footer(
       "Examples:\n  slipstream measure scan --point 320,240 --distance 100,200 500,210\n"

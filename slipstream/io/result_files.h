@@ -24,8 +24,8 @@ struct ResultFiles {
 /// or of its recording without the ending.
 ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan);
 
-/// Throws Error for a cloud or mesh of unknown ending, or where two of the scans would be written to
-/// one file.
+/// Throws Error for a cloud or mesh of unknown ending, or where two of the scans would be written
+/// to one file.
 void require_writable(const ResultFiles& files, const std::vector<std::string>& scans);
 
 /// Writes them: cloud with its extras, the mesh of its points, depth in mm, the maps as TIFF of

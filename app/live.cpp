@@ -186,7 +186,7 @@ void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
   PatternIndexing indexing = pattern_indexing_named(flags.indexing);
   const SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
-  if (request.world) {
+  if (request.world && !flags.headless) {
     output.say("rendering what the virtual camera sees of each pattern; takes some seconds");
   }
   NamedSource opened = open_source(request);

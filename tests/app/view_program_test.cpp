@@ -75,7 +75,7 @@ TEST_F(ViewProgram, RefusesBadInputInOneLine) {
   write_file(path("text.ply"), "no cloud");
   expect_refused({"view", path("missing.ply"), "--snapshot", path("a.png")}, "missing.ply");
   expect_refused({"view", path("text.ply"), "--snapshot", path("a.png")}, "text.ply");
-  expect_refused({"view", path("text.ply"), "--steps", "4"}, "--steps is of scan folders");
+  expect_refused({"view", path("text.ply"), "--steps", "4"}, "--steps is of scans");
   expect_refused({"view", path("scan"), "--snapshot", path("a.gif")}, ".gif");
   expect_refused({"view", path("scan"), "--snapshot", path("a.png"), "--size", "0x9"}, "--size");
   expect_refused({"view", path("scan"), "--snapshot", path("a.png"), "--colour", "pink"}, "pink");

@@ -110,8 +110,8 @@ struct VirtualGigeCamera::Served {
       ++reel;
       seen_whole = false;
     }
-    const auto& [frames, order] = reels[reel];
-    seen_whole |= k + 1 == order.size();
+    const auto& [frames, order, enough] = reels[reel];
+    seen_whole |= k + 1 == (enough > 0 ? enough : order.size());
     return std::get<Image<std::uint8_t>>(frames[order[k % order.size()]].pixels);
   }
 

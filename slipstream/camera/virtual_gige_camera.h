@@ -13,7 +13,7 @@ namespace slipstream {
 /// protocol: Mono8, at the rate, region and trigger that the client asks for. Frames are numbered
 /// from 1 when a client starts them; frame k shows the frame at (k - 1) mod its length of a reel,
 /// whatever else was lost on the way. Of several reels a client sees the first until one has seen
-/// the whole of it; who comes after that the next, and so on to the last.
+/// enough of it; who comes after that the next, and so on to the last.
 class VirtualGigeCamera {
  public:
   /// `reels`: not empty, of 8-bit frames of one size. `address`: of a network interface of this

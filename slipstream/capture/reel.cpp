@@ -8,7 +8,7 @@ namespace slipstream {
 Reel reel_of(std::vector<Frame> frames) {
   std::vector<std::size_t> order(frames.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  return {std::move(frames), std::move(order)};
+  return {.frames = std::move(frames), .order = std::move(order)};
 }
 
 }  // namespace slipstream

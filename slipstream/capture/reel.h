@@ -11,6 +11,7 @@ namespace slipstream {
 struct Reel {
   std::vector<Frame> frames;
   std::vector<std::size_t> order;  ///< which of the frames comes when
+  std::size_t enough = 0;  ///< frames by which all of it was seen; 0: as many as in the order
 };
 
 /// Each frame once, one after the other.

@@ -62,6 +62,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
   };
   for (std::size_t p = 0; p < poses.size(); ++p) {
     const std::size_t first = reel.frames.size();
+    reel.enough = reel.order.size() + cycle.size();  // who takes a pose sees a cycle of it
     sheet.pose = poses[p];
     for (const PatternSet& set : sets) expose(set);
     for (std::size_t k = 0; k < cycle.size() * static_cast<std::size_t>(still_cycles); ++k) {

@@ -105,7 +105,8 @@ TEST(PoseGuide, SaysWhatIsMissing) {
   EXPECT_GT(many.covered, 0.4);
   EXPECT_TRUE(pose_needs(taken, board, truth.camera.size, 12).enough);
   EXPECT_FALSE(pose_needs(taken, board, truth.camera.size, 13).enough);
-  taken.insert(taken.end(), taken.begin(), taken.begin() + 8);
+  const std::vector<BoardView> again = taken;
+  taken.insert(taken.end(), again.begin(), again.end());
   EXPECT_TRUE(pose_needs(taken, board, truth.camera.size, 0).enough);
 }
 

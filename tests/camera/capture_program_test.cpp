@@ -89,6 +89,7 @@ TEST_F(CaptureProgram, LeadsFromNothingToACloud) {
   EXPECT_EQ(read_scanner(in_folder("again.yaml")).translation, read_scanner(scanner).translation);
 
   expect_runs(Arguments{"capture", "--scanner", scanner, "-o", scan} + camera + patterns);
+  expect_runs({"assist", scan, "--scanner", scanner});
   expect_runs({"check", scan}, "nothing amiss");
   expect_runs({"reconstruct", scan, "-o", in_folder("cloud.ply")}, "points of 307200");
   EXPECT_GT(fs::file_size(in_folder("cloud.ply")), 1000000U);

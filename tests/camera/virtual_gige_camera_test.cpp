@@ -145,7 +145,7 @@ TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
   std::unique_ptr<VirtualGigeCamera> camera;
   try {
     camera = std::make_unique<VirtualGigeCamera>(
-        std::vector<Reel>{{{rendered[0], rendered[1]}, {0, 0, 1, 0}}, reel_of({rendered[2]})},
+        std::vector<Reel>{{{rendered[0], rendered[1]}, {0, 0, 1, 0}, 4}, reel_of({rendered[2]})},
         address, "TEST");
   } catch (const WorldError&) {
     GTEST_SKIP() << "no camera can be served at 127.0.0.1";

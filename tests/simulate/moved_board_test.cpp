@@ -37,6 +37,7 @@ TEST(MovedBoard, StaysForItsCyclesAndMovesWithinOne) {
   EXPECT_EQ(rendered, 3);
   EXPECT_EQ(reel.order.size(), 3 * 3 * cycle);
   EXPECT_EQ(reel.frames.size(), 3 * 2 * cycle);
+  EXPECT_EQ(reel.enough, (2 * 3 + 1) * cycle);
   for (std::size_t k = 0; k < cycle; ++k) {
     EXPECT_EQ(reel.order[k], reel.order[k + cycle]) << "still";
     EXPECT_NE(reel.order[k], reel.order[k + 2 * cycle]) << "moving";

@@ -16,10 +16,11 @@ PictureReport picture_report(const FrameViews& frames, const Maps& maps,
   for (std::size_t i = 0; i < saturated.pixel_count(); ++i) {
     const float modulation = maps.modulation.begin()[i];
     Validity& pixel = report.validity.begin()[i];
-    if (!(modulation >= least)) {
-      pixel = Validity::too_dark;
-    } else if (saturated.begin()[i] != 0) {
+    // First, as what is saturated in all frames has no modulation either.
+    if (saturated.begin()[i] != 0) {
       pixel = Validity::saturated;
+    } else if (!(modulation >= least)) {
+      pixel = Validity::too_dark;
     } else {
       modulations.push_back(modulation);
     }

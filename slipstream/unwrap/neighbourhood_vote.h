@@ -21,9 +21,10 @@ struct NeighbourhoodChoice {
   double roughest = 0.05;      ///< periods; what a step may differ from those before and after it
   double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
   double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
-  /// Evidence, four standard deviations, that stands against the rest of the window: that of the
-  /// pixel itself, or of a line of five pixels, as a wire is a line and noise is none.
-  double sure = 16;
+  double sure = 25;  ///< five standard deviations: a choice that costs a pixel more is none
+  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
+  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
+  double line_evidence = 16;
   /// So many of the eight neighbours that hold in the end what the pixel said alone show an edge
   /// that the wrapped phase does not, one of whole periods: there the pixel's own choice stands.
   int hidden_edge = 1;
@@ -290,12 +291,12 @@ class NeighbourhoodVote {
     /// a line of the wire and one of the surface behind it cross, the pixel itself decides.
     [[nodiscard]] int shift_of_a_line(int best, typename Candidates::iterator end) {
       int chosen = best;
-      double most = vote_.settings_.sure;
+      double most = vote_.settings_.line_evidence;
       for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
         if (candidate->shift == best) continue;
         const LineEvidence evidence = line_evidence(best, *candidate);
         if (!(evidence.for_candidate > most)) continue;
-        const bool crossing = evidence.for_best > vote_.settings_.sure;
+        const bool crossing = evidence.for_best > vote_.settings_.line_evidence;
         if (crossing && !(cost(middle, candidate->shift) < cost(middle, best))) continue;
         chosen = candidate->shift;
         most = evidence.for_candidate;

@@ -96,11 +96,15 @@ TEST_F(CheckProgram, TakesPicturesInAnotherOrder) {
 }
 
 TEST_F(CheckProgram, RefusesWhatIsNoOrder) {
-  for (const std::string order : {"0,1,2", "0,1,2,3,4,4", "1,2,3,4,5,6", "0,1,2,3,4,5,6", "a",
-                                  "0;1;2;3;4;5", "0,1,2,3,4,5,", "0,1,2,3,4,-5"}) {
-    expect_one_line(
-        run_program({"reconstruct", path("scan"), "--order", order, "-o", path("cloud.ply")}),
-        {path("scan"), "--order " + order, "0 to 5"});
+  const auto reconstructed = [&](const std::string& order) {
+    return run_program({"reconstruct", path("scan"), "--order", order, "-o", path("cloud.ply")});
+  };
+  for (const std::string order :
+       {"0,1,2", "0,1,2,3,4,4", "1,2,3,4,5,6", "0,1,2,3,4,5,6", "0,1,2,3,4,-5"}) {
+    expect_one_line(reconstructed(order), {path("scan"), "--order " + order, "0 to 5"});
+  }
+  for (const std::string order : {"a", "0;1;2;3;4;5", "0,1,2,3,4,5,"}) {
+    expect_one_line(reconstructed(order), {"--order " + order, "numbers with commas between"});
   }
   // What shows patterns has no pictures to put in order.
   expect_one_line(run_program({"patterns", path("new"), "--order", "0,1,2"}), {"--order"});

@@ -23,8 +23,8 @@ void require_cloud_ending(const std::filesystem::path& path);
 
 /// Writes the cloud by the file's ending, coordinates in mm, 32-bit float:
 ///   .ply  binary little-endian PLY: x y z intensity [nx ny nz]
-///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the intensity is
-///         64-bit float, the colours are the intensity in 8 bits;
+///         [sigma_coordinate sigma_x sigma_y sigma_z] red green blue, the valid points; the
+///         intensity is 64-bit float, the colours are the intensity in 8 bits;
 ///   .pcd  binary PCD 0.7, organised: x y z intensity [normal_x normal_y normal_z]
 ///         [sigma_coordinate sigma_x sigma_y sigma_z] of every pixel of the picture, NaN where
 ///         there is no point;

@@ -85,8 +85,7 @@ TEST_P(FusedMultiplexedOn, HasThePointsOfTheEquationsForEveryInput) {
           hard_frames(steps, scanner.camera.size, full, static_cast<unsigned>(7 * bits)), bits);
       for (const double least : {15.0, 1.0}) {
         SCOPED_TRACE(testing::Message() << steps << " steps, " << bits << " bits, least " << least);
-        const ReconstructSettings all{.minimum_modulation = least,
-                                      .drop_saturated = least > 1};
+        const ReconstructSettings all{.minimum_modulation = least, .drop_saturated = least > 1};
         const Agreement agreement =
             agreement_on(setup_for_pcmp(scanner, steps, Axis::x, all), frames);
         EXPECT_GT(agreement.points, 100U);

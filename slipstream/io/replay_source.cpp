@@ -17,6 +17,13 @@ namespace fs = std::filesystem;
 using std::chrono::nanoseconds;
 using std::chrono::steady_clock;
 
+namespace {
+
+/// Frames that came faster came from memory, as the virtual scanner's without a rate.
+constexpr std::chrono::microseconds shortest_interval(200);
+
+}  // namespace
+
 ReplaySource::ReplaySource(const fs::path& path, const ReplaySettings& settings)
     : settings_(settings) {
   if (settings.rate && !(*settings.rate >= 0 && std::isfinite(*settings.rate))) {
@@ -85,6 +92,7 @@ void ReplaySource::measure_round(const fs::path& path) {
   const auto with_one_more = [&](nanoseconds span) { return span + span / intervals; };
   round_.device_time = with_one_more(last.stamp.device_time - first.stamp.device_time);
   round_.host_time = with_one_more(last.stamp.host_time - first.stamp.host_time);
+  if (!settings_.rate && round_.host_time < (to - from) * shortest_interval) paced_ = false;
 }
 
 bool ReplaySource::read(std::uint64_t index, Frame& frame) const {

@@ -18,7 +18,8 @@ namespace slipstream {
 /// How fast recorded frames come, and whether they come again.
 struct ReplaySettings {
   /// Frames per second; 0: as fast as they are asked for; none: at the times of the recording. A
-  /// scan folder has no times: it is read as fast as they are asked for.
+  /// scan folder has no times, nor have frames recorded from memory at more than 5,000 per second:
+  /// they are read as fast as they are asked for.
   std::optional<double> rate;
   bool loop = false;   ///< begins again at the end
   ScanChanges scan{};  ///< over what a scan folder says

@@ -228,6 +228,7 @@ bool is_cloud_file(const fs::path& path) {
 }
 
 StoredCloud read_cloud(const fs::path& path) {
+  if (!fs::exists(path)) throw Error(fmt::format("{}: no such file", path.string()));
   const Parse parse = parse_for(path);
   if (parse == nullptr) {
     throw Error(

@@ -110,6 +110,19 @@ TEST(ReplaySource, KeepsTheTimesOfTheRecording) {
   EXPECT_EQ(frame.stamp.device_time, 1118500us);
 }
 
+TEST(ReplaySource, HasNoPaceWhereFramesCameFromMemory) {
+  const TemporaryFolder folder;
+  RecordingWriter writer(folder.path() / "frames", {.format = some_format});
+  for (int i = 0; i < 40; ++i) {
+    Frame frame = some_frame(i);
+    frame.stamp.host_time = std::chrono::steady_clock::time_point(i * 20us);
+    writer.append(frame);
+  }
+  writer.finish();
+  EXPECT_FALSE(ReplaySource(folder.path() / "frames", {}).has_own_pace());
+  EXPECT_TRUE(ReplaySource(folder.path() / "frames", {.rate = 60.0}).has_own_pace());
+}
+
 TEST(ReplaySource, ComesAtTheRateAskedFor) {
   const TemporaryFolder folder;
   record(folder.path() / "frames", {0, 1, 2, 3, 4});

@@ -162,7 +162,7 @@ void CloudScreen::draw_over(const Area& area, const Screen& screen) const {
   if (!state_.shown) return;
   const std::string why = why_no_points(state_);
   if (!why.empty()) return draw_note(why, area, screen.unit());
-  if (state_.view.colour == PointColour::depth) {
+  if (scene_.shows_depths(state_.view.colour)) {
     draw_depth_scale(scene_.depths(), area, screen.unit());
   }
 }

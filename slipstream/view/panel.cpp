@@ -72,11 +72,6 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   count_row("frames repeated", statistics.frames.repeated);
   count_row("scans lost", statistics.windows_lost);
   count_row("order set right", statistics.resynchronisations);
-  for (std::size_t i = 1; i < validity_count; ++i) {
-    if (statistics.cleaned[i] == 0) continue;
-    row(std::string(name_of(static_cast<Validity>(i))).c_str(),
-        fmt::format("{} points", statistics.cleaned[i]));
-  }
   ImGui::EndTable();
 }
 

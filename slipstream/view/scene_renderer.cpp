@@ -42,7 +42,7 @@ void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pan
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
   const float floor = floor_height(extent_);
-  const bool coloured = settings.colour == PointColour::depth;
+  const bool coloured = shows_depths(settings.colour);
   PointPass pass{.clip = clip_matrix(settings.camera, picture),
                  .point_size = settings.point_size * extent_.spacing,
                  .size_depth = extent_.box.centre().z,

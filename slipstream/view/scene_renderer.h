@@ -32,6 +32,12 @@ class SceneRenderer {
   /// colours apart.
   [[nodiscard]] Range depths() const;
 
+  /// Whether points have the colours of their depth: asked for, or nothing else is known of them,
+  /// as of a mesh without a picture.
+  [[nodiscard]] bool shows_depths(PointColour asked) const {
+    return asked == PointColour::depth || values_.high <= 0;
+  }
+
   /// Into a pane of the bound framebuffer, which is cleared. `ambient`: the light in the cloud's
   /// intensities that is not the projector's, see grey_range. `pixel_ratio`: by how much lines are
   /// wider than a pixel, on a HiDPI screen.

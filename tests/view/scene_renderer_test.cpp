@@ -135,6 +135,18 @@ TEST_F(SceneRendererTest, ColoursDepthFromRedToBlue) {
   EXPECT_GT(far_colour.blue, far_colour.red + 50);
 }
 
+TEST_F(SceneRendererTest, ColoursDepthWhereNoBrightnessIsKnown) {
+  MadeUpCloud cloud = wall({160, 120}, 600);
+  std::fill(cloud.intensity.begin(), cloud.intensity.end(), 0.0F);
+  cloud.z(0, 0) = 700;
+  ViewSettings settings = bare();
+  settings.point_size = 2;
+  const Colour colour = drawn(cloud, settings, extent_of(cloud.images()))(120, 120);
+  settings.colour = PointColour::depth;
+  EXPECT_EQ(colour, drawn(cloud, settings, extent_of(cloud.images()))(120, 120));
+  EXPECT_GT(brightness(colour), 200);
+}
+
 TEST_F(SceneRendererTest, ReflectsTheCloudInTheFloorDimmed) {
   // A small bright plate well above the floor.
   MadeUpCloud cloud = wall({60, 60}, 600);

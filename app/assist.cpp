@@ -44,6 +44,10 @@ Taken from_scan(const AssistFlags& flags, Output& output) {
 
 /// Opens the source once for each exposure, a camera set to it in ms.
 Taken from_source(const AssistFlags& flags, Output& output) {
+  if (scheme_of(flags.source.source) == "replay") {
+    throw Error(
+        "--source: frames that were recorded have their exposures; give the recording alone");
+  }
   SourceRequest request = request_from(flags.source);
   const bool is_virtual = scheme_of(flags.source.source) == "virtual";
   const std::vector<double> usual =
@@ -136,12 +140,15 @@ void add_assist(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, assist, "assist",
                   "which exposures measure which share of what the patterns light");
-  command.add("scan", flags.scan, "a scan, of one or several exposures; or --source");
-  command.add("--source", flags.source.source,
-              fmt::format("{}; set to the exposures itself: to 2, 8 and 32 ms, the virtual one to "
-                          "0.25, 1 and 4, where --exposures says no others",
-                          source_forms()));
-  command.add("--scanner", flags.source.scanner, "scanner file, for its noise");
+  CLI::Option* const scan =
+      command.add("scan", flags.scan, "a scan, of one or several exposures; or --source");
+  command
+      .add("--source", flags.source.source,
+           fmt::format("{}; set to the exposures itself: to 2, 8 and 32 ms, the virtual one to "
+                       "0.25, 1 and 4, where --exposures says no others",
+                       source_forms()))
+      ->excludes(scan);
+  command.add_file("--scanner", flags.source.scanner, "scanner file, for its noise");
   command.add("--noise-variance", flags.noise_variance,
               "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
   command.add("--least-modulation", flags.needs.least_modulation,

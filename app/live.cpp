@@ -175,6 +175,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
     if (!last)
       throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
+    output.say("cloud: {}", flags.output);
     output.document["files"]["cloud"] = flags.output;
   }
 #ifdef SLIPSTREAM_VIEW

@@ -114,6 +114,15 @@ TEST_F(CaptureProgram, ScansTheVirtualScannerAndItsReplay) {
   EXPECT_EQ(contents(in_folder("scan/frame_00.png")), contents(in_folder("again/frame_00.png")));
 }
 
+TEST_F(CaptureProgram, AssistTakesAScanOrASourceThatCanBeSet) {
+  const ProgramRun both = run_program({"assist", in_folder("scan"), "--source", "virtual"});
+  EXPECT_EQ(both.exit_code, 2) << both.err;
+  EXPECT_NE(both.err.find("excludes"), std::string::npos) << both.err;
+  const ProgramRun replay = run_program({"assist", "--source", "replay:" + in_folder("scan")});
+  EXPECT_EQ(replay.exit_code, 2) << replay.err;
+  EXPECT_NE(replay.err.find("recorded"), std::string::npos) << replay.err;
+}
+
 TEST_F(CaptureProgram, RefusesInOneLine) {
   const auto expect_refused = [&](const Arguments& more, int code, const std::string& named) {
     const ProgramRun run = run_program(Arguments{"capture", "-o", in_folder("out")} + more);

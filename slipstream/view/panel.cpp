@@ -124,6 +124,8 @@ void draw_counts(const PanelState& state, const ViewSource& source) {
   if (state.pixels == 0 || !section("Pixels")) return;
   const bool alone = pictures_alone(source);
   if (!ImGui::BeginTable("pixels", 2, ImGuiTableFlags_SizingFixedFit)) return;
+  ImGui::TableSetupColumn("share");
+  ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // reasons come and go
   for (std::size_t i = 0; i < state.counts.size(); ++i) {
     if (i != 0 && state.counts[i] == 0) continue;
     const std::string percent = percent_of(state.counts[i], state.pixels);

@@ -151,7 +151,7 @@ void add_assist(CLI::App& program, Command& chosen) {
   command.add_file("--scanner", flags.source.scanner, "scanner file, for its noise");
   command.add("--noise-variance", flags.noise_variance,
               "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
-  command.add("--least-modulation", flags.needs.least_modulation,
+  command.add("--min-modulation", flags.needs.least_modulation,
               "of a pixel that counts as measured, grey levels of 255");
   add_camera_flags(command.app, flags.source.camera);
   add_pattern_flags(command.app, flags.source.scan);

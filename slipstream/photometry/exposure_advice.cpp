@@ -217,10 +217,21 @@ void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureA
   }
 }
 
+void require_good(const ExposureNeeds& needs) {
+  if (!(needs.least_modulation > 0 && needs.least_modulation <= 127)) {
+    throw Error(fmt::format("least modulation {} is out of range; above 0, up to 127 grey levels",
+                            needs.least_modulation));
+  }
+  if (!(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance))) {
+    throw Error(fmt::format("noise variance {} is out of range; 0 or more", needs.noise_variance));
+  }
+}
+
 }  // namespace
 
 ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence,
                                const ExposureNeeds& needs) {
+  require_good(needs);
   const std::vector<double>& exposures = sequence.exposures;
   if (!given.merged() && exposures.size() > 1) {
     return exposure_advice(merged_exposures(given, exposures), sequence, needs);

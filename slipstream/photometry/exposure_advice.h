@@ -9,8 +9,8 @@ namespace slipstream {
 
 /// What a pixel needs to become a good point, grey levels of 255.
 struct ExposureNeeds {
-  double least_modulation = 15;
-  double noise_variance = 1.6;  ///< sigma_w^2
+  double least_modulation = 15;  ///< above 0, up to 127
+  double noise_variance = 1.6;   ///< sigma_w^2, >= 0
 };
 
 /// What one or several exposures, merged, measure of the lit pixels.
@@ -43,7 +43,7 @@ struct ExposureAdvice {
 /// (their sequence then says which they were), or one. From each pixel's modulation and its
 /// brightest level, which both grow as the exposure, follows what any other would measure. A pixel
 /// counts as lit whose modulation is five standard deviations of its noise. Throws Error where the
-/// frames are not those of the sequence, or no pixel is lit.
+/// frames are not those of the sequence, no pixel is lit, or a need is out of range.
 ExposureAdvice exposure_advice(const FrameViews& frames, const Sequence& sequence,
                                const ExposureNeeds& needs = {});
 

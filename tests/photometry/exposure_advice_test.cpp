@@ -1,6 +1,7 @@
 #include "slipstream/photometry/exposure_advice.h"
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -54,6 +55,21 @@ TEST(ExposureAdvice, DarknessIsAnError) {
   const Sequence sequence{.strategy = PhaseMeasuring{.steps = 3}};
   const FrameSet black(FrameSet::Images8(3, Image<std::uint8_t>({8, 8})));
   EXPECT_THROW(exposure_advice(black, sequence), Error);
+}
+
+TEST(ExposureAdvice, RefusesNeedsThatNoPixelCanHave) {
+  const Sequence sequence{.strategy = PhaseMeasuring{.steps = 3}};
+  const FrameSet frames(FrameSet::Images8(3, Image<std::uint8_t>({8, 8})));
+  for (const ExposureNeeds& needs :
+       {ExposureNeeds{.least_modulation = 0}, ExposureNeeds{.least_modulation = 500},
+        ExposureNeeds{.noise_variance = -1}}) {
+    try {
+      exposure_advice(frames, sequence, needs);
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("out of range"), std::string::npos) << error.what();
+    }
+  }
 }
 
 }  // namespace

@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <chrono>
-#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,7 +10,6 @@
 #include "app/commands.h"
 #include "app/scan_input.h"
 #include "app/source_flags.h"
-#include "slipstream/error/error.h"
 #include "slipstream/live/exposure_series.h"
 #include "slipstream/photometry/exposure_advice.h"
 

@@ -1,5 +1,4 @@
 #include <filesystem>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>

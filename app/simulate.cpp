@@ -1,7 +1,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <optional>
-#include <set>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -69,9 +68,7 @@ std::vector<std::string> viewable_in(const fs::path& folder) {
   std::vector<std::string> paths;
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder, none)) {
-    static const std::set<std::string> endings{".ply", ".pcd", ".xyz", ".stl",
-                                               ".obj", ".glb", ".slip"};
-    const bool file = endings.contains(lower_case_extension(entry.path()));
+    const bool file = is_cloud_file(entry.path()) || lower_case_extension(entry.path()) == ".slip";
     if (file || fs::exists(entry.path() / "scan.yaml", none)) {
       paths.push_back(entry.path().lexically_normal().string());
     }
@@ -121,10 +118,11 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   source.openable = [beside = flags.path.empty() ? fs::current_path() : beside] {
     return viewable_in(beside);
   };
-  source.open = [view = flags.view, &output](const std::string& path) {
+  source.open = [view = flags.view, clean = flags.clean, &output](const std::string& path) {
     ViewPathFlags other;
     other.path = path;
     other.view = view;
+    other.clean = clean;
     return source_of(other, output);
   };
   view::run_viewer(source, {.view = view_settings_from(flags.view), .size = size_from(flags.view)});

@@ -1,6 +1,7 @@
 #include "app/view_files.h"
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/engine.h"
@@ -38,7 +39,9 @@ std::string save_in_new_folder(const view::ShownCloud& shown, const EngineSetup&
   Cloud cloud;
   Maps maps;
   Engine(setup).cloud_and_maps(shown.frames, cloud, maps);
-  save_scan(folder, shown.frames, sequence, setup.scanner);
+  make_folder(folder);
+  // The exposures that merged frames were are not known any more.
+  if (!shown.frames.merged()) save_scan(folder, shown.frames, sequence, setup.scanner);
   save_results(folder, cloud, maps, remarks);
   return folder.string();
 }

@@ -1,6 +1,5 @@
 #include "slipstream/calibrate/guided_poses.h"
 
-#include <algorithm>
 #include <array>
 #include <optional>
 #include <utility>

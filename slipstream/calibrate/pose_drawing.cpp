@@ -1,7 +1,6 @@
 #include "slipstream/calibrate/pose_drawing.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <opencv2/imgproc.hpp>
 

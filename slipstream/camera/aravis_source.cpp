@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <future>
 #include <mutex>
-#include <span>
 #include <thread>
 #include <utility>
 #include <vector>

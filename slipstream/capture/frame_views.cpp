@@ -1,6 +1,5 @@
 #include "slipstream/capture/frame_views.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include <fmt/format.h>

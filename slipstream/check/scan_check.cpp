@@ -4,13 +4,9 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
-#include <string>
 #include <utility>
 
-#include <fmt/format.h>
-
 #include "slipstream/check/explanations.h"
-#include "slipstream/check/fit.h"
 #include "slipstream/check/frame_faults.h"
 #include "slipstream/image/quantile.h"
 

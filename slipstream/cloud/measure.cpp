@@ -219,8 +219,9 @@ std::optional<MeasuredPoint> point_at(const Cloud& cloud, const Uncertainty* unc
 std::vector<MeasuredPoint> points_in(const Cloud& cloud, const Uncertainty* uncertainty,
                                      const Rectangle& rectangle) {
   Points points;
-  const int bottom = std::min(rectangle.y + rectangle.size.height, cloud.size().height);
-  const int right = std::min(rectangle.x + rectangle.size.width, cloud.size().width);
+  const auto [width, height] = cloud.size();
+  const int bottom = rectangle.y + std::min(rectangle.size.height, height - rectangle.y);
+  const int right = rectangle.x + std::min(rectangle.size.width, width - rectangle.x);
   for (int row = rectangle.y; row < bottom; ++row) {
     for (int column = rectangle.x; column < right; ++column) {
       if (const auto point = point_at(cloud, uncertainty, column, row)) points.push_back(*point);

@@ -1,7 +1,6 @@
 #include "slipstream/cycle/cycle_alignment.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>

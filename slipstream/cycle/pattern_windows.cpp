@@ -1,6 +1,5 @@
 #include "slipstream/cycle/pattern_windows.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace slipstream {

@@ -1,6 +1,5 @@
 #include "slipstream/io/recording.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>

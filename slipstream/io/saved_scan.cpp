@@ -60,6 +60,14 @@ void save_recording(const fs::path& path, const FrameViews& frames, Sequence seq
   writer.finish();
 }
 
+std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& frames) {
+  std::vector<fs::path> names;
+  for (int n = 0; n < frames.count(); ++n) {
+    names.push_back(folder / fmt::format("frame_{:02}.{}", n, frames.quantised() ? "png" : "tiff"));
+  }
+  return names;
+}
+
 }  // namespace
 
 Scan load_frames(const ScanFiles& files) {
@@ -109,14 +117,6 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
                                    {.sequence = changes.sequence, .order = changes.order}));
   }
   return scan;
-}
-
-std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& frames) {
-  std::vector<fs::path> names;
-  for (int n = 0; n < frames.count(); ++n) {
-    names.push_back(folder / fmt::format("frame_{:02}.{}", n, frames.quantised() ? "png" : "tiff"));
-  }
-  return names;
 }
 
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,

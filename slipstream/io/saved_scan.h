@@ -29,14 +29,11 @@ void add_camera(Scan& scan, const ScanFiles& files);
 /// The whole scan in a folder or a recording, that of a second camera with it; see scan_files_in.
 Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {});
 
-/// Where the frames of a scan go: frame_00.png, ...; .tiff where they are not quantised.
-std::vector<std::filesystem::path> frame_names(const std::filesystem::path& folder,
-                                               const FrameViews& frames);
-
-/// Writes a scan into a folder, which is made: its frames, scan.yaml, and scanner.yaml where the
-/// scanner is known, or `scanner_file` in its place, which is there already; or, where the path
-/// ends in .slip, as a recording of one cycle. Returns what that says. Throws Error for a recording
-/// of unquantised frames.
+/// Writes a scan into a folder, which is made: its frames as frame_00.png and so on, .tiff where
+/// they are not quantised, scan.yaml, and scanner.yaml where the scanner is known, or
+/// `scanner_file` in its place, which is there already; or, where the path ends in .slip, as a
+/// recording of one cycle. Returns what that says. Throws Error for a recording of unquantised
+/// frames.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt);

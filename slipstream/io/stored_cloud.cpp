@@ -73,6 +73,13 @@ void read_element(const ply::Element& element, NumberReader& reader, StoredPoint
   if (element.properties.empty()) return;
   const std::vector<Target> targets = targets_of(element);
   const bool vertices = element.name == "vertex";
+  const auto lacks = [&](double StoredPoint::*field) {
+    return std::none_of(targets.begin(), targets.end(),
+                        [field](const Target& target) { return target.field == field; });
+  };
+  if (vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z))) {
+    throw Error("its points have no x, y and z");
+  }
   for (std::size_t i = 0; i < element.count; ++i) {
     StoredPoint point;
     for (std::size_t k = 0; k < targets.size(); ++k) {
@@ -81,9 +88,7 @@ void read_element(const ply::Element& element, NumberReader& reader, StoredPoint
     }
     if (vertices) stored.points.push_back(point);
   }
-  stored.has_sigma |= vertices && std::any_of(targets.begin(), targets.end(), [](const auto& t) {
-                        return t.field == &StoredPoint::sigma_z;
-                      });
+  stored.has_sigma |= vertices && !lacks(&StoredPoint::sigma_z);
 }
 
 StoredPoints ply_points(std::span<const std::uint8_t> bytes) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -20,11 +21,10 @@ FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::s
   CyclicScans scans(frames, sequence, 1);
   const Clock::time_point end = Clock::now() + patience;
   while (Clock::now() < end) {
-    if (!scans.look(std::chrono::milliseconds(200))) continue;
-    auto taken = scans.take();
-    if (!taken) continue;
+    std::optional<Glimpse> seen = scans.look(std::chrono::milliseconds(200));
+    if (!seen) continue;
     frames.stop();
-    return std::move(taken->front());
+    return std::move(seen->frames.front());
   }
   frames.stop();
   throw WorldError(

@@ -1,7 +1,6 @@
 #include "slipstream/simulate/moved_board.h"
 
 #include <iterator>
-#include <utility>
 
 #include "slipstream/error/error.h"
 #include "slipstream/simulate/virtual_camera.h"

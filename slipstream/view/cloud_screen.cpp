@@ -230,7 +230,8 @@ void CloudScreen::measure(const CloudOnPicture& shown, const Area& area, float p
   if (!state_.measures) return;
   const bool dragged = glm::distance(place, begin) > reach;
   if (down && dragged) draw_rectangle(io.MouseClickedPos[0], io.MousePos);
-  if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left)) return;
+  // What was begun in the panel is not over the cloud when it is let go of there.
+  if (!ImGui::IsMouseReleased(ImGuiMouseButton_Left) || io.MouseDownOwned[0]) return;
   if (dragged) {
     fit_shapes(state_.measured, points_between(shown, begin, place));
   } else if (const auto point = point_under(shown, place, reach)) {

@@ -1,6 +1,5 @@
 #include "slipstream/view/measuring.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -220,7 +220,7 @@ bool draw_filter(const char* name, bool& on, const PanelState& state, Validity k
 
 void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (!source.setup || !source.change || !section("Left out")) return;
-  const CleanSettings on, off = CleanSettings::none();
+  const CleanSettings usual, off = CleanSettings::none(), &given = source.setup->settings.clean;
   CleanSettings& clean = state.setup.settings.clean;
   bool trusted = clean.largest_sigma != off.largest_sigma;
   bool connected = clean.smallest_component != off.smallest_component;
@@ -229,8 +229,12 @@ void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& 
   changed |= draw_filter("outliers", clean.drop_outliers, state, Validity::outlier);
   changed |= draw_filter("floating specks", connected, state, Validity::small_component);
   if (!changed) return;
-  clean.largest_sigma = trusted ? on.largest_sigma : off.largest_sigma;
-  clean.smallest_component = connected ? on.smallest_component : off.smallest_component;
+  const auto limit = [&](bool wanted, auto CleanSettings::*of) {
+    if (!wanted) return off.*of;
+    return given.*of == off.*of ? usual.*of : given.*of;
+  };
+  clean.largest_sigma = limit(trusted, &CleanSettings::largest_sigma);
+  clean.smallest_component = limit(connected, &CleanSettings::smallest_component);
   requests.change_setup = true;
 }
 

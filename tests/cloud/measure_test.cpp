@@ -1,6 +1,7 @@
 #include "slipstream/cloud/measure.h"
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <string>
 
@@ -143,6 +144,9 @@ TEST(PointAt, KnowsNothingOfOtherPixels) {
   EXPECT_FALSE(point_at(cloud, nullptr, 0, -1));
   EXPECT_EQ(points_in(cloud, nullptr, {1, 1, {99, 99}}).size(), 1U);
   EXPECT_EQ(points_in(cloud, nullptr, {2, 0, {99, 99}}).size(), 0U);
+  constexpr int most = std::numeric_limits<int>::max();
+  EXPECT_EQ(points_in(cloud, nullptr, {1, 2, {most, most}}).size(), 1U);
+  EXPECT_EQ(points_in(cloud, nullptr, {most, most, {most, most}}).size(), 0U);
 }
 
 /// A scene of the virtual scanner with noise, as a cloud with its uncertainty.

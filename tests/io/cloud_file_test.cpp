@@ -131,8 +131,12 @@ TEST(CloudFile, ReadsCloudsOfOthers) {
 TEST(CloudFile, RefusesWhatIsNoCloud) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "cloud.ply";
-  write_file(path, "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n");
+  const std::string begin = "ply\nformat ascii 1.0\nelement vertex ";
+  const std::string x_and_y = "\nproperty float x\nproperty float y\n";
+  write_file(path, begin + "0" + x_and_y + "property float z\nend_header\n");
   expect_error([&] { read_cloud(path); }, {path.string(), "no point"});
+  write_file(path, begin + "1" + x_and_y + "end_header\n1 2\n");
+  expect_error([&] { read_cloud(path); }, {path.string(), "no x, y and z"});
   write_file(path, "solid\n");
   expect_error([&] { read_cloud(path); }, {path.string(), "'ply'"});
   expect_error([&] { read_cloud(folder.path() / "missing.ply"); }, {"missing.ply"});

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/stored_cloud.h"
@@ -84,6 +87,31 @@ TEST(SurfaceFiles, ObjHasItsPictureBesideIt) {
   const Image<std::uint16_t> picture = read_grey_image(folder.path() / "mesh-texture.png");
   ASSERT_EQ(picture.size(), cloud.size());
   EXPECT_TRUE(std::equal(picture.begin(), picture.end(), cloud.intensity.begin()));
+}
+
+TEST(SurfaceFiles, GlbOfOthersMayBeginWithinAView) {
+  const TemporaryFolder folder;
+  std::string json =
+      R"({"accessors":[{"bufferView":0,"byteOffset":12,"componentType":5126,"count":1}],)"
+      R"("bufferViews":[{"byteLength":24}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  std::string file = "glTF";
+  const auto append = [&](std::size_t number) {
+    for (int bits = 0; bits < 32; bits += 8) file += static_cast<char>(number >> bits & 0xFF);
+  };
+  for (const std::size_t number : {std::size_t{2}, json.size() + 52, json.size()}) append(number);
+  file += "JSON" + json;
+  append(24);
+  file += std::string("BIN\0", 4);
+  for (const float number : {1.0F, 2.0F, 3.0F, 4.0F, 5.0F, -6.0F}) {
+    append(std::bit_cast<std::uint32_t>(number));
+  }
+  write_file(folder.path() / "mesh.glb", file);
+  const Cloud cloud = read_cloud(folder.path() / "mesh.glb").cloud;
+  ASSERT_EQ(cloud.size(), (Size{1, 1}));
+  EXPECT_EQ(cloud.x(0, 0), 4000);
+  EXPECT_EQ(cloud.y(0, 0), -5000);
+  EXPECT_EQ(cloud.z(0, 0), 6000);
 }
 
 TEST(SurfaceFiles, RefuseWhatTheyCannotHold) {

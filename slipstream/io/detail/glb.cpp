@@ -148,8 +148,11 @@ std::vector<std::array<float, components>> numbers_of(const json& document, cons
   const std::size_t count = count_of(accessor.at("count"));
   if (count > binary.size() / sizeof(numbers[0])) throw Error("it is truncated");
   numbers.resize(count);
-  const auto bytes = part(binary, view.contains("byteOffset") ? count_of(view["byteOffset"]) : 0,
-                          count * sizeof(numbers[0]));
+  const auto offset_in = [](const json& of) {
+    return of.contains("byteOffset") ? count_of(of["byteOffset"]) : 0;
+  };
+  const auto of_view = part(binary, offset_in(view), count_of(view.at("byteLength")));
+  const auto bytes = part(of_view, offset_in(accessor), count * sizeof(numbers[0]));
   if (count > 0) std::memcpy(numbers.data(), bytes.data(), bytes.size());
   return numbers;
 }

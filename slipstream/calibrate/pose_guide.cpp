@@ -196,12 +196,6 @@ std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
 
 }  // namespace
 
-std::string_view name_of(PoseState state) {
-  constexpr std::array names{"unseen", "overexposed", "dark",    "blurred", "known",
-                             "moving", "good",        "refused", "taken"};
-  return names[static_cast<std::size_t>(state)];
-}
-
 PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
                        const CalibrationBoard& board, const std::vector<BoardView>& taken) {
   std::optional<BoardCorners> seen;

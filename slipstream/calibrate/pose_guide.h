@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "slipstream/calibrate/board_corners.h"
@@ -15,9 +14,6 @@ namespace slipstream {
 
 /// Whether a pose of the board may be taken now, and if not why.
 enum class PoseState { unseen, overexposed, dark, blurred, known, moving, good, refused, taken };
-
-/// "unseen", "overexposed", ... "taken".
-std::string_view name_of(PoseState state);
 
 /// What is said of the board that stands before the camera.
 struct PoseVerdict {

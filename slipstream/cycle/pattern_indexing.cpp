@@ -18,13 +18,6 @@ constexpr std::array<std::pair<PatternIndexing, std::string_view>, 3> names{
 
 }  // namespace
 
-std::string_view name_of(PatternIndexing indexing) {
-  for (const auto& [named, name] : names) {
-    if (named == indexing) return name;
-  }
-  return "";
-}
-
 PatternIndexing pattern_indexing_named(std::string_view name) {
   for (const auto& [indexing, known] : names) {
     if (known == name) return indexing;

@@ -13,9 +13,7 @@ enum class PatternIndexing {
   marker,   ///< a dark or bright frame before the first pattern of each cycle of N + 1 frames
 };
 
-/// "told", "counted", "marker".
-std::string_view name_of(PatternIndexing indexing);
-/// Throws Error for any other name.
+/// "told", "counted", "marker"; throws Error for any other name.
 PatternIndexing pattern_indexing_named(std::string_view name);
 std::vector<std::string_view> pattern_indexing_names();
 

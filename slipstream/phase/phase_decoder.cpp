@@ -7,9 +7,6 @@
 #include <type_traits>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
@@ -88,14 +85,6 @@ std::string_view name_of(PhaseMethod method) {
     if (value == method) return name;
   }
   return "";
-}
-
-PhaseMethod phase_method_named(std::string_view name) {
-  for (const auto& [method, known] : method_names) {
-    if (known == name) return method;
-  }
-  throw Error(
-      fmt::format("phase method '{}' is not known; it is equation, closed-form or lut", name));
 }
 
 PhaseDecoder::PhaseDecoder(PhaseMethod method, const std::vector<int>& steps,

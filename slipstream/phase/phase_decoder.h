@@ -23,9 +23,6 @@ enum class PhaseMethod {
 /// "equation", "closed-form", "lut".
 std::string_view name_of(PhaseMethod method);
 
-/// The method of that name; throws Error for any other.
-PhaseMethod phase_method_named(std::string_view name);
-
 /// PhaseSample of every pixel.
 struct PhaseMaps {
   Image<double> mean;

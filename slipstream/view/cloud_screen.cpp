@@ -75,7 +75,9 @@ bool CloudScreen::take_newest() {
 
 const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   if (!engine_ || frames.count() != frame_count(engine_->setup().sequence)) return nullptr;
-  engine_->maps(frames, maps_);
+  const FrameViews& merged = engine_->merged(frames);
+  engine_->maps(merged, maps_);
+  maps_full_scale_ = merged.full_scale();
   return &maps_;
 }
 
@@ -133,7 +135,7 @@ void CloudScreen::update_pictures(const FrameViews& frames, const Maps* maps) {
   if (wanted(1)) pictures_[1].upload(modulation_picture(maps->modulation, width_of(1)));
   if (wanted(2)) {
     const auto least =
-        static_cast<float>(least_modulation(state_.setup.settings, frames.full_scale()));
+        static_cast<float>(least_modulation(state_.setup.settings, maps_full_scale_));
     pictures_[2].upload(phase_picture(maps->wrapped_phase, maps->modulation, least, width_of(2)));
   }
 }

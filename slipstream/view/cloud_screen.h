@@ -79,7 +79,8 @@ class CloudScreen {
   std::array<opengl::PictureTexture, 3> pictures_;
   std::optional<Engine> engine_;  ///< of the setup accepted last; none where the source has none
   Maps maps_;
-  Image<Validity> validity_;  ///< of the pictures, where there are no points
+  double maps_full_scale_ = 255;  ///< of the frames that they are of
+  Image<Validity> validity_;      ///< of the pictures, where there are no points
   Image<float> shading_;
   std::optional<Uncertainty> uncertainty_;  ///< of the cloud shown
   std::optional<ViewSource> opened_;

@@ -76,7 +76,7 @@ Image<Colour> camera_picture(const FrameViews& frames, int widest,
     // Unquantised frames are cut off nowhere.
     if constexpr (std::is_integral_v<Pixel>) {
       for (const auto& view : views) {
-        mark_saturated(picture, view, static_cast<Pixel>(full_scale),
+        mark_saturated(picture, view, static_cast<Pixel>(frames.saturation()),
                        reduction(frames.size(), widest));
       }
     }

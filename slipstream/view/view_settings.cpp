@@ -17,10 +17,6 @@ constexpr std::array<std::pair<PointColour, std::string_view>, 3> names{
 
 }  // namespace
 
-std::string_view name_of(PointColour colour) {
-  return names.at(static_cast<std::size_t>(colour)).second;
-}
-
 PointColour point_colour_named(std::string_view name) {
   for (const auto& [colour, its_name] : names) {
     if (name == its_name) return colour;

@@ -14,9 +14,7 @@ enum class PointColour {
   depth,         ///< Z
 };
 
-/// "reflectivity", "modulation", "depth".
-std::string_view name_of(PointColour colour);
-/// The colour of that name; throws Error for any other.
+/// "reflectivity", "modulation", "depth"; throws Error for any other name.
 PointColour point_colour_named(std::string_view name);
 std::vector<std::string_view> point_colour_names();
 

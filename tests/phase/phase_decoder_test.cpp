@@ -113,13 +113,5 @@ TEST(PhaseDecoder, RefusesACorrectionForAnotherN) {
   EXPECT_THROW(PhaseDecoder(PhaseMethod::tables, {3}, {{3, {4, {0}}}}), Error);
 }
 
-TEST(PhaseMethod, HasNames) {
-  for (const PhaseMethod method :
-       {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
-    EXPECT_EQ(phase_method_named(name_of(method)), method);
-  }
-  EXPECT_THROW(phase_method_named("fast"), Error);
-}
-
 }  // namespace
 }  // namespace slipstream

@@ -244,7 +244,8 @@ void CloudScreen::measure(const CloudOnPicture& shown, const Area& area, float p
 const Uncertainty* CloudScreen::uncertainty() {
   if (cloud_.uncertainty) return cloud_.uncertainty.get();
   const bool stands_still = !source_.statistics || state_.paused;
-  if (!uncertainty_ && stands_still) {
+  const bool noise_known = engine_ && engine_->setup().scanner.photometry.noise_variance;
+  if (!uncertainty_ && stands_still && noise_known) {
     const Maps* const maps = maps_of(cloud_.frames);
     if (maps != nullptr) uncertainty_ = engine_->uncertainty(*cloud_.cloud, *maps, cloud_.frames);
   }

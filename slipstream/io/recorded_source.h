@@ -41,6 +41,7 @@ class RecordedSource : public FrameSource {
   void start() override { source_->start(); }
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override { source_->stop(); }
+  void trigger() override { source_->trigger(); }
   [[nodiscard]] SourceCounters counters() const override { return source_->counters(); }
   CameraControls* controls() override { return source_->controls(); }
   /// The source's; where it has nothing to say, why a recording has failed.

@@ -40,7 +40,6 @@ std::string save_in_new_folder(const view::ShownCloud& shown, const EngineSetup&
   Maps maps;
   Engine(setup).cloud_and_maps(shown.frames, cloud, maps);
   make_folder(folder);
-  // The exposures that merged frames were are not known any more.
   if (!shown.frames.merged()) save_scan(folder, shown.frames, sequence, setup.scanner);
   save_results(folder, cloud, maps, remarks);
   return folder.string();

@@ -12,7 +12,8 @@ namespace slipstream::app {
 
 /// What the viewer's Save does: writes frames, and all that is made of them, into a new folder
 /// named by the time where --save-to says, which reconstruct reads again. `remarks` are for the
-/// cloud's header, see doubts. Without a scanner there are no points to write. Returns the folder.
+/// cloud's header, see doubts. Without a scanner there are no points to write; frames that were
+/// merged from several exposures are not written, the scan has them. Returns the folder.
 /// Throws Error where the frames are not of the setup's strategy, WorldError where they cannot be
 /// written.
 std::string save_in_new_folder(const view::ShownCloud& cloud, const EngineSetup& setup,

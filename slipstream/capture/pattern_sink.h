@@ -10,8 +10,8 @@
 
 namespace slipstream {
 
-/// What shows patterns, as a projector that is a monitor. The counterpart of FrameSource; one
-/// thread uses it.
+/// What shows patterns: a projector that is a monitor, a folder of pictures, the virtual rig. The
+/// counterpart of FrameSource; one thread uses it.
 class PatternSink {
  public:
   virtual ~PatternSink() = default;

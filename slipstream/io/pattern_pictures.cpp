@@ -2,9 +2,8 @@
 
 #include <cstdint>
 
-#include <fmt/format.h>
-
 #include "slipstream/io/file.h"
+#include "slipstream/io/folder_sink.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/pattern/pattern_in_8_bits.h"
@@ -19,7 +18,7 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
   for (int n = 0; n < patterns.count; ++n) {
     const Image<std::uint16_t> picture = render_pattern(patterns, n, sequence.projector, bits);
     if (n == 0) make_folder(folder);
-    const fs::path file = folder / fmt::format("pattern_{:02}.png", n);
+    const fs::path file = pattern_file(folder, static_cast<std::size_t>(n));
     bits == 8 ? write_image(file, in_8_bits(picture)) : write_image(file, picture);
     pictures.push_back(file);
     written();

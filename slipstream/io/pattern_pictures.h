@@ -9,8 +9,8 @@
 
 namespace slipstream {
 
-/// Writes patterns as pictures for a projector of that many bits, pattern_00.png and so on, into a
-/// folder, which is made, and a scan.yaml that says that they show `sequence`: all but the
+/// Writes patterns as pictures for a projector of that many bits, as pattern_file names them, into
+/// a folder, which is made, and a scan.yaml that says that they show `sequence`: all but the
 /// marker, which is no frame of the scan. Returns the pictures; `written` is called after each.
 /// Throws Error for bits that no projector has.
 std::vector<std::filesystem::path> write_patterns(const std::filesystem::path& folder,

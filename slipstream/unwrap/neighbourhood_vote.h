@@ -317,14 +317,16 @@ class NeighbourhoodVote {
                        [voters](Cells line) { return std::popcount(line & voters) >= 3; })) {
         return found;
       }
+      std::array<double, cells> saved;
+      for_each_cell(surface_.pixels, [&](int cell) {
+        const int step = surface_.shift_step[index(cell)];
+        saved[index(cell)] = cost(cell, best + step) - cost(cell, candidate.shift + step);
+      });
       for (const Cells line : lines) {
-        double saved = 0;
-        for_each_cell(line & surface_.pixels, [&](int cell) {
-          const int step = surface_.shift_step[index(cell)];
-          saved += cost(cell, best + step) - cost(cell, candidate.shift + step);
-        });
-        found.for_best = std::max(found.for_best, -saved);
-        found.for_candidate = std::max(found.for_candidate, saved);
+        double sum = 0;
+        for_each_cell(line & surface_.pixels, [&](int cell) { sum += saved[index(cell)]; });
+        found.for_best = std::max(found.for_best, -sum);
+        found.for_candidate = std::max(found.for_candidate, sum);
       }
       return found;
     }

@@ -123,7 +123,11 @@ struct Cleaner::Pass {
       ValidityCounts& counted = memory.counts[static_cast<std::size_t>(band)];
       for (int row = band * band_rows; row < end; ++row) body(row, counted);
     };
-    for_each_row(bands, [&run_band](int band) { run_band(band); });
+    if (bands == 1) {
+      run_band(0);
+    } else {
+      for_each_row(bands, [&run_band](int band) { run_band(band); });
+    }
     for (const ValidityCounts& counted : memory.counts) {
       for (std::size_t i = 0; i < validity_count; ++i) counts[i] += counted[i];
     }

@@ -29,10 +29,9 @@ struct SimulateFlags {
 };
 
 void simulate(const SimulateFlags& flags, Output& output) {
-  VirtualWorld world{.scanner = virtual_scanner(flags.devices),
-                     .photometry = flags.devices.photometry};
+  VirtualWorld world = world_from(flags.devices);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
-  world.photometry.bits = flags.unquantised ? std::nullopt : std::optional(flags.devices.bits);
+  if (flags.unquantised) world.photometry.bits.reset();
   if (flags.boards.count) {
     if (flags.second_camera) throw Error("--second-camera is of a scene; --boards takes none");
     simulate_boards(flags.folder, flags.boards, world, sequence, output);
@@ -42,7 +41,6 @@ void simulate(const SimulateFlags& flags, Output& output) {
   if (flags.second_camera && lower_case_extension(flags.folder) == ".slip") {
     throw Error("--second-camera takes a folder; a recording holds the frames of one");
   }
-  world.scene = virtual_scene(flags.devices, world.scanner);
   Stopwatch watch;
   const VirtualScan virtual_scan =
       take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);

@@ -7,6 +7,7 @@
 #include "app/scan_flags.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/mesh_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
 
@@ -30,7 +31,9 @@ void add_device_flags(CLI::App& command, VirtualFlags& flags) {
   Photometry& photometry = flags.photometry;
   group.add("--camera", flags.camera, "size of the example's camera")->default_str("640x480");
   group.add("--virtual-ambient", photometry.ambient, "ambient light beta, grey levels of 255");
-  group.add("--virtual-gamma", photometry.gamma, "response of projector and camera");
+  group.add("--virtual-gamma", flags.response,
+            "response of projector and camera: gamma, srgb, logistic:SLOPE:CENTRE, or a file that "
+            "holds one");
   group.add("--virtual-noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255");
   group.add("--bits", flags.bits, "of the camera, 8 to 16");
   group.add("--seed", photometry.seed, "of the noise");
@@ -38,13 +41,7 @@ void add_device_flags(CLI::App& command, VirtualFlags& flags) {
             "rays of each pixel, 1 to 256: more put edges truer and take longer");
 }
 
-}  // namespace
-
-void add_virtual_flags(CLI::App& command, VirtualFlags& flags) {
-  add_scene_flags(command, flags);
-  add_device_flags(command, flags);
-}
-
+/// Of the file that --scanner names, else the example with a camera of that size.
 Scanner virtual_scanner(const VirtualFlags& flags) {
   if (flags.scanner && flags.camera) {
     throw Error(
@@ -71,10 +68,18 @@ Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {
   return scene;
 }
 
+}  // namespace
+
+void add_virtual_flags(CLI::App& command, VirtualFlags& flags) {
+  add_scene_flags(command, flags);
+  add_device_flags(command, flags);
+}
+
 VirtualWorld world_from(const VirtualFlags& flags) {
   VirtualWorld world{.scanner = virtual_scanner(flags), .photometry = flags.photometry};
   world.scene = virtual_scene(flags, world.scanner);
   world.photometry.bits = flags.bits;
+  world.photometry.response = response_named(flags.response, "--virtual-gamma");
   return world;
 }
 

@@ -21,7 +21,8 @@ struct VirtualFlags {
   std::vector<double> motion;          ///< empty, or X Y Z
   std::optional<std::string> scanner;  ///< file; its flag is the subcommand's own
   std::optional<std::string> camera;   ///< "640x480"
-  Photometry photometry{.ambient = 5, .gamma = 1, .noise_variance = 1.55, .bits = 8, .seed = 1};
+  std::string response = "1";          ///< as response_named has it
+  Photometry photometry{.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = 1};
   int bits = 8;
 };
 
@@ -30,12 +31,8 @@ struct VirtualFlags {
 /// --gamma and --noise-variance are what is reckoned with.
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags);
 
-/// Of the file that --scanner names, else the example with a camera of that size.
-Scanner virtual_scanner(const VirtualFlags& flags);
-
-Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner);
-
-/// Both, with the light and the camera that the flags say.
+/// Of the scanner that --scanner names, else the example with a camera of that size, with the
+/// scene, the light and the camera that the flags say.
 VirtualWorld world_from(const VirtualFlags& flags);
 
 /// What the flags say that the scanner's projector shows. Throws Error for one of another size.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/gamma/named_responses.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -98,6 +99,7 @@ Response response_named(const std::string& text, const std::string& name) {
     require_gamma(gamma, name);
     return PowerLaw{gamma};
   }
+  if (auto curve = curve_named(text)) return *std::move(curve);
   const auto measured = read_photometric_calibration(text).response;
   if (!measured) {
     throw Error(fmt::format("{}: no gamma in it; slipstream calibrate gamma puts it there", text));

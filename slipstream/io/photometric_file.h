@@ -19,9 +19,10 @@ namespace slipstream {
 /// that is not of its form or out of range.
 PhotometricCalibration read_photometric_calibration(const std::filesystem::path& scanner_file);
 
-/// The response that a text names: a number, gamma of a power law, or a scanner file that holds
-/// one. Throws Error, by `name` what a message calls the number, where gamma is out of range, and
-/// naming the file where it holds none.
+/// The response that a text names: a number, gamma of a power law; a curve as curve_named has it;
+/// or a scanner file that holds one, of which response_values and response_light are enough. Throws
+/// Error, by `name` what a message calls the number, where gamma is out of range, and naming the
+/// file where it holds none.
 Response response_named(const std::string& text, const std::string& name);
 
 /// Writes the scanner file `from` to `to` (which may be the same) with what the calibration has in

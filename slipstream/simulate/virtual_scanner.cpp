@@ -7,6 +7,7 @@
 #include <numeric>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,8 +26,9 @@ void require_valid(const Photometry& photometry) {
   };
   const int bits = photometry.bits.value_or(8);
   require(std::isfinite(photometry.ambient), "ambient light", photometry.ambient, "a number");
-  require(photometry.gamma >= 0.1 && photometry.gamma <= 20, "gamma", photometry.gamma,
-          "0.1 to 20");
+  const auto* const law = std::get_if<PowerLaw>(&photometry.response);
+  const double gamma = law != nullptr ? law->gamma : 1;
+  require(gamma >= 0.1 && gamma <= 20, "gamma", gamma, "0.1 to 20");
   require(photometry.noise_variance >= 0 && std::isfinite(photometry.noise_variance),
           "noise variance", photometry.noise_variance, "0 or more");
   require(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
@@ -130,13 +132,14 @@ Eigen::Vector2d ray_offset(int ray, int rays) {
 template <class Seen>
 void add_light(Image<double>& frame, const Seen& view, const PatternSet& patterns, int n,
                const Photometry& photometry, double share) {
-  const double beta = photometry.ambient, gamma = photometry.gamma;
+  const double beta = photometry.ambient;
+  const bool linear = photometry.response == Response(PowerLaw{1});
   const double weight = share * patterns.exposure(n);
   for_each_row(frame.height(), [&](int row) {
     for (int column = 0; column < frame.width(); ++column) {
       const double y = view.coordinate(column, row);
       double projected = std::isnan(y) ? 0 : patterns.intensity(n, y);
-      if (gamma != 1) projected = 255 * std::pow(projected / 255, gamma);  // (4.2)
+      if (!linear) projected = 255 * light_at(photometry.response, projected / 255);  // (4.2)
       const double alpha = view.reflectivity(column, row);
       frame(column, row) += weight * (alpha * (projected + beta) + beta);  // (3.2)
     }

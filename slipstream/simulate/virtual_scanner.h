@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "slipstream/capture/frame_set.h"
+#include "slipstream/gamma/response.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/simulate/scene.h"
@@ -13,8 +14,8 @@ namespace slipstream {
 /// Light and sensor of the virtual scanner. Intensities are in grey levels of an 8-bit device
 /// whatever the bits: full scale is 255.
 struct Photometry {
-  double ambient = 0;  ///< beta of Liu 2010, Eq. (3.2); may be negative, as a camera's offset
-  double gamma = 1;    ///< response of Eq. (4.2): the projected intensity / 255 to this power
+  double ambient = 0;   ///< beta of Liu 2010, Eq. (3.2); may be negative, as a camera's offset
+  Response response{};  ///< of the projected intensity / 255, Eq. (4.2); gamma 0.1 to 20
   double noise_variance = 0;  ///< sigma_w^2, Gaussian, grey levels^2
   /// Bits of the camera, 8 to 16: intensities are rounded and clipped. None: neither.
   std::optional<int> bits = 8;

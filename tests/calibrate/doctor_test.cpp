@@ -58,7 +58,7 @@ std::vector<BrokenCase> broken_frames() {
   const Photometry usual = BoardScene{}.photometry;
   const auto with_gamma = [&](double gamma) {
     Photometry photometry = usual;
-    photometry.gamma = gamma;
+    photometry.response = PowerLaw{gamma};
     return photometry;
   };
   return {
@@ -360,7 +360,7 @@ INSTANTIATE_TEST_SUITE_P(Boards, GoodCalibration, testing::ValuesIn(good_calibra
 
 TEST(UncorrectedGamma, IsNotToldOnceItIsCorrected) {
   BoardScene scene{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}, .poses = 4};
-  scene.photometry.gamma = 2.2;
+  scene.photometry.response = PowerLaw{2.2};
   EXPECT_TRUE(names(told_of(scene), "uncorrected gamma"));
   scene.response = MeasuredResponse{PowerLaw{2.2}, 2.2};
   const Told told = told_of(scene);

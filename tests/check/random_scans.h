@@ -47,7 +47,7 @@ class RandomScans {
         !strategy.layout().cue && strategy.layout().unwrapping != Unwrapping::vote;
     const double gamma = correctable && between(0, 1) < 0.4 ? between(1.2, 2.6) : 1;
     const Photometry photometry{.ambient = between(0, 25),
-                                .gamma = gamma,
+                                .response = PowerLaw{gamma},
                                 .noise_variance = between(0.2, 4),
                                 .bits = one_of(bits_),
                                 .seed = random_()};

@@ -68,7 +68,8 @@ NoiseEstimate by_half_phases(Board& board) {
 }
 
 constexpr Photometry linear{.ambient = 5, .noise_variance = 2, .bits = std::nullopt};
-constexpr Photometry bent{.ambient = 5, .gamma = 1.1, .noise_variance = 2, .bits = std::nullopt};
+constexpr Photometry bent{
+    .ambient = 5, .response = PowerLaw{1.1}, .noise_variance = 2, .bits = std::nullopt};
 
 TEST(NoiseMeasurement, IsRightWithinOnePercentOverTenRuns) {
   EXPECT_NEAR(averaged(3, linear, by_means), 2, 0.02);

@@ -56,9 +56,10 @@ TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {
   for (const int steps : {4, 6, 12}) {
     for (const double gamma : {0.7, 1.3, 2.2}) {
       ScanAverage scans;
-      scans.add(scan_of(PhaseMeasuring{.steps = steps},
-                        {.ambient = 5, .gamma = gamma, .noise_variance = 2, .seed = 3}),
-                "a scan");
+      scans.add(
+          scan_of(PhaseMeasuring{.steps = steps},
+                  {.ambient = 5, .response = PowerLaw{gamma}, .noise_variance = 2, .seed = 3}),
+          "a scan");
       EXPECT_NEAR(calibrate_ambient(scans, 0.5, PowerLaw{gamma}).estimate.mode, 5, 0.3)
           << steps << " steps, gamma " << gamma;
       expect_error([&] { (void)calibrate_ambient(scans); },
@@ -74,7 +75,7 @@ TEST(ResponseLinearity, IsTheSecondHarmonic) {
     const auto of = [&](double gamma) {
       ScanAverage scans;
       scans.add(scan_of(PhaseMeasuring{.steps = steps},
-                        {.gamma = gamma, .noise_variance = 2, .seed = 5}, bright),
+                        {.response = PowerLaw{gamma}, .noise_variance = 2, .seed = 5}, bright),
                 "a scan");
       return response_linearity(scans).value();
     };
@@ -85,13 +86,14 @@ TEST(ResponseLinearity, IsTheSecondHarmonic) {
     EXPECT_LT(of(1).standard_error, 0.001);
   }
   ScanAverage three;
-  three.add(scan_of(PhaseMeasuring{.steps = 3}, {.gamma = 2}), "a scan");
+  three.add(scan_of(PhaseMeasuring{.steps = 3}, {.response = PowerLaw{2}}), "a scan");
   EXPECT_FALSE(response_linearity(three));
 }
 
 TEST(GammaCalibration, FindsGammaByEachPixelAndByAll) {
   ScanAverage scans;
-  scans.add(scan_of(six_steps, {.gamma = 2.2, .noise_variance = 0.2}, bright), "a scan");
+  scans.add(scan_of(six_steps, {.response = PowerLaw{2.2}, .noise_variance = 0.2}, bright),
+            "a scan");
   const GammaCalibration found = calibrate_gamma(scans);
   EXPECT_EQ(found.steps, 6);
   EXPECT_NO_THROW(require_found(found));
@@ -106,7 +108,7 @@ TEST(GammaChoice, IsWhatIsAskedFor) {
   EXPECT_EQ(choose_gamma("2.4", known).gamma, 2.4);
   expect_error([&] { (void)choose_gamma("bright", known); }, {"bright"});
   expect_error([&] { (void)choose_gamma("blind", known); }, {"scan"});
-  const Scan scan = scan_of(six_steps, {.gamma = 2.2}, bright);
+  const Scan scan = scan_of(six_steps, {.response = PowerLaw{2.2}}, bright);
   const GammaChoice blind =
       choose_gamma("blind", known, scan.sequence.strategy.layout(), scan.frames);
   EXPECT_EQ(blind.source, "blind");

@@ -222,8 +222,9 @@ TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
 TEST(OwnStrategies, AreCorrectedForTheResponseWhereTheyAreRunsOfSteps) {
   Scanner scanner = example_scanner({160, 120});
   const Strategy strategy = ThreeFrequencies{};
-  const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
-                                     pattern_set(strategy, Axis::x), {.gamma = 1.6, .bits = 16});
+  const VirtualScan scan =
+      take_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x),
+                {.response = PowerLaw{1.6}, .bits = 16});
   const auto rms_depth_error = [&](EngineKind kind) {
     Cloud cloud;
     Engine(setup_of(scanner, strategy, Axis::x, {.engine = kind})).cloud(scan.frames, cloud);

@@ -64,9 +64,9 @@ DepthError error_of(const Cloud& cloud, const Image<double>& depth) {
 TEST(PhaseMatching, IsFreeOfGamma) {
   const Pair board("board", {640, 480});
   const Strategy strategy = DualFrequency{.steps = 3, .low_steps = 6, .high = 32, .low = 1};
-  const Photometry linear{.ambient = 5, .gamma = 1, .noise_variance = 1.55, .bits = 8};
+  const Photometry linear{.ambient = 5, .noise_variance = 1.55, .bits = 8};
   Photometry bent = linear;
-  bent.gamma = 2.2;
+  bent.response = PowerLaw{2.2};
   const Image<double>& depth = board.first_scan.depth;
   const DepthError straight = error_of(board.matched(strategy, linear), depth);
   const DepthError distorted = error_of(board.matched(strategy, bent), depth);
@@ -88,7 +88,8 @@ TEST(PhaseMatching, FindsTheFringeThatThreeStepsMistake) {
   const Pair board("board", {160, 120});
   const Strategy strategy = DualFrequency{.steps = 3, .low_steps = 3, .high = 16, .low = 1};
   const Cloud cloud = board.matched(
-      strategy, {.ambient = 5, .gamma = 2.2, .noise_variance = 1.55, .bits = 8}, {.window = 0});
+      strategy, {.ambient = 5, .response = PowerLaw{2.2}, .noise_variance = 1.55, .bits = 8},
+      {.window = 0});
   int near = 0, far = 0;
   for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
     const double error = std::abs(cloud.z.begin()[i] - board.first_scan.depth.begin()[i]);

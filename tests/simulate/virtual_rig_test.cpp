@@ -47,7 +47,7 @@ const Picture& pixels(const Frame& frame) {
 
 TEST(VirtualRig, AnswersPatternsWithTheFramesOfTheVirtualScanner) {
   const Scene scene = scene_named("sphere", scanner);
-  const Photometry photometry{.ambient = 4, .gamma = 1.8};
+  const Photometry photometry{.ambient = 4, .response = PowerLaw{1.8}};
   for (const Axis axis : {Axis::x, Axis::y}) {
     const VirtualScan scan = take_scan(scanner, scene, fringes(axis), photometry);
     VirtualRig rig(scanner, scene, photometry);

@@ -30,8 +30,9 @@ Image<Pixel> frame(const VirtualScan& scan, int n) {
 
 TEST(VirtualScanner, IntensityIsEquation32InLightAndShadow) {
   const Scanner scanner = example_scanner({160, 120});
-  const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner), patterns,
-                                     {.ambient = 7, .gamma = 2.2, .bits = std::nullopt});
+  const VirtualScan scan =
+      take_scan(scanner, scene_named("statue", scanner), patterns,
+                {.ambient = 7, .response = PowerLaw{2.2}, .bits = std::nullopt});
   const Image<double> seen = frame<double>(scan, 1);
   int lit = 0, dark = 0;
   for (int row = 0; row < 120; ++row) {
@@ -109,7 +110,7 @@ TEST(VirtualScanner, MovingThingsAreSeenWhereTheyAreInEachFrame) {
 TEST(VirtualScanner, RefusesLightAndSensorsThatCannotBe) {
   const Scanner scanner = example_scanner({16, 12});
   const Scene board = scene_named("board", scanner);
-  EXPECT_THROW(take_scan(scanner, board, patterns, {.gamma = 0}), Error);
+  EXPECT_THROW(take_scan(scanner, board, patterns, {.response = PowerLaw{0}}), Error);
   EXPECT_THROW(take_scan(scanner, board, patterns, {.noise_variance = -1}), Error);
   EXPECT_THROW(take_scan(scanner, board, patterns, {.bits = 7}), Error);
   Scanner no_baseline = scanner;

@@ -34,7 +34,11 @@ BoardExperiment::BoardExperiment(Size camera, Surface surface, std::uint64_t see
     : seed_(seed), scanner_(example_scanner(camera)), scan_(scan_of(scanner_, surface)) {}
 
 Photometry BoardExperiment::photometry(double gamma, double ambient) const {
-  return {.ambient = ambient, .gamma = gamma, .noise_variance = 1.55, .bits = 8, .seed = seed_};
+  return {.ambient = ambient,
+          .response = PowerLaw{gamma},
+          .noise_variance = 1.55,
+          .bits = 8,
+          .seed = seed_};
 }
 
 FrameSet BoardExperiment::averaged(int steps, double gamma, double ambient, int count) const {

@@ -235,7 +235,8 @@ Reproduction section_44(std::uint64_t seed) {
   std::array<double, 2> matched{};
   std::size_t i = 0;
   for (const double gamma : {1.0, 2.2}) {
-    const Photometry light{.ambient = 5, .gamma = gamma, .noise_variance = 1.55, .seed = seed};
+    const Photometry light{
+        .ambient = 5, .response = PowerLaw{gamma}, .noise_variance = 1.55, .seed = seed};
     Photometry other = light;
     other.seed = ~seed;
     const FrameSet frames = take_again(first_scan, patterns, light);

@@ -1,0 +1,57 @@
+#include "slipstream/gamma/named_responses.h"
+
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+/// The curve through 129 points of a function that rises from 0 to 1.
+template <class Function>
+ResponseCurve through_points_of(const Function& light) {
+  constexpr int last = 128;
+  std::vector<double> values, intensities;
+  for (int i = 0; i <= last; ++i) {
+    values.push_back(static_cast<double>(i) / last);
+    intensities.push_back(light(values.back()));
+  }
+  return response_curve(values, intensities);
+}
+
+}  // namespace
+
+ResponseCurve srgb_curve() {
+  return through_points_of([](double value) {
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  });
+}
+
+ResponseCurve logistic_curve(double slope, double centre) {
+  if (!(slope > 0 && slope <= 50 && centre >= 0 && centre <= 1)) {
+    throw Error(fmt::format(
+        "logistic curve of slope {} and centre {}: slope 0 to 50, centre 0 to 1", slope, centre));
+  }
+  return through_points_of(
+      [&](double value) { return 1 / (1 + std::exp(-slope * (value - centre))); });
+}
+
+std::optional<ResponseCurve> curve_named(std::string_view name) {
+  constexpr std::string_view logistic = "logistic:";
+  if (name == "srgb") return srgb_curve();
+  if (!name.starts_with(logistic)) return std::nullopt;
+  double slope = 0, centre = 0;
+  const char* const end = name.data() + name.size();
+  const auto [colon, bad_slope] = std::from_chars(name.data() + logistic.size(), end, slope);
+  const bool has_centre = bad_slope == std::errc() && colon != end && *colon == ':';
+  if (has_centre) {
+    const auto [rest, bad_centre] = std::from_chars(colon + 1, end, centre);
+    if (bad_centre == std::errc() && rest == end) return logistic_curve(slope, centre);
+  }
+  throw Error(fmt::format("{}: two numbers are wanted, as in logistic:9:0.45", name));
+}
+
+}  // namespace slipstream

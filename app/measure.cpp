@@ -8,60 +8,19 @@
 
 #include <fmt/format.h>
 
-#include "app/clean_flags.h"
+#include "app/cloud_input.h"
 #include "app/commands.h"
-#include "app/finding_output.h"
-#include "app/scan_findings.h"
-#include "app/scan_input.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/stored_cloud.h"
-#include "slipstream/reconstruct/engine.h"
 
 namespace slipstream::app {
 namespace {
 
 struct MeasureFlags {
   std::string path;
-  ScanInputFlags input;
-  ReconstructSettings settings;
-  CleanFlags clean;
-  bool anyway = false;
+  CloudInputFlags input;
   std::vector<std::string> points, planes, spheres;
   std::vector<std::pair<std::string, std::string>> distances;
 };
-
-/// The cloud of a scan, as reconstruct makes it, and how sure it is where the noise is known.
-StoredCloud cloud_of_scan(const MeasureFlags& flags, Output& output) {
-  Scan scan = load(flags.path, flags.input, false, output);
-  choose_response(scan, flags.input);
-  require_reconstructible(setup_for(scan, flags.settings));
-  const CheckedScan checked =
-      check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
-  refuse_or_warn(checked, flags.path, flags.anyway, output);
-  output.document["findings"] = app::json_of(checked.findings);
-  if (!checked.repairs.empty()) choose_response(scan, flags.input);
-  Engine engine(setup_for(scan, flags.settings));
-  StoredCloud result;
-  result.organised = true;
-  Maps maps;
-  engine.cloud_and_maps(scan.frames, result.cloud, maps);
-  if (engine.setup().scanner.photometry.noise_variance) {
-    result.uncertainty = engine.uncertainty(result.cloud, maps, scan.frames);
-  }
-  return result;
-}
-
-StoredCloud organised_cloud(const MeasureFlags& flags, Output& output) {
-  if (!is_cloud_file(flags.path)) return cloud_of_scan(flags, output);
-  StoredCloud stored = read_cloud(flags.path);
-  if (!stored.organised) {
-    throw Error(
-        fmt::format("{}: its points are not in the order of pixels, by which they are named; "
-                    "measure the scan, or an organised .pcd",
-                    flags.path));
-  }
-  return stored;
-}
 
 /// What is measured in, and where the words go.
 struct Measuring {
@@ -172,15 +131,13 @@ void measure_sphere(const std::string& rectangle, const Measuring& in) {
            sphere.residuals, in.output);
 }
 
-void measure(const MeasureFlags& given, Output& output) {
-  MeasureFlags flags = given;
-  flags.settings.clean = clean_settings_from(flags.clean);
+void measure(const MeasureFlags& flags, Output& output) {
   if (flags.points.empty() && flags.distances.empty() && flags.planes.empty() &&
       flags.spheres.empty()) {
     throw Error("nothing to measure; give --point, --distance, --plane or --sphere");
   }
   output.document["input"] = flags.path;
-  const StoredCloud stored = organised_cloud(flags, output);
+  const StoredCloud stored = organised_cloud(flags.path, flags.input, output);
   const Measuring in{stored, output};
   for (const auto& pixel : flags.points) measure_point(pixel, in);
   for (const auto& pixels : flags.distances) measure_distance(pixels, in);
@@ -202,10 +159,7 @@ void add_measure(CLI::App& program, Command& chosen) {
             "fitted to the points of a rectangle of pixels, width x height + x + y, as "
             "200x100+320+240");
   group.add("--sphere", flags.spheres, "likewise");
-  add_anyway_flag(command.app, flags.anyway);
-  add_point_flags(command.app, flags.settings);
-  add_clean_flags(command.app, flags.clean);
-  add_scan_input_flags(command.app, flags.input);
+  add_cloud_input_flags(command.app, flags.input);
   command.app.footer(
       "Examples:\n  slipstream measure scan --point 320,240 --distance 100,200 500,210\n"
       "  slipstream measure cloud.pcd --plane 200x100+320+240 --json");

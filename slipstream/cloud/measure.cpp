@@ -34,12 +34,6 @@ Vector normal_at(const FittedPlane& plane, const Vector& /*point*/) {
 Vector normal_at(const FittedSphere& sphere, const Vector& point) {
   return (point - sphere.centre).normalized();
 }
-double signed_distance(const FittedPlane& plane, const Vector& point) {
-  return plane.normal.dot(point - plane.centre);
-}
-double signed_distance(const FittedSphere& sphere, const Vector& point) {
-  return (point - sphere.centre).norm() - sphere.radius;
-}
 
 Vector mean_of(std::span<const MeasuredPoint> points) {
   Vector sum = Vector::Zero();
@@ -62,6 +56,10 @@ FittedPlane plane_of(std::span<const MeasuredPoint> points) {
   plane.normal = axes.eigenvectors().col(0);
   if (plane.normal.dot(plane.centre) > 0) plane.normal = -plane.normal;
   return plane;
+}
+
+FittedPlane refitted_plane(std::span<const MeasuredPoint> points, const FittedPlane& /*near*/) {
+  return plane_of(points);
 }
 
 /// The sphere of least squares in |p|^2 = 2 c p + k, about the points' mean.
@@ -124,17 +122,18 @@ FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere spher
   return sphere;
 }
 
-/// Of the points in even steps; all where there are fewer.
+/// The distance that a share of the points keeps; of the points in even steps, all where there are
+/// fewer.
 template <class Shape>
-double median_distance(const Shape& shape, std::span<const MeasuredPoint> points,
-                       std::size_t most_looked_at) {
+double distance_of_share(const Shape& shape, std::span<const MeasuredPoint> points, double share,
+                         std::size_t most_looked_at = std::numeric_limits<std::size_t>::max()) {
   std::vector<double> distances;
   const std::size_t step = std::max<std::size_t>(points.size() / most_looked_at, 1);
   for (std::size_t i = 0; i < points.size(); i += step) {
     distances.push_back(std::abs(signed_distance(shape, points[i].position)));
   }
   if (!std::isfinite(distances.front())) return std::numeric_limits<double>::infinity();
-  return quantile(distances, 0.5);
+  return quantile(distances, share);
 }
 
 /// Of shapes through `drawn` points each, taken at random, the one of least median distance. With a
@@ -146,12 +145,12 @@ Shape least_median_shape(std::span<const MeasuredPoint> points, std::size_t draw
   constexpr std::size_t most_looked_at = 1000;
   std::mt19937 random(1);
   Shape best = through(points);
-  double least = median_distance(best, points, most_looked_at);
+  double least = distance_of_share(best, points, 0.5, most_looked_at);
   for (int draw = 0; draw < draws; ++draw) {
     Points few;
     for (std::size_t i = 0; i < drawn; ++i) few.push_back(points[random() % points.size()]);
     const Shape shape = through(few);
-    const double median = median_distance(shape, points, most_looked_at);
+    const double median = distance_of_share(shape, points, 0.5, most_looked_at);
     if (median < least) {
       least = median;
       best = shape;
@@ -178,16 +177,25 @@ Residuals residuals_of(const Shape& shape, const Points& used, std::size_t outli
   return residuals;
 }
 
+/// What a point may be off to count as one of the shape's: so many times what a share of all are.
+struct Limit {
+  double share = 0.5;
+  double times = 4 * 1.4826;  ///< of the median, which of Gaussian distances is sigma / 1.4826
+};
+
+Limit all_but(double left_out) {
+  return {1 - left_out, 1};
+}
+
 /// From a shape that outliers have no part in: the shape of least squares of the points near it,
 /// which are told by it anew until they stay the same.
 template <class Shape, class Fit>
-Shape fit_without_outliers(std::span<const MeasuredPoint> points, Shape shape, const Fit& fit) {
-  constexpr double to_sigma = 1.4826;  // of Gaussian distances, from their median
-  constexpr double limit = 4;
+Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& limit,
+               const Fit& fit) {
   constexpr int most_rounds = 20;
   Points used;
   for (int round = 0; round < most_rounds; ++round) {
-    const double farthest = limit * to_sigma * median_distance(shape, points, points.size());
+    const double farthest = limit.times * distance_of_share(shape, points, limit.share);
     Points near;
     std::copy_if(points.begin(), points.end(), std::back_inserter(near), [&](const auto& point) {
       return std::abs(signed_distance(shape, point.position)) <= farthest;
@@ -240,6 +248,14 @@ Distance distance(const MeasuredPoint& from, const MeasuredPoint& to) {
   return result;
 }
 
+double signed_distance(const FittedPlane& plane, const Vector& point) {
+  return plane.normal.dot(point - plane.centre);
+}
+
+double signed_distance(const FittedSphere& sphere, const Vector& point) {
+  return (point - sphere.centre).norm() - sphere.radius;
+}
+
 FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
   require_points(points, least_of_plane, "plane");
   const auto through = [](std::span<const MeasuredPoint> few) {
@@ -247,16 +263,23 @@ FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
     const Vector normal = (few[1].position - first).cross(few[2].position - first);
     return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
   };
-  return fit_without_outliers(
-      points, least_median_shape<FittedPlane>(points, least_of_plane, through),
-      [](const Points& used, const FittedPlane&) { return plane_of(used); });
+  return fit_near(points, least_median_shape<FittedPlane>(points, least_of_plane, through), Limit{},
+                  refitted_plane);
 }
 
 FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
   constexpr std::size_t drawn = 6;
   require_points(points, least_of_sphere, "sphere");
-  return fit_without_outliers(
-      points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), sphere_of);
+  return fit_near(points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), Limit{},
+                  sphere_of);
+}
+
+FittedPlane fit_plane_leaving_out(std::span<const MeasuredPoint> points, double share) {
+  return fit_near(points, fit_plane(points), all_but(share), refitted_plane);
+}
+
+FittedSphere fit_sphere_leaving_out(std::span<const MeasuredPoint> points, double share) {
+  return fit_near(points, fit_sphere(points), all_but(share), sphere_of);
 }
 
 }  // namespace slipstream

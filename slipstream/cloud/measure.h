@@ -67,4 +67,13 @@ struct FittedSphere {
 FittedPlane fit_plane(std::span<const MeasuredPoint> points);
 FittedSphere fit_sphere(std::span<const MeasuredPoint> points);
 
+/// The shape of least squares of all points but a share of them, those farthest from
+/// it, as acceptance tests ask for: they are its outliers. Throws Error likewise.
+FittedPlane fit_plane_leaving_out(std::span<const MeasuredPoint> points, double share);
+FittedSphere fit_sphere_leaving_out(std::span<const MeasuredPoint> points, double share);
+
+/// How far a point lies from the shape, mm: positive towards the camera, or outside.
+double signed_distance(const FittedPlane& plane, const Eigen::Vector3d& point);
+double signed_distance(const FittedSphere& sphere, const Eigen::Vector3d& point);
+
 }  // namespace slipstream

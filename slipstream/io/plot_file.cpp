@@ -171,22 +171,26 @@ cv::Mat drawn(const BarPlot& plot) {
   return page.picture();
 }
 
-void save(const fs::path& path, const cv::Mat& picture) {
+std::vector<std::uint8_t> png_of(const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", picture, bytes);
-  write_file(path, bytes);
+  return bytes;
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> plot_png(const LinePlot& plot) {
+  return png_of(drawn(plot));
+}
 
 void write_plot(const fs::path& path, const Plot& plot) {
   if (lower_case_extension(path) != ".png") {
     throw Error(fmt::format("{}: plots are PNG files; use the ending .png", path.string()));
   }
   if (const auto* lines = std::get_if<LinePlot>(&plot)) {
-    save(path, drawn(*lines));
+    write_file(path, plot_png(*lines));
   } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {
-    save(path, drawn(*bars));
+    write_file(path, png_of(drawn(*bars)));
   } else if (const auto* heat = std::get_if<HeatPlot>(&plot)) {
     write_map_preview(path, heat->values, heat->unit);
   } else {

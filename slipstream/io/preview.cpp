@@ -88,11 +88,8 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
   return page;
 }
 
-void write_page(const fs::path& path, cv::Mat picture, const ValueRange& range,
-                const std::string& unit, const ColourMap& colours) {
-  if (lower_case_extension(path) != ".png") {
-    throw Error(fmt::format("{}: previews are PNG files; use the ending .png", path.string()));
-  }
+std::vector<std::uint8_t> page_png(cv::Mat picture, const ValueRange& range,
+                                   const std::string& unit, const ColourMap& colours) {
   constexpr int longest_side = 1000;
   const int side = std::max(picture.cols, picture.rows);
   if (side > longest_side) {
@@ -101,6 +98,13 @@ void write_page(const fs::path& path, cv::Mat picture, const ValueRange& range,
   }
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", with_scale(picture, range, unit, colours), bytes);
+  return bytes;
+}
+
+void write_preview(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+  if (lower_case_extension(path) != ".png") {
+    throw Error(fmt::format("{}: previews are PNG files; use the ending .png", path.string()));
+  }
   write_file(path, bytes);
 }
 
@@ -120,13 +124,17 @@ void write_depth_preview(const fs::path& path, const Cloud& cloud) {
   const ColourMap colours = depth_colours();
   cv::Mat picture = coloured(depth, range, colours);
   shade(picture, cloud);
-  write_page(path, std::move(picture), range, "depth, mm", colours);
+  write_preview(path, page_png(std::move(picture), range, "depth, mm", colours));
+}
+
+std::vector<std::uint8_t> map_png(const Image<double>& map, const std::string& unit) {
+  const ValueRange range = robust_range(map);
+  const ColourMap colours = map_colours();
+  return page_png(coloured(map, range, colours), range, unit, colours);
 }
 
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
-  const ValueRange range = robust_range(map);
-  const ColourMap colours = map_colours();
-  write_page(path, coloured(map, range, colours), range, unit, colours);
+  write_preview(path, map_png(map, unit));
 }
 
 }  // namespace slipstream

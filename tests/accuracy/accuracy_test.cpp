@@ -1,0 +1,192 @@
+#include "slipstream/accuracy/accuracy.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <random>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "slipstream/accuracy/accuracy_report.h"
+#include "slipstream/accuracy/rehearsal.h"
+#include "slipstream/strategy/dual_frequency.h"
+#include "tests/accuracy/cast_cloud.h"
+#include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+using Eigen::Vector3d;
+
+const Artefacts bar{.diameters = {40, 40},
+                    .distance = 120,
+                    .spheres = {"bar"},
+                    .planes = {},
+                    .repeated = {},
+                    .diagonal = 400};
+
+Scene bar_scene() {
+  return {sphere_at({-60, 0, 600}, 20), sphere_at({60, 0, 600}, 20)};
+}
+
+Body plane_at(double depth) {
+  return {.shape = Board{220, 160}, .pose = Eigen::Isometry3d(Eigen::Translation3d(0, 0, depth))};
+}
+
+double figure(const Accuracy& accuracy, const Artefacts& artefacts, std::string_view key) {
+  for (const AccuracyFigure& figure : accuracy_figures(accuracy, artefacts)) {
+    if (figure.key == key) return figure.millimetres;
+  }
+  return std::nan("");
+}
+
+TEST(Accuracy, OfExactPointsIsExact) {
+  const Accuracy found =
+      measure_accuracy(bar, [](const std::string&) { return cast_cloud(bar_scene()); });
+  EXPECT_NEAR(figure(found, bar, "probing_size"), 0, 1e-4);
+  EXPECT_NEAR(figure(found, bar, "probing_form"), 0, 2e-4);  // of points in float
+  EXPECT_NEAR(figure(found, bar, "sphere_spacing"), 0, 1e-4);
+  EXPECT_NEAR(scale_error(found, bar).value(), 0, 1e-6);
+  EXPECT_TRUE(std::isnan(figure(found, bar, "flatness")));
+}
+
+TEST(Accuracy, ShowsWhatACertifiedValueIsOff) {
+  Artefacts off = bar;
+  off.diameters = {39.9, 40};
+  off.distance = 120.25;
+  const Accuracy found =
+      measure_accuracy(off, [](const std::string&) { return cast_cloud(bar_scene()); });
+  EXPECT_NEAR(figure(found, off, "probing_size"), 0.1, 1e-4);
+  EXPECT_NEAR(figure(found, off, "sphere_spacing"), -0.25, 1e-4);
+  EXPECT_NEAR(scale_error(found, off).value(), -0.25 / 120.25, 1e-6);
+}
+
+TEST(Accuracy, GivesEachOfTwoSpheresItsOwnDiameter) {
+  Artefacts unequal = bar;
+  unequal.diameters = {40, 30};
+  const Scene scene{sphere_at({-60, 0, 600}, 15), sphere_at({60, 0, 600}, 20)};
+  for (const bool swapped : {false, true}) {
+    if (swapped) std::swap(unequal.diameters[0], unequal.diameters[1]);
+    const Accuracy found =
+        measure_accuracy(unequal, [&](const std::string&) { return cast_cloud(scene); });
+    EXPECT_NEAR(figure(found, unequal, "probing_size"), 0, 1e-4);
+  }
+}
+
+TEST(Accuracy, LeavesOutThreeInAThousandAndNoMore) {
+  // Points 0.5 mm off, one in 500, are left out; one in 100 are form.
+  for (const auto& [every, form] : {std::pair{500, 0.0}, std::pair{100, 0.5}}) {
+    int lit = 0;
+    const Cloud cloud = cast_cloud({plane_at(600)}, {320, 240},
+                                   [&, n = every](int, int) { return ++lit % n == 0 ? 0.5 : 0.0; });
+    const Artefacts plane{.planes = {"plane"}};
+    const Accuracy found = measure_accuracy(plane, [&](const std::string&) { return cloud; });
+    EXPECT_NEAR(figure(found, plane, "flatness"), form, 0.02) << every;
+    EXPECT_NEAR(figure(found, plane, "flatness_95"), 0, 3e-3);
+  }
+}
+
+TEST(Accuracy, OfNoiseIsThatOfItsDistribution) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.05);
+  const Cloud cloud =
+      cast_cloud({plane_at(600)}, {320, 240}, [&](int, int) { return noise(random); });
+  const Artefacts plane{.planes = {"plane"}};
+  const Accuracy found = measure_accuracy(plane, [&](const std::string&) { return cloud; });
+  EXPECT_NEAR(figure(found, plane, "flatness"), 2 * 2.968 * 0.05, 0.01);
+  EXPECT_NEAR(figure(found, plane, "flatness_95"), 2 * 1.960 * 0.05, 0.005);
+  EXPECT_NEAR(figure(found, plane, "bending"), 0.05 / 16, 0.001);
+  EXPECT_NEAR(found.planes.front().form.rms, 0.05, 0.002);
+}
+
+TEST(Accuracy, BendingIsWhatNoiseDoesNotExplain) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.05);
+  const Cloud cloud = cast_cloud({plane_at(600)}, {320, 240}, [&](int column, int) {
+    return noise(random) +
+           0.1 * std::sqrt(2) * std::cos((column - 158) * 2 * std::numbers::pi / 152);
+  });
+  const Artefacts plane{.planes = {"plane"}};
+  const Accuracy found = measure_accuracy(plane, [&](const std::string&) { return cloud; });
+  EXPECT_NEAR(figure(found, plane, "bending"), 0.1, 0.01);
+}
+
+TEST(Accuracy, PrecisionIsTheSpreadOfEachPixel) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.03);
+  const Artefacts still{.repeated = std::vector<std::string>(20, "still")};
+  const Accuracy found = measure_accuracy(still, [&](const std::string&) {
+    return cast_cloud({plane_at(600)}, {160, 120}, [&](int, int) { return noise(random); });
+  });
+  EXPECT_NEAR(figure(found, still, "precision"), 0.03, 0.001);
+  EXPECT_EQ(found.repeated->scans, 20);
+  expect_error(
+      [&] {
+        (void)measure_accuracy(still, [](const std::string&) {
+          return cast_cloud({plane_at(600)}, {160, 120});
+        });
+      },
+      {"copies"});
+}
+
+TEST(Accuracy, RefusesAScanWithoutTheArtefactByName) {
+  const auto plane = [](const std::string&) { return cast_cloud({plane_at(600)}); };
+  const auto empty = [](const std::string&) { return Cloud({320, 240}); };
+  expect_error([&] { (void)measure_accuracy(bar, plane); }, {"bar: ", "40 mm"});
+  expect_error([&] { (void)measure_accuracy(bar, empty); }, {"bar: ", "40 mm"});
+  expect_error([&] { (void)measure_accuracy({.planes = {"p"}}, empty); }, {"p: ", "too few"});
+}
+
+/// Of a scanner that is calibrated with a baseline too long by a factor.
+Rehearsal small_rehearsal(const Photometry& photometry, double factor = 1) {
+  const VirtualWorld world{.scanner = example_scanner({320, 240}), .photometry = photometry};
+  const Sequence sequence{.strategy = DualFrequency{.steps = 4, .high = 16, .low = 1},
+                          .projector = world.scanner.projector.size};
+  Scanner calibrated = as_calibrated(world);
+  calibrated.translation *= factor;
+  return rehearsal(world, sequence, calibrated);
+}
+
+TEST(Rehearsal, InAnIdealWorldMeasuresNoErrorButThatOfItsPixels) {
+  Rehearsal test = small_rehearsal({.bits = std::nullopt});
+  EXPECT_EQ(test.artefacts.spheres.size(), 7U);
+  EXPECT_EQ(test.artefacts.planes.size(), 6U);
+  test.artefacts.repeated.clear();
+  const Accuracy found = measure_accuracy(test.artefacts, test.cloud_of);
+  EXPECT_NEAR(figure(found, test.artefacts, "probing_size"), 0, 0.002);
+  EXPECT_NEAR(figure(found, test.artefacts, "probing_form"), 0, 0.004);
+  EXPECT_NEAR(figure(found, test.artefacts, "sphere_spacing"), 0, 0.002);
+  EXPECT_NEAR(figure(found, test.artefacts, "flatness"), 0, 0.004);
+}
+
+TEST(Rehearsal, MeasuresWhatACalibrationIsOff) {
+  Rehearsal test = small_rehearsal({.bits = std::nullopt}, 1.002);
+  test.artefacts.planes.clear();
+  test.artefacts.repeated.clear();
+  const Accuracy found = measure_accuracy(test.artefacts, test.cloud_of);
+  EXPECT_NEAR(scale_error(found, test.artefacts).value(), 0.002, 1e-5);
+}
+
+TEST(AccuracyReport, IsOnePageWithItsPictures) {
+  Artefacts artefacts = bar;
+  artefacts.spheres = {"<bar & 1>"};
+  const Accuracy found =
+      measure_accuracy(artefacts, [](const std::string&) { return cast_cloud(bar_scene()); });
+  const TemporaryFolder folder;
+  write_accuracy_report(folder.path() / "report.html", "a bar", found, artefacts);
+  std::ifstream file(folder.path() / "report.html");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  EXPECT_NE(text.find("sphere-spacing error"), std::string::npos);
+  EXPECT_NE(text.find("&#60;bar &#38; 1&#62;"), std::string::npos);
+  EXPECT_EQ(text.find("<bar"), std::string::npos);
+  EXPECT_NE(text.find("data:image/png;base64,iVBORw0KGgo"), std::string::npos);
+  expect_error(
+      [&] { write_accuracy_report(folder.path() / "report.pdf", "a bar", found, artefacts); },
+      {"report.pdf", ".html"});
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -73,8 +73,9 @@ struct Test {
 
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices;
+  devices.scene = "board";  // it makes way for the artefacts
   devices.scanner = flags.input.input.scanner;
-  VirtualWorld world{.scanner = virtual_scanner(devices), .photometry = devices.photometry};
+  const VirtualWorld world = world_from(devices);
   const Scanner calibrated =
       flags.calibrated ? read_scanner(*flags.calibrated) : as_calibrated(world);
   ReconstructSettings settings = flags.input.settings;

@@ -1,6 +1,7 @@
 #include "slipstream/calibrate/board_corners.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -70,6 +71,37 @@ void expect_found(const CalibrationBoard& board, const Picture& picture, double 
 TEST(BoardCorners, OfAChessboardAreFoundToAFractionOfAPixel) {
   const CalibrationBoard board{.columns = 9, .rows = 7};
   for (const double turn : {0.0, 0.2, -0.6, 1.0}) expect_found(board, picture_of(board, turn), 0.1);
+}
+
+/// The same, of a chessboard, without a sample's grid: each edge is a smooth function.
+Picture smooth_picture_of(const CalibrationBoard& board, double turn) {
+  const Size size{480, 400};
+  const Eigen::Vector2d middle(size.width / 2.0 - 0.5, size.height / 2.0 - 0.5);
+  const Eigen::Rotation2D<double> rotation(turn);
+  Picture picture{{Image<float>(size, 200), {}}, {}};
+  const Eigen::Vector2d last(board.columns - 1, board.rows - 1);
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      const Eigen::Array2d at =
+          rotation.inverse() * (Eigen::Vector2d(column, row) - middle) / side + last / 2;
+      if ((at < -1).any() || (at > last.array() + 1).any()) continue;
+      const Eigen::Array2d edges = (6 * (std::numbers::pi * at).sin()).tanh();
+      picture.seen.mean(column, row) = static_cast<float>(110 + 90 * edges.prod());
+    }
+  }
+  picture.seen.brightest = picture.seen.mean;
+  for (const Eigen::Vector3d& place : printed_places(board)) {
+    picture.truth.emplace_back(middle +
+                               rotation * (place.head<2>() / board.spacing - last / 2) * side);
+  }
+  return picture;
+}
+
+TEST(BoardCorners, OfAChessboardAreNotDrawnToThePixelGrid) {
+  for (const double turn : {0.1, 0.2, 0.3, -0.25}) {
+    expect_found({.columns = 9, .rows = 7}, smooth_picture_of({.columns = 9, .rows = 7}, turn),
+                 0.003);
+  }
 }
 
 TEST(BoardCorners, OfACircleGridAreFoundToAFractionOfAPixel) {

@@ -22,46 +22,22 @@ struct VerifyFlags {
   CloudInputFlags input;
 };
 
-nlohmann::json json_of(const FormDeviation& form) {
-  return {{"range_mm", form.range},
-          {"range_95_mm", form.dispersion},
-          {"rms_mm", form.rms},
-          {"points", form.points}};
-}
-
-nlohmann::json json_of(const SpheresAccuracy& position) {
-  nlohmann::json told{{"scan", position.scan}, {"spheres", nlohmann::json::array()}};
-  for (const SphereAccuracy& sphere : position.spheres) {
-    told["spheres"].push_back({{"size_mm", sphere.size}, {"form", json_of(sphere.form)}});
+void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& output) {
+  for (const AccuracyFigure& figure : accuracy_figures(accuracy)) {
+    output.document["figures_mm"][std::string(figure.key)] = figure.value;
+    output.say("{}: {:.4f} mm{}", figure.what, figure.value,
+               diagonal ? fmt::format(", {:.3f} per mille", 1000 * figure.value / *diagonal) : "");
   }
-  if (position.spacing) told["spacing_mm"] = *position.spacing;
-  return told;
-}
-
-void tell(const Accuracy& accuracy, const Artefacts& artefacts, Output& output) {
-  nlohmann::json& document = output.document;
-  for (const AccuracyFigure& figure : accuracy_figures(accuracy, artefacts)) {
-    nlohmann::json& told = document["figures"][std::string(figure.key)];
-    told["mm"] = figure.millimetres;
-    if (artefacts.diagonal) told["share_of_diagonal"] = figure.share;
-    output.say("{}: {:.4f} mm{}", figure.what, figure.millimetres,
-               artefacts.diagonal ? fmt::format(", {:.3f} per mille", 1000 * figure.share) : "");
-  }
-  if (const auto scale = scale_error(accuracy, artefacts)) {
-    document["scale_error"] = *scale;
-    output.say("dimension trueness: {:+.4f} % of the spheres' distance", 100 * *scale);
-  }
-  for (const SpheresAccuracy& position : accuracy.spheres) {
-    document["spheres"].push_back(json_of(position));
-  }
-  for (const PlaneAccuracy& plane : accuracy.planes) {
-    document["planes"].push_back(
-        {{"scan", plane.scan}, {"form", json_of(plane.form)}, {"bending_mm", plane.bending}});
-  }
-  if (accuracy.repeated) {
-    document["repeated"] = {{"scans", accuracy.repeated->scans},
-                            {"pixels", accuracy.repeated->pixels},
-                            {"sigma_mm", accuracy.repeated->sigma}};
+  for (const ShapeAccuracy& shape : accuracy.shapes) {
+    nlohmann::json told{{"scan", shape.scan},
+                        {"form_mm", shape.range},
+                        {"form_95_mm", shape.range_95},
+                        {"rms_mm", shape.rms},
+                        {"points", shape.points}};
+    if (shape.size) told["size_mm"] = *shape.size;
+    if (shape.spacing) told["spacing_mm"] = *shape.spacing;
+    if (shape.bending) told["planarity_mm"] = *shape.bending;
+    output.document[shape.size ? "spheres" : "planes"].push_back(std::move(told));
   }
 }
 
@@ -87,9 +63,6 @@ Test rehearsed(const VerifyFlags& flags) {
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
   Artefacts artefacts = read_artefacts(*flags.artefacts);
-  if (!artefacts.diagonal && flags.input.input.scanner) {
-    artefacts.diagonal = std::sqrt(3) * measured_cube(read_scanner(*flags.input.input.scanner));
-  }
   return {
       {std::move(artefacts),
        [&](const std::string& scan) { return organised_cloud(scan, flags.input, output).cloud; }},
@@ -112,9 +85,9 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   progress.finish();
   output.document["subject"] = subject;
   if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
-  tell(accuracy, artefacts, output);
+  tell(accuracy, artefacts.diagonal, output);
   if (!flags.report) return;
-  write_accuracy_report(*flags.report, subject, accuracy, artefacts);
+  write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
   output.document["report"] = *flags.report;
   output.say("the report is {}", *flags.report);
 }

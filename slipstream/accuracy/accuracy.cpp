@@ -15,124 +15,129 @@
 namespace slipstream {
 namespace {
 
+using Points = std::vector<MeasuredPoint>;
+
 constexpr double left_out = 0.003;
 constexpr double degree = std::numbers::pi / 180;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The width of the narrowest range that holds a share of the values.
-double narrowest_range(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
+/// The width of the narrowest range that holds a share of the values, which rise.
+double narrowest_range(const std::vector<double>& values, double share) {
   const auto held = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
-  double width = std::numeric_limits<double>::infinity();
+  double width = values.back() - values.front();
   for (std::size_t i = 0; i + held <= values.size(); ++i) {
     width = std::min(width, values[i + held - 1] - values[i]);
   }
   return width;
 }
 
-template <class Shape>
-FormDeviation form_of(const Shape& shape, const std::vector<MeasuredPoint>& points) {
-  std::vector<double> deviations;
-  for (const MeasuredPoint& point : points) {
-    deviations.push_back(signed_distance(shape, point.position));
-  }
-  return {.range = narrowest_range(deviations, 1 - left_out),
-          .dispersion = narrowest_range(deviations, 0.95),
-          .rms = shape.residuals.rms,
-          .points = points.size()};
+Points points_of(const Cloud& cloud) {
+  return points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
 }
 
-/// Writes what the points deviate from the shape into the map.
-template <class Shape>
-void draw(const Shape& shape, const Cloud& cloud, const std::vector<MeasuredPoint>& points,
-          Image<double>& map) {
-  auto point = points.begin();  // in the order of the pixels
+/// The part of a map that holds all its finite values, of which there are some.
+Image<double> cropped(const Image<double>& map) {
+  int left = map.width(), right = -1, top = map.height(), bottom = -1;
   for (int row = 0; row < map.height(); ++row) {
-    for (int column = 0; column < map.width() && point != points.end(); ++column) {
-      const auto here = point_at(cloud, nullptr, column, row);
-      if (!here || here->position != point->position) continue;
-      map(column, row) = signed_distance(shape, (point++)->position);
+    for (int column = 0; column < map.width(); ++column) {
+      if (std::isnan(map(column, row))) continue;
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = row;
     }
   }
+  Image<double> part({right - left + 1, bottom - top + 1});
+  for (int row = 0; row < part.height(); ++row) {
+    std::copy_n(map.row(top + row) + left, part.width(), part.row(row));
+  }
+  return part;
 }
 
-/// Leaves out what the rod to the other sphere may hide or touch.
-void leave_out_rod(std::vector<MeasuredPoint>& points, const FittedSphere& sphere,
-                   const FittedSphere& other) {
-  const double widest = std::cos(40 * degree);
-  const Eigen::Vector3d rod = (other.centre - sphere.centre).normalized();
-  std::erase_if(points, [&](const MeasuredPoint& point) {
-    return (point.position - sphere.centre).normalized().dot(rod) > widest;
-  });
+/// Fits the shape to those points of the cloud that belong to it.
+template <class Fit, class Belongs>
+auto measure_shape(const Cloud& cloud, const Fit& fit, const Belongs& belongs,
+                   ShapeAccuracy& accuracy) {
+  Points points = points_of(cloud);
+  std::erase_if(points, [&](const MeasuredPoint& point) { return !belongs(point.position); });
+  const auto shape = fit(points, left_out);
+  Image<double> map(cloud.size(), nan);
+  for (int row = 0; row < map.height(); ++row) {
+    for (int column = 0; column < map.width(); ++column) {
+      const auto point = point_at(cloud, nullptr, column, row);
+      if (!point || !belongs(point->position)) continue;
+      map(column, row) = signed_distance(shape, point->position);
+    }
+  }
+  std::vector<double> deviations = finite_values(map);
+  std::sort(deviations.begin(), deviations.end());
+  accuracy.range = narrowest_range(deviations, 1 - left_out);
+  accuracy.range_95 = narrowest_range(deviations, 0.95);
+  accuracy.rms = shape.residuals.rms;
+  accuracy.points = deviations.size();
+  accuracy.deviation = cropped(map);
+  return shape;
 }
 
-SpheresAccuracy measure_spheres(const Artefacts& artefacts, const Cloud& cloud,
-                                Image<double>& map) {
+std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Cloud& cloud) {
   std::vector<double> radii;
   for (const double diameter : artefacts.diameters) radii.push_back(diameter / 2);
-  std::vector<FittedSphere> spheres = find_spheres(cloud, radii);
-  const std::vector<FittedSphere> found = spheres;
-  SpheresAccuracy result;
+  const std::vector<FittedSphere> found = find_spheres(cloud, radii);
+  std::vector<ShapeAccuracy> accuracies(found.size());
+  std::vector<FittedSphere> fitted;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    std::vector<MeasuredPoint> points = points_on(cloud, found[i], 60 * degree);
-    if (found.size() == 2) leave_out_rod(points, found[i], found[1 - i]);
-    spheres[i] = fit_sphere_leaving_out(points, left_out);
-    result.spheres.push_back({.size = 2 * spheres[i].radius - artefacts.diameters[i],
-                              .form = form_of(spheres[i], points)});
-    draw(spheres[i], cloud, points, map);
+    const FittedSphere &here = found[i], &other = found[found.size() - 1 - i];
+    const Eigen::Vector3d rod = (other.centre - here.centre).normalized();  // 0 of one sphere
+    const auto belongs = [&](const Eigen::Vector3d& point) {
+      return is_on_cap(here, point, 60 * degree) &&
+             (point - here.centre).normalized().dot(rod) < std::cos(40 * degree);
+    };
+    fitted.push_back(measure_shape(cloud, fit_sphere_leaving_out, belongs, accuracies[i]));
+    accuracies[i].size = 2 * fitted[i].radius - artefacts.diameters[i];
   }
   if (artefacts.distance) {
-    result.spacing = (spheres[1].centre - spheres[0].centre).norm() - *artefacts.distance;
+    accuracies[1].spacing = (fitted[1].centre - fitted[0].centre).norm() - *artefacts.distance;
   }
-  return result;
+  return accuracies;
 }
 
-/// RMS of the means of blocks that hold enough values.
-double rms_of_blocks(const Image<double>& map) {
+/// RMS of the means of squares of pixels, of those that hold enough values.
+double rms_of_means(const Image<double>& map) {
   constexpr int side = 16, least = side * side / 2;
   double squares = 0;
-  int blocks = 0;
-  for (int top = 0; top < map.height(); top += side) {
-    for (int left = 0; left < map.width(); left += side) {
+  int means = 0;
+  for (int top = 0; top + side <= map.height(); top += side) {
+    for (int left = 0; left + side <= map.width(); left += side) {
       double sum = 0;
       int count = 0;
-      for (int row = top; row < std::min(top + side, map.height()); ++row) {
-        for (int column = left; column < std::min(left + side, map.width()); ++column) {
-          if (std::isnan(map(column, row))) continue;
-          sum += map(column, row);
-          ++count;
-        }
+      for (int i = 0; i < side * side; ++i) {
+        const double value = map(left + i % side, top + i / side);
+        if (std::isnan(value)) continue;
+        sum += value;
+        ++count;
       }
       if (count < least) continue;
       squares += sum / count * sum / count;
-      ++blocks;
+      ++means;
     }
   }
-  return blocks > 0 ? std::sqrt(squares / blocks) : nan;
+  return std::sqrt(squares / means);
 }
 
-PlaneAccuracy measure_plane(const Cloud& cloud, Image<double>& map) {
-  std::vector<MeasuredPoint> points =
-      points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
+ShapeAccuracy measure_plane(const Cloud& cloud) {
+  const Points points = points_of(cloud);
   const FittedPlane rough = fit_plane(points);
-  double length = 0;
+  double reach = 0;
   for (const MeasuredPoint& point : points) {
-    length = std::max(length, 2 * (point.position - rough.centre).norm());
+    reach = std::max(reach, (point.position - rough.centre).norm());
   }
-  std::erase_if(points, [&](const MeasuredPoint& point) {
-    return std::abs(signed_distance(rough, point.position)) > 0.01 * length;
-  });
-  const FittedPlane plane = fit_plane_leaving_out(points, left_out);
-  draw(plane, cloud, points, map);
-  return {.scan = {}, .form = form_of(plane, points), .bending = rms_of_blocks(map)};
-}
-
-/// Keeps the map if its scan is the worst so far.
-void keep_worst(double error, const std::string& scan, Image<double>& map, double& worst,
-                DeviationMap& kept) {
-  if (error <= worst) return;
-  worst = error;
-  kept = {scan, std::move(map)};
+  const auto belongs = [&](const Eigen::Vector3d& point) {
+    return std::abs(signed_distance(rough, point)) < 0.02 * reach;
+  };
+  ShapeAccuracy accuracy;
+  measure_shape(cloud, fit_plane_leaving_out, belongs, accuracy);
+  accuracy.bending = rms_of_means(accuracy.deviation);
+  return accuracy;
 }
 
 /// Mean and sum of squared deviations of Z by pixel, which grow scan by scan.
@@ -142,109 +147,87 @@ struct Spread {
 
   void add(const Image<float>& z) {
     if (scans == 0) mean = squares = Image<double>(z.size());
-    if (z.size() != mean.size()) throw Error("it is of another size than the first");
+    if (z.size() != mean.size()) throw Error("of another size than the first");
     ++scans;
     for (std::size_t i = 0; i < z.pixel_count(); ++i) {
       const double step = static_cast<double>(z.begin()[i]) - mean.begin()[i];
       mean.begin()[i] += step / scans;
-      squares.begin()[i] += step * (static_cast<double>(z.begin()[i]) - mean.begin()[i]);
+      squares.begin()[i] += step * step * (scans - 1) / scans;
     }
   }
 };
 
-RepeatAccuracy repeat_accuracy(const Spread& spread, Image<double>& sigma) {
-  sigma = spread.squares;
-  for (double& value : sigma) value = std::sqrt(value / (spread.scans - 1));
-  std::vector<double> values = finite_values(sigma);
-  if (values.empty()) throw Error("repeated: no pixel has a point in all scans");
-  const double middle = quantile(values, 0.5);
-  if (middle == 0) throw Error("repeated: the scans are copies of one");
-  return {.scans = spread.scans, .pixels = values.size(), .sigma = middle};
-}
-
-/// Does what is done with each scan's cloud; what it throws names the scan.
-void for_each_cloud(const std::vector<std::string>& scans, const CloudOfScan& cloud_of,
-                    const std::function<void(const std::string&, const Cloud&)>& work) {
-  for (const std::string& scan : scans) {
-    const Cloud cloud = cloud_of(scan);
-    try {
-      work(scan, cloud);
-    } catch (const Error& error) {
-      throw Error(fmt::format("{}: {}", scan, error.what()));
-    }
-  }
+Repeatability repeatability(const Spread& spread) {
+  Repeatability result{spread.scans, spread.squares};
+  for (double& value : result.sigma) value = std::sqrt(value / (spread.scans - 1));
+  std::vector<double> sigmas = finite_values(result.sigma);
+  if (sigmas.empty()) throw Error("repeated: no pixel has a point in all scans");
+  if (quantile(sigmas, 0.5) == 0) throw Error("repeated: the scans are copies of one");
+  return result;
 }
 
 }  // namespace
 
 Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_of) {
   Accuracy accuracy;
-  double worst = 0;
-  for_each_cloud(artefacts.spheres, cloud_of, [&](const std::string& scan, const Cloud& cloud) {
-    Image<double> map(cloud.size(), nan);
-    SpheresAccuracy found = measure_spheres(artefacts, cloud, map);
-    found.scan = scan;
-    double form = 0;
-    for (const SphereAccuracy& sphere : found.spheres) form = std::max(form, sphere.form.range);
-    keep_worst(form, scan, map, worst, accuracy.worst_spheres);
-    accuracy.spheres.push_back(std::move(found));
-  });
-  worst = 0;
-  for_each_cloud(artefacts.planes, cloud_of, [&](const std::string& scan, const Cloud& cloud) {
-    Image<double> map(cloud.size(), nan);
-    PlaneAccuracy found = measure_plane(cloud, map);
-    found.scan = scan;
-    keep_worst(found.form.range, scan, map, worst, accuracy.worst_plane);
-    accuracy.planes.push_back(std::move(found));
-  });
   Spread spread;
-  for_each_cloud(artefacts.repeated, cloud_of,
-                 [&](const std::string& /*scan*/, const Cloud& cloud) { spread.add(cloud.z); });
-  if (spread.scans > 1) accuracy.repeated = repeat_accuracy(spread, accuracy.repeat_sigma);
+  const auto visit = [&](const std::vector<std::string>& scans, const auto& measure) {
+    for (const std::string& scan : scans) {
+      const Cloud cloud = cloud_of(scan);
+      try {
+        for (ShapeAccuracy& shape : measure(cloud)) {
+          shape.scan = scan;
+          accuracy.shapes.push_back(std::move(shape));
+        }
+      } catch (const Error& error) {
+        throw Error(fmt::format("{}: {}", scan, error.what()));
+      }
+    }
+  };
+  using Shapes = std::vector<ShapeAccuracy>;
+  visit(artefacts.spheres, [&](const Cloud& cloud) { return measure_spheres(artefacts, cloud); });
+  visit(artefacts.planes, [&](const Cloud& cloud) { return Shapes{measure_plane(cloud)}; });
+  visit(artefacts.repeated, [&](const Cloud& cloud) {
+    spread.add(cloud.z);
+    return Shapes{};
+  });
+  if (spread.scans > 1) accuracy.repeated = repeatability(spread);
   return accuracy;
 }
 
-std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy, const Artefacts& artefacts) {
-  std::vector<AccuracyFigure> figures{
-      {"probing_form", "probing error, form: 99.7 % of the points"},
-      {"probing_form_95", "probing error, form: 95 % of the points"},
-      {"probing_size", "probing error, size"},
-      {"sphere_spacing", "sphere-spacing error"},
-      {"flatness", "flatness error: 99.7 % of the points"},
-      {"flatness_95", "flatness error: 95 % of the points"},
-      {"bending", "planarity trueness: RMS of means over 16x16 pixels"},
-      {"precision", "precision: sigma of Z by pixel, median"}};
-  for (AccuracyFigure& figure : figures) figure.millimetres = nan;
-  const auto take = [&](std::size_t figure, double value) {
-    double& worst = figures[figure].millimetres;
-    if (!(std::abs(value) <= std::abs(worst))) worst = value;
+std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy) {
+  AccuracyFigure form{"probing_form", "probing error of form P_F, 99.7 % of the points", nan};
+  AccuracyFigure form_95{"probing_form_95", "probing error of form, 95 % of the points", nan};
+  AccuracyFigure size{"probing_size", "probing error of size P_S", nan};
+  AccuracyFigure spacing{"sphere_spacing", "sphere-spacing error S_D", nan};
+  AccuracyFigure dimension{"dimension", "dimension trueness: mean of sphere-spacing errors", nan};
+  AccuracyFigure flat{"flatness", "flatness error, 99.7 % of the points", nan};
+  AccuracyFigure flat_95{"flatness_95", "flatness error, 95 % of the points", nan};
+  AccuracyFigure bending{"planarity", "planarity trueness: RMS of means over 16x16 pixels", nan};
+  AccuracyFigure precision{"precision", "precision: sigma of Z by pixel, median", nan};
+  const auto take = [](AccuracyFigure& figure, double value) {
+    if (!(std::abs(value) <= std::abs(figure.value))) figure.value = value;
   };
-  for (const SpheresAccuracy& position : accuracy.spheres) {
-    for (const SphereAccuracy& sphere : position.spheres) {
-      take(0, sphere.form.range);
-      take(1, sphere.form.dispersion);
-      take(2, sphere.size);
-    }
-    if (position.spacing) take(3, *position.spacing);
-  }
-  for (const PlaneAccuracy& plane : accuracy.planes) {
-    take(4, plane.form.range);
-    take(5, plane.form.dispersion);
-    take(6, plane.bending);
-  }
-  if (accuracy.repeated) take(7, accuracy.repeated->sigma);
-  std::erase_if(figures, [](const auto& figure) { return std::isnan(figure.millimetres); });
-  for (AccuracyFigure& figure : figures) {
-    figure.share = figure.millimetres / artefacts.diagonal.value_or(nan);
-  }
-  return figures;
-}
-
-std::optional<double> scale_error(const Accuracy& accuracy, const Artefacts& artefacts) {
-  if (!artefacts.distance || accuracy.spheres.empty()) return std::nullopt;
   double sum = 0;
-  for (const SpheresAccuracy& position : accuracy.spheres) sum += position.spacing.value_or(0);
-  return sum / static_cast<double>(accuracy.spheres.size()) / *artefacts.distance;
+  int distances = 0;
+  for (const ShapeAccuracy& shape : accuracy.shapes) {
+    take(shape.size ? form : flat, shape.range);
+    take(shape.size ? form_95 : flat_95, shape.range_95);
+    if (shape.size) take(size, *shape.size);
+    if (shape.bending) take(bending, *shape.bending);
+    if (!shape.spacing) continue;
+    take(spacing, *shape.spacing);
+    sum += *shape.spacing;
+    dimension.value = sum / ++distances;
+  }
+  if (accuracy.repeated) {
+    std::vector<double> sigmas = finite_values(accuracy.repeated->sigma);
+    precision.value = quantile(sigmas, 0.5);
+  }
+  std::vector<AccuracyFigure> figures{form, form_95, size,    spacing,  dimension,
+                                      flat, flat_95, bending, precision};
+  std::erase_if(figures, [](const AccuracyFigure& figure) { return std::isnan(figure.value); });
+  return figures;
 }
 
 }  // namespace slipstream

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "slipstream/accuracy/accuracy.h"
@@ -8,10 +9,10 @@
 namespace slipstream {
 
 /// Writes one page of HTML with its pictures in it: the figures in mm and per mille of the measured
-/// volume's diagonal, each position, and maps of the deviations where they are largest. `subject`
-/// says in a line what was measured. Throws Error for another ending than .html, WorldError where
-/// it cannot be written.
+/// volume's diagonal (mm), each sphere and plane, and maps of what deviates most. `subject` says in
+/// a line what was measured. Throws Error for another ending than .html, WorldError where it cannot
+/// be written.
 void write_accuracy_report(const std::filesystem::path& path, const std::string& subject,
-                           const Accuracy& accuracy, const Artefacts& artefacts);
+                           const Accuracy& accuracy, std::optional<double> diagonal);
 
 }  // namespace slipstream

@@ -1,10 +1,10 @@
 #include "slipstream/accuracy/artefacts.h"
 
-#include <array>
 #include <charconv>
-#include <string_view>
+#include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
@@ -15,68 +15,58 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::string_view, 6> known{"diameters", "distance", "spheres",
-                                                "planes",    "repeated", "diagonal"};
-
-double length_from(const std::string& text, const std::string& name) {
+double length_from(const std::string& text) {
   constexpr double longest = 1e6;
   double length = 0;
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), length);
-  if (failed != std::errc() || end != text.data() + text.size() ||
-      !(length > 0 && length <= longest)) {
-    throw Error(fmt::format("{}: '{}' is no length, 0 to {:g} mm", name, text, longest));
+  if (failed != std::errc() || end != text.data() + text.size() || !(length > 0) ||
+      length > longest) {
+    throw Error(fmt::format("'{}' is no length, 0 to {:g} mm", text, longest));
   }
   return length;
 }
 
-std::vector<double> lengths_from(const RigSetting& setting) {
-  std::vector<double> lengths;
-  for (const std::string& text : setting.values) {
-    lengths.push_back(length_from(text, setting.name));
-  }
-  return lengths;
-}
-
-double one_length_from(const RigSetting& setting) {
-  if (setting.values.size() != 1) throw Error(setting.name + ": one length is wanted");
-  return lengths_from(setting).front();
+double one_length_from(const std::vector<std::string>& values) {
+  if (values.size() != 1) throw Error("one length is wanted");
+  return length_from(values.front());
 }
 
 void take(const RigSetting& setting, const fs::path& folder, Artefacts& artefacts) {
-  std::vector<std::string> scans;
-  for (const std::string& value : setting.values) scans.push_back((folder / value).string());
-  if (setting.name == "diameters") {
-    artefacts.diameters = lengths_from(setting);
+  const std::map<std::string, std::vector<std::string>*> scans{{"spheres", &artefacts.spheres},
+                                                               {"planes", &artefacts.planes},
+                                                               {"repeated", &artefacts.repeated}};
+  if (const auto kind = scans.find(setting.name); kind != scans.end()) {
+    for (const std::string& scan : setting.values) kind->second->push_back(folder / scan);
+  } else if (setting.name == "diameters") {
+    for (const std::string& text : setting.values) {
+      artefacts.diameters.push_back(length_from(text));
+    }
   } else if (setting.name == "distance") {
-    artefacts.distance = one_length_from(setting);
+    artefacts.distance = one_length_from(setting.values);
   } else if (setting.name == "diagonal") {
-    artefacts.diagonal = one_length_from(setting);
-  } else if (setting.name == "spheres") {
-    artefacts.spheres = scans;
-  } else if (setting.name == "planes") {
-    artefacts.planes = scans;
-  } else if (setting.name == "repeated") {
-    artefacts.repeated = scans;
+    artefacts.diagonal = one_length_from(setting.values);
   } else {
-    throw Error(fmt::format("there is no '{}' here; it is one of: {}{}", setting.name,
-                            fmt::join(known, ", "), did_you_mean(setting.name, known)));
+    const std::vector<std::string> known{"diameters", "distance", "spheres",
+                                         "planes",    "repeated", "diagonal"};
+    throw Error(fmt::format("not known; it is one of: {}{}", fmt::join(known, ", "),
+                            did_you_mean(setting.name, known)));
   }
 }
 
-/// What does not go together.
-void require_whole(const Artefacts& artefacts) {
+/// What does not go together; empty where all does.
+std::string fault_of(const Artefacts& artefacts) {
   const std::size_t spheres = artefacts.diameters.size();
-  if (spheres > 2) throw Error("diameters: one or two are wanted");
+  if (spheres > 2) return "diameters: one or two are wanted";
   if (artefacts.distance.has_value() != (spheres == 2)) {
-    throw Error("two diameters and the distance of their spheres go together");
+    return "two diameters and the distance of their spheres go together";
   }
   if (artefacts.spheres.empty() != (spheres == 0)) {
-    throw Error("diameters and the scans of spheres go together");
+    return "diameters and the scans of spheres go together";
   }
-  if (artefacts.repeated.size() == 1) throw Error("repeated: two scans or more are wanted");
-  if (artefacts.spheres.empty() && artefacts.planes.empty() && artefacts.repeated.empty()) {
-    throw Error("no scans are named");
-  }
+  if (artefacts.repeated.size() == 1) return "repeated: two scans or more are wanted";
+  const bool none =
+      artefacts.spheres.empty() && artefacts.planes.empty() && artefacts.repeated.empty();
+  return none ? "no scans are named" : "";
 }
 
 }  // namespace
@@ -92,14 +82,12 @@ Artefacts artefacts_from(const std::string& text, const fs::path& file) {
     try {
       take(setting, file.parent_path(), artefacts);
     } catch (const Error& error) {
-      throw Error(fmt::format("{}: line {}: {}", file.string(), setting.line, error.what()));
+      throw Error(fmt::format("{}: line {}: {}: {}", file.string(), setting.line, setting.name,
+                              error.what()));
     }
   }
-  try {
-    require_whole(artefacts);
-  } catch (const Error& error) {
-    throw Error(fmt::format("{}: {}", file.string(), error.what()));
-  }
+  const std::string fault = fault_of(artefacts);
+  if (!fault.empty()) throw Error(fmt::format("{}: {}", file.string(), fault));
   return artefacts;
 }
 

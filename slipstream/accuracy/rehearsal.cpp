@@ -40,6 +40,15 @@ bool is_seen(const Scanner& scanner, const Vector& centre, double side) {
   return true;
 }
 
+/// The side, mm, of the largest cube that both see whole.
+double measured_cube(const Scanner& scanner) {
+  const WorkingVolume volume = working_volume(scanner);
+  for (double side = volume.extent; side > volume.extent / 20; side *= 0.99) {
+    if (is_seen(scanner, volume.centre, side)) return side;
+  }
+  throw Error("camera and projector see no volume in common");
+}
+
 /// Two spheres and a square rod between them, along X about the origin.
 Scene ball_bar(const Artefacts& artefacts, const Eigen::Isometry3d& pose) {
   const double radius = artefacts.diameters[0] / 2, reach = *artefacts.distance / 2;
@@ -107,14 +116,6 @@ void add_planes(Rehearsal& test, Scenes& scenes, const Vector& centre, double si
 }
 
 }  // namespace
-
-double measured_cube(const Scanner& scanner) {
-  const WorkingVolume volume = working_volume(scanner);
-  for (double side = volume.extent; side > volume.extent / 20; side *= 0.99) {
-    if (is_seen(scanner, volume.centre, side)) return side;
-  }
-  throw Error("camera and projector see no volume in common");
-}
 
 Rehearsal rehearsal(const VirtualWorld& world, const Sequence& sequence, const Scanner& calibrated,
                     const ReconstructSettings& settings) {

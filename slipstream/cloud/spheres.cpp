@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <optional>
 
@@ -17,18 +18,22 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr std::size_t least_points = 100;
+constexpr std::size_t least_points = 50;
 
 /// A point of the cloud and its surface's normal, towards the camera.
 struct SurfaceElement {
   Vector point, normal;
 };
 
+/// Of every so many pixels, so that they are enough and soon looked at.
 std::vector<SurfaceElement> surface_elements(const Cloud& cloud) {
+  constexpr double enough = 2e5;
   const Normals normals = smoothed_normals(cloud);
+  const auto [width, height] = cloud.size();
+  const int step = static_cast<int>(std::ceil(std::sqrt(width * height / enough)));
   std::vector<SurfaceElement> elements;
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
+  for (int row = 0; row < height; row += step) {
+    for (int column = 0; column < width; column += step) {
       const Vector normal(normals.x(column, row), normals.y(column, row), normals.z(column, row));
       if (normal.allFinite()) elements.push_back({position_at(cloud, column, row), normal});
     }
@@ -36,66 +41,42 @@ std::vector<SurfaceElement> surface_elements(const Cloud& cloud) {
   return elements;
 }
 
-/// The cell of a grid that most places lie in: its middle. Places farther than 2^20 cells count for
-/// nothing.
-std::optional<Vector> fullest_cell(const std::vector<Vector>& places, double cell) {
-  using Cell = std::array<int, 3>;
-  constexpr double farthest = 1 << 20;
-  std::vector<Cell> cells;
-  for (const Vector& place : places) {
-    const Vector scaled = (place / cell).array().floor();
-    if (scaled.cwiseAbs().maxCoeff() > farthest) continue;
-    cells.push_back(
-        {static_cast<int>(scaled.x()), static_cast<int>(scaled.y()), static_cast<int>(scaled.z())});
-  }
-  std::sort(cells.begin(), cells.end());
-  std::optional<Vector> fullest;
-  std::ptrdiff_t most = 0;
-  for (auto first = cells.begin(); first != cells.end();) {
-    const auto end = std::upper_bound(first, cells.end(), *first);
-    if (end - first > most) {
-      most = end - first;
-      fullest = cell * (Vector((*first)[0], (*first)[1], (*first)[2]) + Vector::Constant(0.5));
-    }
-    first = end;
-  }
-  return fullest;
-}
-
 /// Where an element says that the centre of a sphere of that radius is.
 Vector vote_of(const SurfaceElement& element, double radius) {
   return element.point - radius * element.normal;
 }
 
-/// Where most elements say it is: the mean of their votes about the fullest cell, which moves until
-/// it stays.
+/// Where most elements say it is: the mean of the votes in the fullest cell of a grid.
 std::optional<Vector> centre_by_votes(const std::vector<SurfaceElement>& elements, double radius,
-                                      double reach) {
-  constexpr int rounds = 10;
-  std::vector<Vector> votes;
-  for (const SurfaceElement& element : elements) votes.push_back(vote_of(element, radius));
-  std::optional<Vector> centre = fullest_cell(votes, reach);
-  for (int round = 0; centre && round < rounds; ++round) {
-    Vector sum = Vector::Zero();
+                                      double cell) {
+  struct Votes {
     int count = 0;
-    for (const Vector& vote : votes) {
-      if ((vote - *centre).norm() > reach) continue;
-      sum += vote;
-      ++count;
-    }
-    if (count < static_cast<int>(least_points)) return std::nullopt;
-    centre = sum / count;
+    Vector sum = Vector::Zero();
+  };
+  std::map<std::array<double, 3>, Votes> cells;
+  for (const SurfaceElement& element : elements) {
+    const Vector vote = vote_of(element, radius), place = (vote / cell).array().floor();
+    Votes& votes = cells[{place.x(), place.y(), place.z()}];
+    ++votes.count;
+    votes.sum += vote;
   }
-  return centre;
+  const auto fullest = std::max_element(cells.begin(), cells.end(), [](auto& one, auto& other) {
+    return one.second.count < other.second.count;
+  });
+  if (fullest == cells.end()) return std::nullopt;
+  return fullest->second.sum / fullest->second.count;
 }
 
 std::optional<FittedSphere> sphere_at(const Cloud& cloud, const Vector& centre, double radius) {
   constexpr double sure_angle = 60 * std::numbers::pi / 180;
-  FittedSphere rough{.centre = centre, .radius = radius, .residuals = {}};
-  std::vector<MeasuredPoint> points = points_on(cloud, rough, sure_angle);
+  const FittedSphere rough{.centre = centre, .radius = radius, .residuals = {}};
+  std::vector<MeasuredPoint> points = points_in(cloud, nullptr, {0, 0, cloud.size()});
+  std::erase_if(points, [&](const MeasuredPoint& point) {
+    return !is_on_cap(rough, point.position, sure_angle);
+  });
   const std::size_t seen = points.size();
   std::erase_if(points, [&](const MeasuredPoint& point) {
-    return std::abs(signed_distance(rough, point.position)) > radius / 4;
+    return std::abs(signed_distance(rough, point.position)) > radius / 3;
   });
   if (points.size() < least_points || points.size() < seen / 2) return std::nullopt;
   try {
@@ -110,13 +91,13 @@ std::optional<FittedSphere> sphere_at(const Cloud& cloud, const Vector& centre, 
 std::optional<FittedSphere> find_sphere(const Cloud& cloud, std::vector<SurfaceElement> elements,
                                         double radius) {
   constexpr int most_places = 20;
-  const double reach = radius / 3;
+  const double cell = radius / 3;
   for (int place = 0; place < most_places; ++place) {
-    const std::optional<Vector> centre = centre_by_votes(elements, radius, reach);
+    const std::optional<Vector> centre = centre_by_votes(elements, radius, cell);
     if (!centre) return std::nullopt;
     if (const auto sphere = sphere_at(cloud, *centre, radius)) return sphere;
     std::erase_if(elements, [&](const SurfaceElement& element) {
-      return (vote_of(element, radius) - *centre).norm() <= reach;
+      return (vote_of(element, radius) - *centre).norm() <= cell;
     });
   }
   return std::nullopt;
@@ -145,23 +126,12 @@ std::vector<FittedSphere> find_spheres(const Cloud& cloud, std::span<const doubl
     });
     spheres.push_back(*sphere);
   }
-  std::vector<FittedSphere> reversed(spheres.rbegin(), spheres.rend());
+  const std::vector<FittedSphere> reversed(spheres.rbegin(), spheres.rend());
   return misfit(reversed, radii) < misfit(spheres, radii) ? reversed : spheres;
 }
 
-std::vector<MeasuredPoint> points_on(const Cloud& cloud, const FittedSphere& sphere,
-                                     double widest_angle) {
-  const double widest = sphere.radius * std::sin(widest_angle);
-  std::vector<MeasuredPoint> points;
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      const std::optional<MeasuredPoint> point = point_at(cloud, nullptr, column, row);
-      if (!point) continue;
-      const Vector ray = point->position.normalized();
-      if (ray.cross(sphere.centre).norm() <= widest) points.push_back(*point);
-    }
-  }
-  return points;
+bool is_on_cap(const FittedSphere& sphere, const Vector& point, double widest_angle) {
+  return point.normalized().cross(sphere.centre).norm() <= sphere.radius * std::sin(widest_angle);
 }
 
 }  // namespace slipstream

@@ -14,10 +14,9 @@ namespace slipstream {
 /// fits them better. Throws Error where no sphere of such a size, or too little of it, is seen.
 std::vector<FittedSphere> find_spheres(const Cloud& cloud, std::span<const double> radii);
 
-/// The point of each pixel whose ray meets the sphere at no more than `widest_angle` (rad) from its
-/// normal, however far from the sphere the point lies: what is wrong there belongs to the sphere's
-/// form.
-std::vector<MeasuredPoint> points_on(const Cloud& cloud, const FittedSphere& sphere,
-                                     double widest_angle);
+/// Whether the ray from the camera through a point meets the sphere at no more than `widest_angle`
+/// (rad) from its normal, however far from the sphere the point lies: what is wrong there belongs
+/// to the sphere's form.
+bool is_on_cap(const FittedSphere& sphere, const Eigen::Vector3d& point, double widest_angle);
 
 }  // namespace slipstream

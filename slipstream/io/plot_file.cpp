@@ -171,26 +171,22 @@ cv::Mat drawn(const BarPlot& plot) {
   return page.picture();
 }
 
-std::vector<std::uint8_t> png_of(const cv::Mat& picture) {
+void save(const fs::path& path, const cv::Mat& picture) {
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", picture, bytes);
-  return bytes;
+  write_file(path, bytes);
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> plot_png(const LinePlot& plot) {
-  return png_of(drawn(plot));
-}
 
 void write_plot(const fs::path& path, const Plot& plot) {
   if (lower_case_extension(path) != ".png") {
     throw Error(fmt::format("{}: plots are PNG files; use the ending .png", path.string()));
   }
   if (const auto* lines = std::get_if<LinePlot>(&plot)) {
-    write_file(path, plot_png(*lines));
+    save(path, drawn(*lines));
   } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {
-    write_file(path, png_of(drawn(*bars)));
+    save(path, drawn(*bars));
   } else if (const auto* heat = std::get_if<HeatPlot>(&plot)) {
     write_map_preview(path, heat->values, heat->unit);
   } else {

@@ -1,7 +1,7 @@
 #include "slipstream/cloud/spheres.h"
 
 #include <array>
-#include <numbers>
+#include <cmath>
 #include <random>
 
 #include <Eigen/Geometry>
@@ -55,20 +55,15 @@ TEST(FindSpheres, RefusesWhereThereIsNone) {
   expect_error([&] { (void)find_spheres(Cloud({0, 0}), std::array{30.0}); }, {"60 mm"});
 }
 
-TEST(PointsOn, AreThoseOfTheRaysAndNotOfTheDistance) {
-  const Scene scene{sphere_at({0, 0, 600}, 30)};
-  const double angle = 60 * std::numbers::pi / 180;
+TEST(IsOnCap, AsksTheRayAndNotTheDistance) {
   const FittedSphere sphere{.centre = {0, 0, 600}, .radius = 30, .residuals = {}};
-  const auto exact = points_on(cast_cloud(scene), sphere, angle);
-  const auto far_off =
-      points_on(cast_cloud(scene, {320, 240}, [](int, int) { return 50.0; }), sphere, angle);
-  EXPECT_EQ(exact.size(), far_off.size());
-  double widest = 0;
-  for (const MeasuredPoint& point : exact) {
-    const Vector3d normal = (sphere.centre - point.position).normalized();
-    widest = std::max(widest, std::acos(normal.dot(point.position.normalized())));
+  for (const MeasuredPoint& point :
+       points_in(cast_cloud({sphere_at({0, 0, 600}, 30)}), nullptr, {0, 0, {320, 240}})) {
+    const Vector3d inwards = (sphere.centre - point.position).normalized();
+    const double angle = std::acos(inwards.dot(point.position.normalized()));
+    EXPECT_TRUE(is_on_cap(sphere, point.position, angle + 1e-3));
+    EXPECT_FALSE(is_on_cap(sphere, 2 * point.position, angle - 1e-3));
   }
-  EXPECT_NEAR(widest, angle, 0.05);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "slipstream/accuracy/accuracy_report.h"
 #include "slipstream/accuracy/rehearsal.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/strategy/registry.h"
 
@@ -72,6 +73,9 @@ Test of_artefacts(const VerifyFlags& flags, Output& output) {
 void verify_accuracy(const VerifyFlags& flags, Output& output) {
   if (flags.rehearse == flags.artefacts.has_value()) {
     throw Error("give the file of the artefacts, or --rehearse");
+  }
+  if (flags.report && lower_case_extension(*flags.report) != ".html") {
+    throw Error(fmt::format("{}: the report is HTML; use the ending .html", *flags.report));
   }
   const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
   const Artefacts& artefacts = test.artefacts;

@@ -163,6 +163,7 @@ Repeatability repeatability(const Spread& spread) {
   std::vector<double> sigmas = finite_values(result.sigma);
   if (sigmas.empty()) throw Error("repeated: no pixel has a point in all scans");
   if (quantile(sigmas, 0.5) == 0) throw Error("repeated: the scans are copies of one");
+  result.sigma = cropped(result.sigma);
   return result;
 }
 

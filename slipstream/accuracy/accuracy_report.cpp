@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/preview.h"
 
@@ -108,9 +107,6 @@ std::string pictures(const Accuracy& accuracy) {
 
 void write_accuracy_report(const std::filesystem::path& path, const std::string& subject,
                            const Accuracy& accuracy, std::optional<double> diagonal) {
-  if (lower_case_extension(path) != ".html") {
-    throw Error(fmt::format("{}: the report is HTML; use the ending .html", path.string()));
-  }
   const std::string volume =
       diagonal ? fmt::format("; diagonal of the measured volume {:.0f} mm", *diagonal) : "";
   write_file(path, fmt::format("{}<h1>Accuracy</h1>\n<p>{}{}</p>\n{}{}{}</body></html>\n", head,

@@ -23,6 +23,7 @@ namespace {
 
 const cv::Scalar background(46, 42, 40);
 const cv::Scalar ink(225, 225, 225);
+constexpr int smallest_height = 240;  // of a page
 
 /// Values to colours, pixels that are not finite to the background.
 cv::Mat coloured(const Image<double>& map, const ValueRange& range, const ColourMap& colours) {
@@ -64,7 +65,7 @@ void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double s
 /// The picture with a bar of its colours at its right, labelled at round values.
 cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::string& unit,
                    const ColourMap& colours) {
-  constexpr int bar_width = 22, margin = 16, label_width = 92, smallest_height = 240;
+  constexpr int bar_width = 22, margin = 16, label_width = 92;
   const int height = std::max(picture.rows, smallest_height);
   cv::Mat page(height, picture.cols + margin + bar_width + label_width, CV_8UC3, background);
   picture.copyTo(page(cv::Rect(0, 0, picture.cols, picture.rows)));
@@ -130,7 +131,10 @@ void write_depth_preview(const fs::path& path, const Cloud& cloud) {
 std::vector<std::uint8_t> map_png(const Image<double>& map, const std::string& unit) {
   const ValueRange range = robust_range(map);
   const ColourMap colours = map_colours();
-  return page_png(coloured(map, range, colours), range, unit, colours);
+  cv::Mat picture = coloured(map, range, colours);
+  const int times = smallest_height / std::max({map.width(), map.height(), 1});
+  if (times > 1) cv::resize(picture, picture, {}, times, times, cv::INTER_NEAREST);
+  return page_png(std::move(picture), range, unit, colours);
 }
 
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {

@@ -20,7 +20,7 @@ struct ValueRange {
 ValueRange robust_range(const Image<double>& map);
 
 /// The bytes of a PNG for people: a map in colours with its scale, unshaded. `unit` is printed over
-/// the scale. Sides longer than 1000 pixels are reduced.
+/// the scale. Sides longer than 1000 pixels are reduced, small maps enlarged.
 std::vector<std::uint8_t> map_png(const Image<double>& map, const std::string& unit);
 
 /// A PNG for people: depth in colours, shaded by the surface's slope so that its form shows, with a

@@ -1,0 +1,80 @@
+// Drives slipstream verify.
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "slipstream/io/file.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+class VerifyProgram : public testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  void simulate(const std::string& scan, const std::string& scene, const std::string& seed) {
+    const ProgramRun run = run_program(
+        {"simulate", path(scan), "--scene", scene, "--camera", "320x240", "--seed", seed});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+
+  [[nodiscard]] nlohmann::json verified(const std::string& artefacts) const {
+    write_file(path("artefacts.yaml"), artefacts);
+    const ProgramRun run =
+        run_program({"verify", path("artefacts.yaml"), "-o", path("report.html"), "--json"});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return run.exit_code == 0 ? nlohmann::json::parse(run.out) : nlohmann::json();
+  }
+
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& part) const {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2);
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(path("report.html")));
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_F(VerifyProgram, MeasuresScansAgainstCertifiedValues) {
+  simulate("ball", "sphere", "1");
+  simulate("one", "board", "2");
+  simulate("two", "board", "3");
+  const double diameter = 0.8 * working_volume(example_scanner({320, 240})).extent;
+  const auto certified = [&](double off) {
+    return fmt::format(
+        "diameters: {}\nspheres: ball\nplanes: [one, two]\nrepeated: [one, two]\ndiagonal: 400\n",
+        diameter + off);
+  };
+  const nlohmann::json right = verified(certified(0)), off = verified(certified(0.1));
+  EXPECT_NEAR(right["figures_mm"]["probing_size"].get<double>(), 0, 0.3);
+  EXPECT_NEAR(off["spheres"][0]["size_mm"].get<double>(),
+              right["spheres"][0]["size_mm"].get<double>() - 0.1, 1e-9);
+  EXPECT_EQ(right["planes"].size(), 2U);
+  EXPECT_GT(right["figures_mm"]["precision"].get<double>(), 0.01);
+  EXPECT_EQ(right["diagonal_mm"], 400);
+  EXPECT_TRUE(contents(path("report.html")).starts_with("<!doctype html>"));
+}
+
+TEST_F(VerifyProgram, RefusesWhatItCannotVerify) {
+  simulate("one", "board", "2");
+  write_file(path("ball.yaml"), "diameters: 40\nspheres: one\n");
+  write_file(path("copies.yaml"), "repeated: [one, one]\n");
+  const std::string report = path("report.html");
+  expect_refused({"verify", "-o", report}, "--rehearse");
+  expect_refused({"verify", path("ball.yaml"), "--rehearse", "-o", report}, "--rehearse");
+  expect_refused({"verify", "--rehearse", "-o", path("report.pdf")}, ".html");
+  expect_refused({"verify", path("none.yaml"), "-o", report}, "none.yaml");
+  expect_refused({"verify", path("ball.yaml"), "-o", report}, "no sphere of diameter 40 mm");
+  expect_refused({"verify", path("copies.yaml"), "-o", report}, "copies");
+}
+
+}  // namespace
+}  // namespace slipstream

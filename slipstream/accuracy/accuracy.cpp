@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/cloud/depth_step.h"
 #include "slipstream/cloud/measure.h"
 #include "slipstream/cloud/spheres.h"
 #include "slipstream/error/error.h"
@@ -54,19 +55,27 @@ Image<double> cropped(const Image<double>& map) {
   return part;
 }
 
-/// Fits the shape to those points of the cloud that belong to it.
-template <class Fit, class Belongs>
-auto measure_shape(const Cloud& cloud, const Fit& fit, const Belongs& belongs,
-                   ShapeAccuracy& accuracy) {
-  Points points = points_of(cloud);
-  std::erase_if(points, [&](const MeasuredPoint& point) { return !belongs(point.position); });
-  const auto shape = fit(points, left_out);
+/// The cloud with those of its points alone that belong.
+template <class Belongs>
+Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
+  Cloud part = cloud;
+  for (int row = 0; row < cloud.size().height; ++row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      if (!belongs(column, row)) part.validity(column, row) = Validity::outside_region;
+    }
+  }
+  return part;
+}
+
+/// Fits the shape to a cloud and says how its points deviate from it.
+template <class Fit>
+auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) {
+  const auto shape = fit(points_of(cloud), left_out);
   Image<double> map(cloud.size(), nan);
   for (int row = 0; row < map.height(); ++row) {
     for (int column = 0; column < map.width(); ++column) {
       const auto point = point_at(cloud, nullptr, column, row);
-      if (!point || !belongs(point->position)) continue;
-      map(column, row) = signed_distance(shape, point->position);
+      if (point) map(column, row) = signed_distance(shape, point->position);
     }
   }
   std::vector<double> deviations = finite_values(map);
@@ -88,11 +97,12 @@ std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Clo
   for (std::size_t i = 0; i < found.size(); ++i) {
     const FittedSphere &here = found[i], &other = found[found.size() - 1 - i];
     const Eigen::Vector3d rod = (other.centre - here.centre).normalized();  // 0 of one sphere
-    const auto belongs = [&](const Eigen::Vector3d& point) {
+    const Cloud part = part_of(cloud, [&](int column, int row) {
+      const Eigen::Vector3d point = position_at(cloud, column, row);
       return is_on_cap(here, point, 60 * degree) &&
              (point - here.centre).normalized().dot(rod) < std::cos(40 * degree);
-    };
-    fitted.push_back(measure_shape(cloud, fit_sphere_leaving_out, belongs, accuracies[i]));
+    });
+    fitted.push_back(measure_shape(part, fit_sphere_leaving_out, accuracies[i]));
     accuracies[i].size = 2 * fitted[i].radius - artefacts.diameters[i];
   }
   if (artefacts.distance) {
@@ -131,11 +141,19 @@ ShapeAccuracy measure_plane(const Cloud& cloud) {
   for (const MeasuredPoint& point : points) {
     reach = std::max(reach, (point.position - rough.centre).norm());
   }
-  const auto belongs = [&](const Eigen::Vector3d& point) {
-    return std::abs(signed_distance(rough, point)) < 0.02 * reach;
-  };
+  const Cloud whole = part_of(cloud, [&](int column, int row) {
+    return std::abs(signed_distance(rough, position_at(cloud, column, row))) < 0.02 * reach;
+  });
+  constexpr int rim = 5;
+  const Cloud inner = part_of(whole, [&](int column, int row) {
+    const auto has_point = [&](int right, int down) {
+      return point_at(whole, nullptr, column + right, row + down).has_value();
+    };
+    return has_point(0, 0) && has_point(-rim, 0) && has_point(rim, 0) && has_point(0, -rim) &&
+           has_point(0, rim);
+  });
   ShapeAccuracy accuracy;
-  measure_shape(cloud, fit_plane_leaving_out, belongs, accuracy);
+  measure_shape(inner, fit_plane_leaving_out, accuracy);
   accuracy.bending = rms_of_means(accuracy.deviation);
   return accuracy;
 }

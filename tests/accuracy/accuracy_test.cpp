@@ -107,7 +107,7 @@ TEST(Accuracy, BendingIsWhatNoiseDoesNotExplain) {
   std::normal_distribution<double> noise(0, 0.05);
   const Cloud cloud = cast_cloud({plane_at(600)}, {320, 240}, [&](int column, int) {
     return noise(random) +
-           0.1 * std::sqrt(2) * std::cos((column - 158) * 2 * std::numbers::pi / 152);
+           0.1 * std::sqrt(2) * std::cos((column - 158) * 2 * std::numbers::pi / 142);
   });
   const Artefacts plane{.planes = {"plane"}};
   const Accuracy found = measure_accuracy(plane, [&](const std::string&) { return cloud; });

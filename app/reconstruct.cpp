@@ -52,8 +52,9 @@ struct ReconstructedScan {
   GammaChoice gamma;
   std::vector<std::string> warnings;
   CheckedScan checked;
-  ResultFiles files;                                                                   ///< written
-  std::optional<double> rms, median_sigma;                                             ///< mm
+  ResultFiles files;                        ///< written
+  std::optional<double> rms, median_sigma;  ///< mm
+  double least_modulation = 0;              ///< of a point, grey levels of 255
   double read = 0, choosing = 0, checking = 0, tables = 0, computed = 0, written = 0;  ///< s
 };
 
@@ -65,6 +66,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                          {"pixels", scan.cloud.z.pixel_count()},
                          {"counts", app::json_of(count_by_validity(scan.cloud))},
                          {"backend", scan.backend},
+                         {"least_modulation", scan.least_modulation},
                          {"gamma", app::json_of(scan.gamma)},
                          {"files", std::move(files)},
                          {"warnings", scan.warnings},
@@ -216,6 +218,12 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
   result.read = watch.lap();
   const EngineSetup setup = setup_of_sound(flags, scan, result, watch, output);
   const bool two_cameras = !scan.further_cameras.empty();
+  result.least_modulation =
+      two_cameras ? flags.settings.minimum_modulation : least_modulation(setup);
+  if (result.least_modulation > flags.settings.minimum_modulation) {
+    output.say("{}: least modulation {:.1f} instead of {:.1f}, where noise hides the fringe order",
+               result.folder, result.least_modulation, flags.settings.minimum_modulation);
+  }
   if (!two_cameras && (!engine || engine->setup() != setup)) {
     engine.emplace(setup);  // else its tables serve again
   }

@@ -47,6 +47,7 @@ struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
       : setup(of), complete(with_geometry(of)), corrections(phase_corrections(of)) {
     require_reconstructible(complete);
+    raise_least_modulation(complete);
     noise = depth_noise(complete);
     if (setup.settings.engine != EngineKind::reference) {
       fused = FusedEngine::make(complete, corrections);
@@ -73,7 +74,8 @@ struct Engine::Tables {
   }
 
   EngineSetup setup;
-  EngineSetup complete;  ///< with a geometry of some kind where `setup` has none
+  /// With a geometry of some kind where `setup` has none, and the modulation that its cue needs.
+  EngineSetup complete;
   PhaseCorrections corrections;
   DepthNoise noise;  ///< of frames of 8 bits
   std::optional<FusedEngine> fused;

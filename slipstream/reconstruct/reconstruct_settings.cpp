@@ -1,5 +1,6 @@
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -11,6 +12,7 @@
 #include "slipstream/geometry/projection_matrices.h"
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/strategy/registry.h"
+#include "slipstream/unwrap/cue_evidence.h"
 
 namespace slipstream {
 namespace {
@@ -102,12 +104,27 @@ int projector_length(const EngineSetup& setup) {
   return length_along(setup.sequence.axis, setup.scanner.projector.size);
 }
 
+double least_modulation(const EngineSetup& setup) {
+  const Layout& layout = setup.sequence.strategy.layout();
+  const double least = setup.settings.minimum_modulation;
+  if (layout.unwrapping != Unwrapping::vote) return least;
+  return std::max(least, CueEvidence(layout, cue_settings(setup)).least_modulation());
+}
+
+void raise_least_modulation(EngineSetup& setup) {
+  const double least = least_modulation(setup);
+  ReconstructSettings& settings = setup.settings;
+  if (!(least > settings.minimum_modulation)) return;
+  settings.least_voting_share *= settings.minimum_modulation / least;
+  settings.minimum_modulation = least;
+}
+
 double least_modulation(const ReconstructSettings& settings, double full_scale) {
   return settings.minimum_modulation * full_scale / 255;
 }
 
 double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale) {
-  return 0.8 * least_modulation(settings, full_scale);
+  return settings.least_voting_share * least_modulation(settings, full_scale);
 }
 
 }  // namespace slipstream

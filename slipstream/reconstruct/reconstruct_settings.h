@@ -32,6 +32,9 @@ struct ReconstructSettings {
   FringeOrderConsensus fringe_order{};
   /// Of a strategy whose fringe order comes from a cue in the same frames.
   CueRule cue_rule = CueRule::consensus;
+  /// Likewise: a pixel is asked for its neighbours' orders from this share of the least modulation
+  /// on, though it may be too dark for a point.
+  double least_voting_share = 0.8;
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;
@@ -79,11 +82,17 @@ DepthNoise depth_noise(const EngineSetup& setup);
 /// Projector pixels along the axis of the patterns.
 int projector_length(const EngineSetup& setup);
 
+/// The least modulation of a point, grey levels of 255: the settings', or more where noise would
+/// hide the fringe order, see CueEvidence::least_modulation.
+double least_modulation(const EngineSetup& setup);
+
+/// Raises that of the settings to it; who has a vote stays the same.
+void raise_least_modulation(EngineSetup& setup);
+
 /// The modulation threshold, grey levels of frames whose largest is `full_scale`.
 double least_modulation(const ReconstructSettings& settings, double full_scale);
 
-/// Where the fringe order comes from a cue in the same frames: the threshold from which a pixel is
-/// asked for its neighbours' orders, though it may be too dark for a point.
+/// That from which a pixel is asked for its neighbours' orders, likewise.
 double least_neighbour_modulation(const ReconstructSettings& settings, double full_scale);
 
 }  // namespace slipstream

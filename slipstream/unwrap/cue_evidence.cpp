@@ -40,6 +40,25 @@ bool CueEvidence::lit(const CuePixel& pixel) const {
          pixel.modulation >= settings_.least_modulation;
 }
 
+double CueEvidence::slope(double y) const {
+  const auto& [alpha_p, beta_p] = settings_.light;
+  const double dc = dc_ * (1 + 2 * (beta_p + settings_.ambient) / alpha_p);
+  return (dc + c2_ * reference_(y)) / c1_;
+}
+
+double CueEvidence::least_modulation() const {
+  // Of the cue, in periods: under a uniform surface 0.3 % of the orders are wrong there.
+  constexpr double deviation = 0.6;
+  if (circle_) return c1_ / c2_ * std::sqrt(component_variance_) * f_h_ / (2 * pi * deviation);
+  double least = 0;
+  for (double y = 0.15; y < 0.86; y += 0.05) {
+    const double noise = std::sqrt(cue_variance_ + slope(y) * slope(y) * component_variance_);
+    const double period = std::abs(slope(y + 0.5 / f_h_) - slope(y - 0.5 / f_h_));
+    least = std::max(least, noise / (period * deviation));
+  }
+  return least;
+}
+
 double CueEvidence::coordinate(const CuePixel& pixel) const {
   const auto& [alpha_p, beta_p] = settings_.light;
   const double beta = settings_.ambient;
@@ -68,14 +87,10 @@ double CueEvidence::cost(const CuePixel& pixel, double y) const {
                           projection * projection / (c1_ * c1_ + c2_ * c2_);
     return square / component_variance_;
   }
-  const auto& [alpha_p, beta_p] = settings_.light;
-  const double beta = settings_.ambient;
-  // The cue's channel over B at this y, of any reflectivity: (3.56) / (3.57) and (3.73) / (3.72).
-  const double dc = dc_ * (1 + 2 * (beta_p + beta) / alpha_p);
-  const double slope = (dc + c2_ * reference_(y)) / c1_;
-  const double difference = pixel.cue - dc_ * beta - slope * B;
+  const double at = slope(y);
+  const double difference = pixel.cue - dc_ * settings_.ambient - at * B;
   // All reflectivities are as likely beforehand; the logarithm is what is left of them.
-  const double spread = 1 + component_variance_ / cue_variance_ * slope * slope;
+  const double spread = 1 + component_variance_ / cue_variance_ * at * at;
   return difference * difference / (cue_variance_ * spread) + std::log(spread);
 }
 

@@ -32,6 +32,12 @@ class CueEvidence {
   /// for.
   [[nodiscard]] bool lit(const CuePixel& pixel) const;
 
+  /// The modulation below which noise hides the fringe order even from a pixel's neighbours: there
+  /// the standard deviation of the cue, (3.67), (3.76), (3.101), is 0.6 of what it changes over one
+  /// period. The ends of the field, 15 % on either side, where a cosine is flat, do not count. Grey
+  /// levels of 8 bits.
+  [[nodiscard]] double least_modulation() const;
+
   /// The projector coordinate that the cue alone gives, phi_u / (2 pi), in [0, 1].
   [[nodiscard]] double coordinate(const CuePixel& pixel) const;
 
@@ -62,6 +68,10 @@ class CueEvidence {
   [[nodiscard]] bool near_field(double y, int projector_length) const;
 
  private:
+  /// The cue's channel less the ambient light, over B, at y and any reflectivity: (3.56) / (3.57)
+  /// and (3.73) / (3.72).
+  [[nodiscard]] double slope(double y) const;
+
   CueSettings settings_;
   CueReference reference_;
   bool circle_;

@@ -56,6 +56,11 @@ void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Out
   }
 }
 
+void tell_response(const std::string& name, Output& output) {
+  output.say("response: {}", name);
+  output.document["response"] = name;
+}
+
 MeasuredResponse from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
                             Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
@@ -68,11 +73,12 @@ MeasuredResponse from_scans(const CalibrateGammaFlags& flags, const ScanAverage&
       flags, found.pixels.has_value(),
       fmt::format("{} steps give no gamma for each pixel; it takes 5", found.steps));
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
-  require_found(found);
-  return {PowerLaw{fit.gamma}, fit.gamma, fit.standard_error};
+  const MeasuredResponse response = found_response(found);
+  tell_response(found.response->name, output);
+  return response;
 }
 
-/// The power law through uniform patterns, or the curve itself where that is asked for.
+/// The simplest response that fits uniform patterns, or the curve itself where that is asked for.
 MeasuredResponse from_uniform(const CalibrateGammaFlags& flags, Output& output) {
   const UniformLevels levels = read_uniform_pictures(*flags.uniform);
   const GammaFit fit = fit_gamma(levels.values, levels.intensities);
@@ -82,9 +88,12 @@ MeasuredResponse from_uniform(const CalibrateGammaFlags& flags, Output& output) 
       fit.gamma, levels.values.size(), fit.rms, fit.offset);
   output.document["uniform"] = {
       {"gamma", fit.gamma}, {"rms", fit.rms}, {"offset", fit.offset}, {"scale", fit.scale}};
-  if (!flags.response) return {PowerLaw{fit.gamma}, fit.gamma, 0};
-  output.say("the measured curve is the response, {} points", levels.values.size());
-  return {response_curve(levels.values, levels.intensities), fit.gamma, 0};
+  const auto [name, response] =
+      flags.response
+          ? NamedResponse{"measured curve", response_curve(levels.values, levels.intensities)}
+          : simplest_response(levels.values, levels.intensities);
+  tell_response(name, output);
+  return {response, fit.gamma, 0};
 }
 
 void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {

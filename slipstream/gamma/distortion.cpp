@@ -17,6 +17,7 @@ MeasuredHarmonics measured_harmonics(const Response& response, int steps, double
     harmonics.mean += I_n / steps;
     harmonics.fundamental += 2.0 / steps * I_n * turn;
     harmonics.second += 2.0 / steps * I_n * turn * turn;
+    harmonics.third += 2.0 / steps * I_n * turn * turn * turn;
   }
   return harmonics;
 }

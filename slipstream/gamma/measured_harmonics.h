@@ -11,6 +11,7 @@ struct MeasuredHarmonics {
   /// C_{2,N} + i S_{2,N}, Eqs. (4.46), (4.47); for N = 4 the real B_cos (4.51); for N = 3 the
   /// fundamental mirrored, which says nothing more.
   std::complex<double> second;
+  std::complex<double> third;  ///< the same of the third harmonic; of use for N >= 6
 
   /// The modulation, Eq. (4.36): B_1 as Eq. (4.50) takes it.
   [[nodiscard]] double B_1() const { return std::abs(fundamental); }

@@ -9,35 +9,10 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/gamma/response.h"
 #include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
-
-/// scale and offset that fit best at that gamma, and what is left.
-GammaFit line_at(double gamma, std::span<const double> values,
-                 std::span<const double> intensities) {
-  const auto count = static_cast<double>(values.size());
-  double x = 0, y = 0, xx = 0, xy = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double light = std::pow(values[i], gamma);
-    x += light;
-    y += intensities[i];
-    xx += light * light;
-    xy += light * intensities[i];
-  }
-  GammaFit fit{.gamma = gamma};
-  fit.scale = (count * xy - x * y) / (count * xx - x * x);
-  fit.offset = (y - fit.scale * x) / count;
-  double sum = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double left = intensities[i] - fit.scale * std::pow(values[i], gamma) - fit.offset;
-    sum += left * left;
-  }
-  fit.rms = std::sqrt(sum / count);
-  return fit;
-}
 
 /// The lowest point of a function with one valley between two places (golden section).
 template <class Function>
@@ -119,6 +94,29 @@ Histogram histogram(const Image<double>& map, double low, double high, int bins)
   return result;
 }
 
+LevelFit fit_levels(const Response& response, std::span<const double> values,
+                    std::span<const double> intensities) {
+  const auto count = static_cast<double>(values.size());
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double light = light_at(response, values[i]);
+    x += light;
+    y += intensities[i];
+    xx += light * light;
+    xy += light * intensities[i];
+  }
+  LevelFit fit;
+  fit.scale = (count * xy - x * y) / (count * xx - x * x);
+  fit.offset = (y - fit.scale * x) / count;
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    fit.left.push_back(intensities[i] - fit.scale * light_at(response, values[i]) - fit.offset);
+    sum += fit.left.back() * fit.left.back();
+  }
+  fit.rms = std::sqrt(sum / count);
+  return fit;
+}
+
 GammaFit fit_gamma(std::span<const double> values, std::span<const double> intensities) {
   if (values.size() < 4 || values.size() != intensities.size()) {
     throw Error(
@@ -129,9 +127,12 @@ GammaFit fit_gamma(std::span<const double> values, std::span<const double> inten
   if (*least == *most) {
     throw Error(fmt::format("uniform patterns: all have the value {}; several are needed", *least));
   }
-  const auto rms_at = [&](double gamma) { return line_at(gamma, values, intensities).rms; };
-  const GammaFit fit =
-      line_at(lowest_between(rms_at, least_gamma / 2, 2 * largest_gamma), values, intensities);
+  const auto fit_at = [&](double gamma) {
+    return fit_levels(PowerLaw{gamma}, values, intensities);
+  };
+  const double gamma = lowest_between([&](double trial) { return fit_at(trial).rms; },
+                                      least_gamma / 2, 2 * largest_gamma);
+  const GammaFit fit{fit_at(gamma), gamma};
   if (!(fit.scale > 0)) {
     throw Error("uniform patterns: the intensity does not rise with the pattern's value");
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slipstream/gamma/pixel_harmonics.h"
+#include "slipstream/gamma/response.h"
 #include "slipstream/image/image.h"
 
 namespace slipstream {
@@ -38,13 +39,20 @@ struct Histogram {
 };
 Histogram histogram(const Image<double>& map, double low, double high, int bins);
 
-/// The traditional measurement (4.2): the intensities (grey levels) seen at uniform patterns of
-/// those values, [0, 1], fitted by scale value^gamma + offset.
-struct GammaFit {
+/// The intensities (grey levels) seen at uniform patterns of those values, [0, 1], fitted by
+/// scale light + offset, the light being that of a response.
+struct LevelFit {
+  double scale = 0;            ///< grey levels
+  double offset = 0;           ///< grey levels: ambient light
+  double rms = 0;              ///< of what the curve leaves, grey levels
+  std::vector<double> left{};  ///< that of each level, grey levels
+};
+LevelFit fit_levels(const Response& response, std::span<const double> values,
+                    std::span<const double> intensities);
+
+/// The traditional measurement (4.2): the same by value^gamma.
+struct GammaFit : LevelFit {
   double gamma = 1;
-  double scale = 0;   ///< grey levels
-  double offset = 0;  ///< grey levels: ambient light
-  double rms = 0;     ///< of what the curve leaves, grey levels
 };
 
 /// Least squares. Throws Error for fewer than 4 values, values that are all one, or intensities

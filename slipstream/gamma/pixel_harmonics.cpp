@@ -27,11 +27,13 @@ Image<MeasuredHarmonics> pixel_harmonics(const FrameViews& frames, int first, in
           pixel.mean += I_n;
           pixel.fundamental += I_n * turns[n];
           pixel.second += I_n * turns[2 * n % N];
+          pixel.third += I_n * turns[3 * n % N];
         }
         const auto count = static_cast<double>(N);
         pixel.mean /= count;
         pixel.fundamental *= 2 / count;
         pixel.second *= 2 / count;
+        pixel.third *= 2 / count;
       }
     });
   });

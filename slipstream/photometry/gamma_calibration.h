@@ -4,6 +4,7 @@
 
 #include "slipstream/gamma/blind.h"
 #include "slipstream/gamma/measurement.h"
+#include "slipstream/gamma/response_fit.h"
 #include "slipstream/photometry/scan_average.h"
 
 namespace slipstream {
@@ -17,17 +18,21 @@ struct PixelGamma {
 
 /// Gamma of a projector and a camera, from scans of any surface.
 struct GammaCalibration {
-  int steps = 0;                       ///< of the band that it was found with
-  BlindGamma fit{};                    ///< to all pixels with all harmonics
+  int steps = 0;      ///< of the band that it was found with
+  BlindGamma fit{};   ///< to all pixels with all harmonics, a power law
+  double misfit = 0;  ///< of the power law, about the phase error it leaves, rad
+  /// The power law where it leaves no more than noise, else what curve_that_serves; none where
+  /// nothing does, and for a curve also with less than 8 steps: they fit curves that are not there.
+  std::optional<NamedResponse> response{};
   std::optional<PixelGamma> pixels{};  ///< from B_1 and B_2, where there are 5 steps and more
 };
 
-/// By the first run of steps of the scans' patterns. `minimum_modulation`: grey levels of 255; 16
+/// By the longest run of steps of the scans' patterns. `minimum_modulation`: grey levels of 255; 16
 /// where 0. Throws Error where the patterns have no such run or too few pixels are lit.
 GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modulation = 0);
 
-/// Throws Error, saying what to do, where the scans do not tell gamma. That there is none to see is
-/// no reason.
-void require_found(const GammaCalibration& calibration);
+/// The response and the gamma nearest to it. Throws Error, saying what to do, where the scans do
+/// not tell. That there is no distortion to see is no reason.
+MeasuredResponse found_response(const GammaCalibration& calibration);
 
 }  // namespace slipstream

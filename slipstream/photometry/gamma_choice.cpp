@@ -22,13 +22,15 @@ GammaChoice corrected_for(const MeasuredResponse& response, std::string_view sou
   return choice;
 }
 
-/// Of the scan's sinusoids the one that is surest of its gamma; where all refuse, the first.
+/// Of the scan's sinusoids the one that is surest of its gamma; where all refuse, the first, and
+/// one that follows no power law before all, because the others may have too few steps to see it.
 BlindGamma surest_gamma(const Layout& layout, const FrameViews& frames) {
   std::optional<BlindGamma> surest;
   for (const Band& band : layout.bands) {
     const auto run = step_run(band);
     if (!run) continue;
     const BlindGamma found = find_gamma(frames, run->first, run->steps);
+    if (found.refusal == BlindRefusal::no_power_law) return found;
     const bool better =
         !surest || (found.accepted() &&
                     (!surest->accepted() || found.standard_error < surest->standard_error));

@@ -94,6 +94,26 @@ TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
   EXPECT_TRUE(says(said, "left alone: ambient light")) << said;
 }
 
+TEST_F(GammaProgram, FindsAnSCurveOrSaysWhatIsLeft) {
+  const auto simulated = [&](const std::string& name, const std::string& response,
+                             const std::string& steps) {
+    (void)out_of({"simulate", path(name), "--scene", "board", "--camera", "128x96",
+                  "--virtual-gamma", response, "--strategy", "pmp", "--steps", steps, "--frequency",
+                  "8"});
+    return path(name);
+  };
+  const std::string said = out_of({"calibrate", "gamma", simulated("eight", "logistic:9:0.45", "8"),
+                                   "-o", path("eight/scanner.yaml")});
+  EXPECT_TRUE(says(said, "response: logistic:9")) << said;
+  // A response that a file holds can be simulated, too.
+  const std::string six = simulated("six", path("eight/scanner.yaml"), "6");
+  const std::string refusal = refusal_of({"calibrate", "gamma", six, "-o", path("no.yaml")});
+  EXPECT_TRUE(says(refusal, "rad of phase") && says(refusal, "8 steps")) << refusal;
+  EXPECT_FALSE(std::filesystem::exists(path("no.yaml")));
+  const std::string blind = out_of({"reconstruct", six, "--gamma", "blind"});
+  EXPECT_TRUE(says(blind, "left alone: the response follows no gamma")) << blind;
+}
+
 TEST_F(GammaProgram, MeasuresTheResponseFromUniformPatterns) {
   (void)out_of({"patterns", path("levels"), "--uniform", "18", "--projector", "64x48"});
   // What a camera sees of them: two thirds of the light, in front of some ambient light.
@@ -181,7 +201,9 @@ TEST_F(GammaProgram, RefusesBadInput) {
   EXPECT_TRUE(says(
       refusal_of({"calibrate", "gamma", "--uniform", path("levels"), "--map", path("map.tiff")}),
       "--map"));
-  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "--map", path("m.tiff")}), "5"));
+  (void)out_of(
+      {"simulate", path("four"), "--camera", "128x96", "--strategy", "pmp", "--steps", "4"});
+  EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("four"), "--map", path("m.tiff")}), "5"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "-o", path("s.xml")}), ".xml"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("nowhere")}), "nowhere"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", "--uniform", path("scan")}), "level"));

@@ -98,7 +98,7 @@ TEST_F(GammaProgram, FindsAnSCurveOrSaysWhatIsLeft) {
   const auto simulated = [&](const std::string& name, const std::string& response,
                              const std::string& steps) {
     (void)out_of({"simulate", path(name), "--scene", "board", "--camera", "128x96",
-                  "--virtual-gamma", response, "--strategy", "pmp", "--steps", steps, "--frequency",
+                  "--virtual-gamma", response, "--steps", steps, "--low-steps", "6", "--high",
                   "8"});
     return path(name);
   };

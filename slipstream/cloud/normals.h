@@ -13,12 +13,12 @@ struct Normals {
 };
 
 /// From the differences to the four neighbours in the picture; a neighbour farther away in depth
-/// than `largest_step` times the distance between pixels at that depth counts as across an edge and
-/// is left out.
-Normals surface_normals(const Cloud& cloud, double largest_step = 8);
+/// than eight times the distance between pixels at that depth counts as across an edge and is left
+/// out.
+Normals surface_normals(const Cloud& cloud);
 
-/// The same of planes laid through all points of one surface in a window, of 5x5 pixels by default,
-/// so that noise shows less: for shading. `reach`: half the window's width, pixels, 1 or more.
-Normals smoothed_normals(const Cloud& cloud, int reach = 2, double largest_step = 8);
+/// Their mean over 5x5 pixels, of unit length, so that noise shows less; NaN where the pixel itself
+/// has no point.
+Normals smoothed_normals(const Cloud& cloud);
 
 }  // namespace slipstream

@@ -35,28 +35,12 @@ double coordinate_variance(const Layout& layout, double modulation, double noise
   return coordinate_variance(phase_variance(band, modulation, noise_variance), band.periods);
 }
 
-double mean_variance(int steps, double noise_variance) {
-  return noise_variance / steps;
-}
-
 double reflectivity_variance(int steps, double alpha_p, double noise_variance, double share) {
   return 8 * noise_variance / (steps * square(alpha_p * share));
 }
 
 double weighted_reflectivity_variance(int steps, double alpha_p, double noise_variance) {
   return 16 * noise_variance / (steps * square(alpha_p));
-}
-
-double ambient_variance(int steps, double alpha, const PatternLight& light, double ambient,
-                        double noise_variance) {
-  const double lift = 1 + 2 * (light.beta_p + ambient) / light.alpha_p;
-  return (2 * square(lift) + 1) * noise_variance / (steps * square(alpha + 1));
-}
-
-double multiplexed_coordinate_variance(int steps, double alpha, double alpha_p, double share,
-                                       double frequency, double noise_variance) {
-  return coordinate_variance(phase_variance(steps, share * alpha, alpha_p, noise_variance),
-                             frequency);
 }
 
 double dc_reference_variance(double alpha, const PatternLight& light, double ambient, double c1,
@@ -69,11 +53,6 @@ double dc_reference_variance(double alpha, const PatternLight& light, double amb
 double half_phase_reference_variance(double alpha, double alpha_p, double c1, double R) {
   const double c2 = 1 - c1;
   return (1 / square(c2) + 2 * square(R / c1)) / square(alpha * alpha_p);
-}
-
-double cue_phase_variance(int steps, double alpha, double alpha_p, double c2,
-                          double noise_variance) {
-  return phase_variance(steps, c2 * alpha, alpha_p, noise_variance);
 }
 
 }  // namespace slipstream

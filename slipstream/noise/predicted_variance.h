@@ -25,9 +25,6 @@ double phase_variance(const Band& band, double modulation, double noise_variance
 /// is right: Eqs. (3.40), (3.63).
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance);
 
-/// Of the mean A^c over N frames: Eq. (3.14).
-double mean_variance(int steps, double noise_variance);
-
 /// Of X and Y, and so of the reflectivity (3.36): Eq. (3.27); with c_1 or c_2 as `share`, (3.95)
 /// and (3.96).
 double reflectivity_variance(int steps, double alpha_p, double noise_variance, double share = 1);
@@ -35,23 +32,11 @@ double reflectivity_variance(int steps, double alpha_p, double noise_variance, d
 /// Of the reflectivity by weighted_reflectivity: Eq. (3.98), 16 sigma_w^2 / (N alpha_p^2).
 double weighted_reflectivity_variance(int steps, double alpha_p, double noise_variance);
 
-/// Of the ambient light: Eq. (3.42).
-double ambient_variance(int steps, double alpha, const PatternLight& light, double ambient,
-                        double noise_variance);
-
-/// Of y by N-step PCMP: Eq. (3.63), written for any N; `share` is c_1.
-double multiplexed_coordinate_variance(int steps, double alpha, double alpha_p, double share,
-                                       double frequency, double noise_variance);
-
 /// Of the reference signal in the DC channel of 3-pattern PCMP, over sigma_w^2: Eq. (3.67).
 double dc_reference_variance(double alpha, const PatternLight& light, double ambient, double c1,
                              double R);
 
 /// Of the reference signal in the half phase channel of 4-pattern PCMP, over sigma_w^2: Eq. (3.76).
 double half_phase_reference_variance(double alpha, double alpha_p, double c1, double R);
-
-/// Of the cue's phase in the second full phase channel, rad^2: Eq. (3.101), written for any N >= 5.
-double cue_phase_variance(int steps, double alpha, double alpha_p, double c2,
-                          double noise_variance);
 
 }  // namespace slipstream

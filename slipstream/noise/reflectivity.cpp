@@ -16,10 +16,6 @@ double least_beta_p(double alpha, double ambient) {
   return ambient < 0 ? -(1 + 1 / alpha) * ambient : 0;
 }
 
-double beta_p_slope(double alpha, double ambient) {
-  return ambient < 0 ? ambient / (alpha * alpha) : 0;
-}
-
 double least_reliable_reflectivity(double beta_p, double ambient) {
   if (ambient >= 0) return 0;
   const double lift = beta_p + ambient;

@@ -16,10 +16,6 @@ double ambient_light(double mean, double alpha, const PatternLight& light);
 /// light is not negative.
 double least_beta_p(double alpha, double ambient);
 
-/// How fast it changes with alpha: d beta_p / d alpha, Eq. (3.8) with the sign of (3.7)'s
-/// derivative.
-double beta_p_slope(double alpha, double ambient);
-
 /// The reflectivity above which no frame underflows at that beta_p: Eq. (3.9); 0 where the ambient
 /// light is not negative, infinite where no reflectivity is enough.
 double least_reliable_reflectivity(double beta_p, double ambient);

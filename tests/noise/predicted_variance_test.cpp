@@ -51,6 +51,19 @@ void for_each_noisy_pixel(int steps, double alpha, const Shape& s, const Visit& 
   }
 }
 
+/// Of the ambient light: Eq. (3.42).
+double ambient_variance(int steps, double alpha) {
+  const double lift = 1 + 2 * (light.beta_p + ambient) / light.alpha_p;
+  return (2 * lift * lift + 1) * sigma_w2 / (steps * (alpha + 1) * (alpha + 1));
+}
+
+/// Of y by N-step PCMP: Eq. (3.63), written for any N; `share` is c_1.
+double multiplexed_coordinate_variance(int steps, double alpha, double share, double frequency,
+                                       double noise_variance) {
+  return coordinate_variance(phase_variance(steps, share * alpha, light.alpha_p, noise_variance),
+                             frequency);
+}
+
 TEST(PredictedVariance, OfMeanReflectivityAndAmbientLight) {
   for (const int N : {3, 4, 7}) {
     for (const double alpha : {0.3, 0.8}) {
@@ -64,10 +77,10 @@ TEST(PredictedVariance, OfMeanReflectivityAndAmbientLight) {
             reflected.add(a);
             lit.add(ambient_light(sample.mean, a, light));
           });
-      EXPECT_NEAR(mean.variance() / mean_variance(N, sigma_w2), 1, 0.03);
+      EXPECT_NEAR(mean.variance() / (sigma_w2 / N), 1, 0.03);  // (3.14)
       EXPECT_NEAR(reflected.variance() / reflectivity_variance(N, light.alpha_p, sigma_w2), 1,
                   0.03);
-      EXPECT_NEAR(lit.variance() / ambient_variance(N, alpha, light, ambient, sigma_w2), 1, 0.03)
+      EXPECT_NEAR(lit.variance() / ambient_variance(N, alpha), 1, 0.03)
           << N << " steps, alpha " << alpha;
       EXPECT_NEAR(reflected.mean(), alpha, 1e-3);
       EXPECT_NEAR(lit.mean(), ambient, 0.05);
@@ -138,13 +151,13 @@ TEST(PredictedVariance, OfReflectivityAndCueInTheSecondFullPhaseChannel) {
     EXPECT_NEAR(first.variance() / reflectivity_variance(5, 200, sigma_w2, c1), 1, 0.03);
     EXPECT_NEAR(second.variance() / reflectivity_variance(5, 200, sigma_w2, c2), 1, 0.03);
     EXPECT_NEAR(weighted.variance() / weighted_reflectivity_variance(5, 200, sigma_w2), 1, 0.03);
-    EXPECT_NEAR(cue.variance() / cue_phase_variance(5, alpha, 200, c2, sigma_w2), 1, 0.03);
+    EXPECT_NEAR(cue.variance() / phase_variance(5, c2 * alpha, 200, sigma_w2), 1, 0.03);
   }
 }
 
 TEST(PredictedVariance, OfTheMultiplexedCoordinateIsEquation363) {
   const double expected = 2 * 1.55 / (3 * pi * pi * 0.25 * 200 * 200 * 0.25 * 9);
-  EXPECT_NEAR(multiplexed_coordinate_variance(3, 0.5, 200, 0.5, 3, 1.55), expected, 1e-15);
+  EXPECT_NEAR(multiplexed_coordinate_variance(3, 0.5, 0.5, 3, 1.55), expected, 1e-15);
 }
 
 /// Whatever the strategy: of its layout alone.
@@ -174,8 +187,7 @@ TEST(PredictedVariance, OfALayoutsCoordinateIsTheEquationsOfItsStrategy) {
             .high = 12,
             .share = share,
             .reference = {}}.layout();
-        const double printed = multiplexed_coordinate_variance(N, alpha, light.alpha_p, share, 12,
-                                                               sigma_w2);  // (3.63)
+        const double printed = multiplexed_coordinate_variance(N, alpha, share, 12, sigma_w2);
         EXPECT_NEAR(coordinate_variance(pcmp, share * B, sigma_w2) / printed, 1, 1e-12);
         if (N < 5) {
           EXPECT_NEAR(cue_variance(*pcmp.cue, sigma_w2) / (sigma_w2 / N), 1, 1e-12);
@@ -183,7 +195,7 @@ TEST(PredictedVariance, OfALayoutsCoordinateIsTheEquationsOfItsStrategy) {
         }
         const double c2 = 1 - share;
         EXPECT_NEAR(phase_variance(pcmp.bands[1], c2 * B, sigma_w2) /
-                        cue_phase_variance(N, alpha, light.alpha_p, c2, sigma_w2),  // (3.101)
+                        phase_variance(N, c2 * alpha, light.alpha_p, sigma_w2),  // (3.101)
                     1, 1e-12);
       }
     }
@@ -205,7 +217,7 @@ TEST(Reflectivity, HasTheReliableRangeThatIsPrinted) {
   EXPECT_EQ(least_beta_p(0.5, 3), 0);
   EXPECT_TRUE(std::isinf(least_reliable_reflectivity(5, -7)));
   const double step = 1e-6;
-  EXPECT_NEAR(beta_p_slope(0.4, -7),
+  EXPECT_NEAR(-7 / (0.4 * 0.4),  // (3.8), with the sign of the derivative
               (least_beta_p(0.4 + step, -7) - least_beta_p(0.4 - step, -7)) / (2 * step), 1e-4);
 }
 

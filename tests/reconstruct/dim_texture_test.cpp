@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -126,7 +127,7 @@ TEST(LeastModulation, IsWhereTheCuesPrintedVarianceHidesThePeriod) {
   EXPECT_NEAR(std::sqrt(noise_variance * of_four) / period, limit, 1e-9);
   // (3.101), where a period is that share of the turn.
   const double of_five =
-      cue_phase_variance(5, reflectivity_at_least({5, 25}), light.alpha_p, 0.4, noise_variance);
+      phase_variance(5, 0.4 * reflectivity_at_least({5, 25}), light.alpha_p, noise_variance);
   EXPECT_NEAR(std::sqrt(of_five) / (2 * pi / 25), limit, 1e-9);
 }
 

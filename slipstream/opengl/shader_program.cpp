@@ -11,19 +11,26 @@
 namespace slipstream::opengl {
 namespace {
 
+/// Of a shader or a program, by its own functions of OpenGL.
+template <class Query, class Log>
+void require_good(GLuint number, GLenum status, const Query& query, const Log& log,
+                  const char* failure) {
+  GLint good = GL_FALSE;
+  query(number, status, &good);
+  if (good == GL_TRUE) return;
+  std::string words(2048, '\0');
+  GLsizei length = 0;
+  log(number, static_cast<GLsizei>(words.size()), &length, words.data());
+  words.resize(static_cast<std::size_t>(std::max(length, 0)));
+  throw WorldError(fmt::format("{}: {}", failure, words));
+}
+
 Resource compile(GLenum kind, const char* source) {
   Resource shader(glCreateShader(kind), [](unsigned old) { glDeleteShader(old); });
   glShaderSource(shader.number(), 1, &source, nullptr);
   glCompileShader(shader.number());
-  GLint good = GL_FALSE;
-  glGetShaderiv(shader.number(), GL_COMPILE_STATUS, &good);
-  if (good == GL_FALSE) {
-    std::string words(2048, '\0');
-    GLsizei length = 0;
-    glGetShaderInfoLog(shader.number(), static_cast<GLsizei>(words.size()), &length, words.data());
-    words.resize(static_cast<std::size_t>(std::max(length, 0)));
-    throw WorldError(fmt::format("OpenGL does not compile a shader: {}", words));
-  }
+  require_good(shader.number(), GL_COMPILE_STATUS, glGetShaderiv, glGetShaderInfoLog,
+               "OpenGL does not compile a shader");
   return shader;
 }
 
@@ -40,16 +47,8 @@ ShaderProgram::ShaderProgram(const ShaderSources& sources)
   attach(GL_GEOMETRY_SHADER, sources.geometry);
   attach(GL_FRAGMENT_SHADER, sources.fragment);
   glLinkProgram(program_.number());
-  GLint good = GL_FALSE;
-  glGetProgramiv(program_.number(), GL_LINK_STATUS, &good);
-  if (good == GL_FALSE) {
-    std::string words(2048, '\0');
-    GLsizei length = 0;
-    glGetProgramInfoLog(program_.number(), static_cast<GLsizei>(words.size()), &length,
-                        words.data());
-    words.resize(static_cast<std::size_t>(std::max(length, 0)));
-    throw WorldError(fmt::format("OpenGL does not link the shaders: {}", words));
-  }
+  require_good(program_.number(), GL_LINK_STATUS, glGetProgramiv, glGetProgramInfoLog,
+               "OpenGL does not link the shaders");
 }
 
 void ShaderProgram::use() const {

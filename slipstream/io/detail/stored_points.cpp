@@ -12,6 +12,27 @@
 #include "slipstream/io/number_reader.h"
 
 namespace slipstream {
+namespace {
+
+struct ObjFile {
+  tinyobj::attrib_t attributes;
+  std::vector<tinyobj::shape_t> shapes;
+};
+
+ObjFile loaded_obj(std::span<const std::uint8_t> bytes) {
+  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
+  ObjFile file;
+  std::vector<tinyobj::material_t> materials;
+  std::string warning, error;
+  constexpr bool triangulate = true, white_where_no_colour = false;
+  if (!tinyobj::LoadObj(&file.attributes, &file.shapes, &materials, &warning, &error, &stream,
+                        nullptr, triangulate, white_where_no_colour)) {
+    throw Error("it is no OBJ");
+  }
+  return file;
+}
+
+}  // namespace
 
 StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t header = 80, of_triangle = 50;
@@ -41,17 +62,8 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
 }
 
 StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
-  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
-  tinyobj::attrib_t attributes;
-  std::vector<tinyobj::shape_t> shapes;
-  std::vector<tinyobj::material_t> materials;
-  std::string warning, error;
-  constexpr bool triangulate = false, white_where_no_colour = false;
-  if (!tinyobj::LoadObj(&attributes, &shapes, &materials, &warning, &error, &stream, nullptr,
-                        triangulate, white_where_no_colour)) {
-    throw Error("it is no OBJ");
-  }
   StoredPoints stored;
+  const tinyobj::attrib_t attributes = loaded_obj(bytes).attributes;
   const auto& at = attributes.vertices;
   const bool coloured = attributes.colors.size() == at.size();
   for (std::size_t i = 0; i + 2 < at.size(); i += 3) {
@@ -61,6 +73,23 @@ StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
                              .intensity = coloured ? 255 * attributes.colors[i + 1] : 0});
   }
   return stored;
+}
+
+Mesh obj_mesh(std::span<const std::uint8_t> bytes) {
+  const auto [attributes, shapes] = loaded_obj(bytes);
+  Mesh mesh;
+  for (std::size_t i = 0; i + 2 < attributes.vertices.size(); i += 3) {
+    mesh.vertices.emplace_back(attributes.vertices[i], attributes.vertices[i + 1],
+                               attributes.vertices[i + 2]);
+  }
+  for (const tinyobj::shape_t& shape : shapes) {
+    const auto& corners = shape.mesh.indices;
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+      mesh.triangles.push_back(
+          {corners[i].vertex_index, corners[i + 1].vertex_index, corners[i + 2].vertex_index});
+    }
+  }
+  return mesh;
 }
 
 }  // namespace slipstream

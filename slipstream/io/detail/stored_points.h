@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slipstream/image/size.h"
+#include "slipstream/simulate/mesh.h"
 
 namespace slipstream {
 
@@ -27,5 +28,8 @@ StoredPoints stl_points(std::span<const std::uint8_t> bytes);
 
 /// The vertices of an OBJ file; intensity is that of their colours.
 StoredPoints obj_points(std::span<const std::uint8_t> bytes);
+
+/// Its faces as triangles, all its parts as one mesh; their indices are not checked.
+Mesh obj_mesh(std::span<const std::uint8_t> bytes);
 
 }  // namespace slipstream

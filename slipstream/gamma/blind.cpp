@@ -112,17 +112,18 @@ double in_range_but_for_noise(double gamma) {
 
 /// Whether the power law leaves no more than noise, or than a small part of what it explains, of
 /// what the pixels say. The fewer the steps, the better other responses pass for one: four see odd
-/// harmonics, which bend their phase, in the mean alone.
+/// harmonics, which bend their phase, in the mean alone, and three have nothing else.
 bool follows_power_law(const Samples& samples, double gamma, int steps) {
-  constexpr double share_of_mean = 0.2;
-  const double share = steps >= 5 ? 0.05 : steps == 4 ? 0.01 : 0;
   if (!(gamma >= least_gamma && gamma <= largest_gamma)) return false;
   const Response law = PowerLaw{gamma}, linear = PowerLaw{1};
   const ConstraintCurve curve = constraint_curve(samples, law, steps);
-  const double harmless = harmless_misfit(curve);
-  if (misfit(curve, law) > std::max(harmless, share * misfit(curve, linear))) return false;
-  return steps != 4 || misfit_of_mean(curve, law) <=
-                           std::max(harmless / 2, share_of_mean * misfit_of_mean(curve, linear));
+  const double of_mean = misfit_of_mean(curve, law), drowned = 0.1 * curve.noise;
+  if (steps == 3) return of_mean <= std::max(0.002, drowned);
+  const double share = steps == 4 ? 0.01 : 0.05;
+  if (misfit(curve, law) > std::max(harmless_misfit(curve), share * misfit(curve, linear))) {
+    return false;
+  }
+  return steps > 4 || of_mean <= std::max({0.001, drowned, 0.2 * misfit_of_mean(curve, linear)});
 }
 
 /// Whether light that is not the pattern's, if there is any, leaves gamma as it was found.

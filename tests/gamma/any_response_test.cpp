@@ -2,6 +2,7 @@
 // worse than it was.
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -11,6 +12,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/gamma/correction.h"
+#include "slipstream/gamma/distortion.h"
 #include "slipstream/gamma/named_responses.h"
 #include "slipstream/gamma/response_fit.h"
 #include "slipstream/photometry/gamma_calibration.h"
@@ -196,6 +199,37 @@ INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfPowerLaws, AnyResponse,
 INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfSCurves, AnyResponse,
                          testing::ValuesIn(logistics({3, 4.5, 6, 7.5, 9, 10.5, 12},
                                                      {0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65})));
+
+double rms_after(const PhaseCorrection& correction, const Response& response) {
+  constexpr int phases = 720;
+  double sum = 0;
+  for (int i = 0; i < phases; ++i) {
+    const double phi = 2 * std::numbers::pi * i / phases;
+    const double measured = distorted_phase(response, correction.steps, phi);
+    const double turn = std::fmod(measured + 4 * std::numbers::pi, 2 * std::numbers::pi);
+    sum +=
+        std::pow(std::remainder(corrected_phase(correction, turn) - phi, 2 * std::numbers::pi), 2);
+  }
+  return std::sqrt(sum / phases);
+}
+
+// One run of steps by itself, that has no longer one beside it to warn of what it cannot see.
+TEST(BlindGamma, NeverMakesThePhaseOfItsStepsWorse) {
+  std::vector<Projector> projectors = logistics({3, 12}, {0.35, 0.5, 0.65});
+  projectors.push_back({"sRGB", srgb_curve()});
+  for (const Projector& projector : tables()) projectors.push_back(projector);
+  for (const auto& [name, response] : projectors) {
+    for (const int steps : {3, 4, 5}) {
+      const PhaseMeasuring one_run{.steps = steps, .frequency = 8};
+      const BlindGamma found = find_gamma(
+          Bench::bench().frames(Bench::bench().sequence_of(one_run), response), 0, steps);
+      if (!found.accepted()) continue;
+      const double before = rms_phase_error(response, steps);
+      const double after = rms_after(phase_correction(PowerLaw{found.gamma}, steps), response);
+      EXPECT_LE(after, 1.01 * before + 1e-4) << name << ", " << steps << " steps: " << found.gamma;
+    }
+  }
+}
 
 // Five to seven steps see too little of a curve to tell it from others of another phase error.
 TEST(GammaCalibration, RefusesCurvesByFewSteps) {

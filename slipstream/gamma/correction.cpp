@@ -80,6 +80,13 @@ double true_phase(const HarmonicRatios& G, int steps, double measured) {
   return solve(G, steps, measured);
 }
 
+double noise_gain(const Response& response, int steps, double phi) {
+  constexpr double step = 1e-4;
+  return 2 * step /
+         (distorted_phase(response, steps, phi + step) -
+          distorted_phase(response, steps, phi - step));
+}
+
 PhaseCorrection phase_correction(const Response& response, int steps, double accuracy) {
   require_steps(steps);
   if (const auto* law = std::get_if<PowerLaw>(&response)) require_gamma(law->gamma, "gamma");

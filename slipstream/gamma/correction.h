@@ -15,6 +15,10 @@ double true_phase(const Response& response, int steps, double measured);
 /// The same with the given harmonics alone, as Table 4.1 has it.
 double true_phase(const HarmonicRatios& G, int steps, double measured);
 
+/// What correcting multiplies the noise of a measured phase by, at true phase phi, rad: more than 1
+/// where the response presses phases together. N >= 3.
+double noise_gain(const Response& response, int steps, double phi);
+
 /// What is added to the measured phase, as a table: made once for a device. Its length is the
 /// power of two, 256 to 65536, at which linear interpolation is within `accuracy` (rad); past gamma
 /// 4.5, N = 3 needs more than that where the measured phase hardly moves, and is less accurate

@@ -133,6 +133,25 @@ class Bench {
     EXPECT_GT(count, 15000);
     return std::sqrt(sum / count);
   }
+  /// RMS of the depth's errors over the sigma that the engine says of each.
+  [[nodiscard]] double normalised_rms(const Sequence& sequence, const FrameSet& frames,
+                                      const MeasuredResponse& corrected) const {
+    Scanner scanner = scanner_;
+    scanner.photometry = {.noise_variance = 1.55 + 1.0 / 12, .response = corrected};
+    Engine engine(scanner, sequence, {.clean = CleanSettings::none()});
+    Cloud cloud;
+    Maps maps;
+    engine.cloud_and_maps(frames, cloud, maps);
+    const Uncertainty sigma = engine.uncertainty(cloud, maps, frames);
+    double sum = 0, count = 0;
+    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+      const double error = static_cast<double>(cloud.z.begin()[i]) - world_.depth.begin()[i];
+      if (!std::isfinite(error)) continue;
+      sum += std::pow(error / static_cast<double>(sigma.z.begin()[i]), 2);
+      ++count;
+    }
+    return std::sqrt(sum / count);
+  }
   [[nodiscard]] Sequence sequence_of(const Strategy& strategy) const {
     return {strategy, Axis::x, {}, scanner_.projector.size};
   }
@@ -199,6 +218,22 @@ INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfPowerLaws, AnyResponse,
 INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfSCurves, AnyResponse,
                          testing::ValuesIn(logistics({3, 4.5, 6, 7.5, 9, 10.5, 12},
                                                      {0.35, 0.4, 0.45, 0.5, 0.55, 0.6, 0.65})));
+
+// Where the response presses phases together noise weighs more, and sigma says so.
+TEST(Uncertainty, KnowsTheNoiseThatCorrectingRaises) {
+  const Bench& bench = Bench::bench();
+  for (const Response& response :
+       {Response(PowerLaw{2.2}), Response(logistic_curve(9, 0.45)), Response(PowerLaw{0.5})}) {
+    for (const int steps : {3, 4, 6}) {
+      const Sequence sequence =
+          bench.sequence_of(DualFrequency{.steps = steps, .low_steps = 6, .high = 8, .low = 1});
+      EXPECT_NEAR(
+          bench.normalised_rms(sequence, bench.frames(sequence, response), {.response = response}),
+          1, 0.1)
+          << steps << " steps";
+    }
+  }
+}
 
 double rms_after(const PhaseCorrection& correction, const Response& response) {
   constexpr int phases = 720;

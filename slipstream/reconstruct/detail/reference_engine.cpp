@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/gamma/correction.h"
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/noise/predicted_variance.h"
@@ -111,14 +114,20 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
   constexpr double step = 1e-6;  // of y: 1e-3 mm in depth, where the point is a straight line of it
   const double grey_level = full_scale / 255;
   const double noise_variance = cue_settings(setup_).noise_variance;
+  const Band& band = measuring_band(decode_.layout());
+  const std::optional<StepRun> run = step_run(band);
+  const auto& corrected = setup_.scanner.photometry.response;
   Uncertainty sigma(cloud.size());
   for_each_row(cloud.size().height, [&](int row) {
     for (int column = 0; column < cloud.size().width; ++column) {
       if (cloud.validity(column, row) != Validity::valid) continue;
       const double modulation = maps.modulation(column, row) / grey_level;
-      const double sigma_y =
-          std::sqrt(coordinate_variance(decode_.layout(), modulation, noise_variance));
       const double y = maps.coordinate(column, row);
+      const double gain = run && corrected ? noise_gain(corrected->response, run->steps,
+                                                        2 * std::numbers::pi * band.periods * y)
+                                           : 1;
+      const double sigma_y =
+          gain * std::sqrt(coordinate_variance(decode_.layout(), modulation, noise_variance));
       const Eigen::Vector3d sigma_point =
           (triangulate_(column, row, y + step) - triangulate_(column, row, y - step)).cwiseAbs() *
           (sigma_y / (2 * step));

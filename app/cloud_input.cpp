@@ -3,27 +3,28 @@
 #include <fmt/format.h>
 
 #include "app/finding_output.h"
-#include "app/scan_findings.h"
+#include "app/stopwatch.h"
 #include "slipstream/error/error.h"
-#include "slipstream/reconstruct/engine.h"
 
 namespace slipstream::app {
 namespace {
 
-StoredCloud cloud_of_scan(const std::string& path, const CloudInputFlags& flags, Output& output) {
-  ReconstructSettings settings = flags.settings;
-  settings.clean = clean_settings_from(flags.clean);
+/// Puts into the scan the response that its phases are corrected for, both in the check and in the
+/// cloud. Two cameras under one projector match whatever phase it shows.
+GammaChoice gamma_of(Scan& scan, const ScanInputFlags& flags) {
+  GammaChoice choice = choose_response(scan, flags);
+  if (scan.further_cameras.empty()) return choice;
+  return {.source = "two cameras", .sentence = "two cameras, free of gamma"};
+}
+
+StoredCloud cloud_of_scan(const std::string& path, CloudInputFlags flags, Output& output) {
+  flags.settings.clean = clean_settings_from(flags.clean);
   Scan scan = load(path, flags.input, false, output);
-  choose_response(scan, flags.input);
-  require_reconstructible(setup_for(scan, settings));
-  const CheckedScan checked =
-      check_and_repair(scan, {.minimum_modulation = settings.minimum_modulation});
-  refuse_or_warn(checked, path, flags.anyway, output);
+  const SoundScan sound = sound_scan(scan, path, flags, output);
   nlohmann::json& findings = output.document["findings"];
   if (findings.is_null()) findings = nlohmann::json::array();
-  for (const nlohmann::json& finding : app::json_of(checked.findings)) findings.push_back(finding);
-  if (!checked.repairs.empty()) choose_response(scan, flags.input);
-  Engine engine(setup_for(scan, settings));
+  for (const auto& finding : app::json_of(sound.checked.findings)) findings.push_back(finding);
+  Engine engine(sound.setup);
   StoredCloud result;
   result.organised = true;
   Maps maps;
@@ -41,6 +42,22 @@ void add_cloud_input_flags(CLI::App& subcommand, CloudInputFlags& flags) {
   add_point_flags(subcommand, flags.settings);
   add_clean_flags(subcommand, flags.clean);
   add_scan_input_flags(subcommand, flags.input);
+}
+
+SoundScan sound_scan(Scan& scan, const std::string& name, const CloudInputFlags& flags,
+                     Output& output) {
+  Stopwatch watch;
+  SoundScan sound;
+  sound.gamma = gamma_of(scan, flags.input);
+  sound.setup = setup_for(scan, flags.settings);
+  sound.choosing = watch.lap();
+  require_reconstructible(sound.setup);
+  sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
+  refuse_or_warn(sound.checked, name, flags.anyway, output);
+  if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags.input);  // may be another
+  sound.setup.scanner.photometry.response = sound.gamma.response;
+  sound.checking = watch.lap();
+  return sound;
 }
 
 StoredCloud organised_cloud(const std::string& path, const CloudInputFlags& flags, Output& output) {

@@ -7,19 +7,16 @@
 
 #include <fmt/format.h>
 
-#include "app/clean_flags.h"
+#include "app/cloud_input.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/progress.h"
-#include "app/scan_findings.h"
-#include "app/scan_input.h"
 #include "app/stopwatch.h"
 #include "slipstream/clean/subsampled.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
@@ -28,14 +25,11 @@ namespace {
 
 struct ReconstructFlags {
   std::vector<std::string> folders;
-  ScanInputFlags input;
+  CloudInputFlags cloud;
   std::string backend = "fused";
   std::string unwrapping = "consensus";
   bool one_camera = false;
-  bool anyway = false;
   PhaseMatchSettings match;
-  ReconstructSettings settings;
-  CleanFlags clean;
   int subsample = 1;
   bool normals = false;
   bool uncertainty = false;
@@ -49,13 +43,12 @@ struct ReconstructedScan {
   Maps maps;  ///< where asked for
   std::optional<Uncertainty> uncertainty;
   std::string backend;
-  GammaChoice gamma;
   std::vector<std::string> warnings;
-  CheckedScan checked;
-  ResultFiles files;                        ///< written
-  std::optional<double> rms, median_sigma;  ///< mm
-  double least_modulation = 0;              ///< of a point, grey levels of 255
-  double read = 0, choosing = 0, checking = 0, tables = 0, computed = 0, written = 0;  ///< s
+  SoundScan sound;
+  ResultFiles files;                                       ///< written
+  std::optional<double> rms, median_sigma;                 ///< mm
+  double least_modulation = 0;                             ///< of a point, grey levels of 255
+  double read = 0, tables = 0, computed = 0, written = 0;  ///< s
 };
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
@@ -67,20 +60,20 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                          {"counts", app::json_of(count_by_validity(scan.cloud))},
                          {"backend", scan.backend},
                          {"least_modulation", scan.least_modulation},
-                         {"gamma", app::json_of(scan.gamma)},
+                         {"gamma", app::json_of(scan.sound.gamma)},
                          {"files", std::move(files)},
                          {"warnings", scan.warnings},
-                         {"findings", app::json_of(scan.checked.findings)},
-                         {"repairs", scan.checked.repairs},
+                         {"findings", app::json_of(scan.sound.checked.findings)},
+                         {"repairs", scan.sound.checked.repairs},
                          {"seconds",
                           {{"read", scan.read},
-                           {"gamma", scan.choosing},
-                           {"check", scan.checking},
+                           {"gamma", scan.sound.choosing},
+                           {"check", scan.sound.checking},
                            {"tables", scan.tables},
                            {"reconstruct", scan.computed},
                            {"write", scan.written}}}};
   // Only what --anyway went on with is wrong and was reconstructed.
-  if (any_wrong(scan.checked.findings)) told["doubted"] = true;
+  if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   if (scan.median_sigma) told["median_sigma_z_mm"] = *scan.median_sigma;
   if (scan.rms) told["rms_mm"] = *scan.rms;
   return told;
@@ -101,7 +94,7 @@ void tell(const ReconstructedScan& scan, Output& output) {
   output.say(
       "  time: {:.0f} ms to read, {:.0f} for gamma, {:.0f} to check, {:.0f} for tables, {:.0f} to "
       "reconstruct, {:.0f} to write",
-      1e3 * scan.read, 1e3 * scan.choosing, 1e3 * scan.checking, 1e3 * scan.tables,
+      1e3 * scan.read, 1e3 * scan.sound.choosing, 1e3 * scan.sound.checking, 1e3 * scan.tables,
       1e3 * scan.computed, 1e3 * scan.written);
   for (const auto& [name, path] : scan.files.named()) output.say("  {}: {}", name, path);
 }
@@ -140,37 +133,6 @@ void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
   }
 }
 
-/// Puts into the scan the response that its phases are corrected for, both in the check and in the
-/// cloud. Two cameras under one projector match whatever phase it shows.
-GammaChoice gamma_of(Scan& scan, const ReconstructFlags& flags) {
-  GammaChoice choice = choose_response(scan, flags.input);
-  if (scan.further_cameras.empty()) return choice;
-  return {.source = "two cameras", .sentence = "two cameras, free of gamma"};
-}
-
-CheckedScan checked_for(const ReconstructFlags& flags, Scan& scan, const std::string& folder,
-                        Output& output) {
-  CheckedScan checked =
-      check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
-  refuse_or_warn(checked, folder, flags.anyway, output);
-  return checked;
-}
-
-/// What the scan is reconstructed by, once it is found sound.
-EngineSetup setup_of_sound(const ReconstructFlags& flags, Scan& scan, ReconstructedScan& result,
-                           Stopwatch& watch, Output& output) {
-  result.gamma = gamma_of(scan, flags);
-  EngineSetup setup = setup_for(scan, flags.settings);
-  result.choosing = watch.lap();
-  require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
-  require_reconstructible(setup);
-  result.checked = checked_for(flags, scan, result.folder, output);
-  if (!result.checked.repairs.empty()) result.gamma = gamma_of(scan, flags);  // it may be another
-  setup.scanner.photometry.response = result.gamma.response;
-  result.checking = watch.lap();
-  return setup;
-}
-
 /// What the check does not see by its pixels, or leaves to --nearest and --farthest.
 void tell_no_points(ReconstructedScan& result, Output& output) {
   const auto counts = count_by_validity(result.cloud);
@@ -180,7 +142,7 @@ void tell_no_points(ReconstructedScan& result, Output& output) {
       .likely = fmt::format("{} in most of them", name_of(static_cast<Validity>(most))),
       .advice = "look at the frames with slipstream view"};
   output.warn(fmt::format("{}: {}", result.folder, text_of(finding)));
-  result.checked.findings.push_back(finding);
+  result.sound.checked.findings.push_back(finding);
 }
 
 /// The cloud with its normals and uncertainty on the grid asked for; maps and preview on the
@@ -205,7 +167,7 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   write_results({.cloud = scan.files.cloud}, subsampled(scan.cloud, flags.subsample), {},
                 {.normals = normals ? &*normals : nullptr,
                  .uncertainty = uncertainty ? &*uncertainty : nullptr,
-                 .remarks = doubts(scan.checked.findings)});
+                 .remarks = doubts(scan.sound.checked.findings)});
 }
 
 ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
@@ -213,23 +175,26 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
   Stopwatch watch;
   ReconstructedScan result;
   result.folder = folder.string();
-  Scan scan = load(folder.string(), flags.input, !flags.one_camera, output);
+  Scan scan = load(folder.string(), flags.cloud.input, !flags.one_camera, output);
   result.warnings = scan.warnings;
   result.read = watch.lap();
-  const EngineSetup setup = setup_of_sound(flags, scan, result, watch, output);
+  result.sound = sound_scan(scan, result.folder, flags.cloud, output);
+  const EngineSetup& setup = result.sound.setup;
+  require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
+  watch.lap();
   const bool two_cameras = !scan.further_cameras.empty();
   result.least_modulation =
-      two_cameras ? flags.settings.minimum_modulation : least_modulation(setup);
-  if (result.least_modulation > flags.settings.minimum_modulation) {
+      two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
+  if (result.least_modulation > flags.cloud.settings.minimum_modulation) {
     output.say("{}: least modulation {:.1f} instead of {:.1f}, where noise hides the fringe order",
-               result.folder, result.least_modulation, flags.settings.minimum_modulation);
+               result.folder, result.least_modulation, flags.cloud.settings.minimum_modulation);
   }
   if (!two_cameras && (!engine || engine->setup() != setup)) {
     engine.emplace(setup);  // else its tables serve again
   }
   result.tables = watch.lap();
-  if (!result.gamma.sentence.empty()) {
-    output.say("{}: {}", folder.string(), result.gamma.sentence);
+  if (!result.sound.gamma.sentence.empty()) {
+    output.say("{}: {}", folder.string(), result.sound.gamma.sentence);
   }
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (point_count(result.cloud) == 0) tell_no_points(result, output);
@@ -248,9 +213,9 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
   require_writable(flags.files, flags.folders);
-  set_backend(flags.settings, flags.backend);
-  flags.settings.cue_rule = cue_rule_named(flags.unwrapping);
-  flags.settings.clean = clean_settings_from(flags.clean);
+  set_backend(flags.cloud.settings, flags.backend);
+  flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);
+  flags.cloud.settings.clean = clean_settings_from(flags.cloud.clean);
   if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
     throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
   }
@@ -304,11 +269,8 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
               "use the first camera alone where the scan has two");
   command.add("--match-window", flags.match.window,
               "two cameras: half the width of the window whose plane gives the depth, pixels");
-  add_anyway_flag(command.app, flags.anyway);
   add_output_flags(command.app, flags);
-  add_point_flags(command.app, flags.settings);
-  add_clean_flags(command.app, flags.clean);
-  add_scan_input_flags(command.app, flags.input);
+  add_cloud_input_flags(command.app, flags.cloud);
   command.app.footer(
       "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "
       "preview.png\n  slipstream reconstruct frames --strategy dual-frequency --steps 3 --high 16 "

@@ -16,29 +16,14 @@ using Complex = std::complex<double>;
 
 using Samples = std::vector<HarmonicSample>;
 
-/// Half of the pixels are nearer to that gamma than this, grey levels.
-double median_residual(const Samples& samples, const std::vector<Constraint>& model) {
-  std::vector<double> residuals;
-  residuals.reserve(samples.size());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    residuals.push_back(std::abs(samples[i].constraint.second - model[i].second) *
-                        samples[i].modulation);
-  }
-  return median(std::move(residuals));
-}
-
-/// The gamma that most pixels agree on, within 1 %.
+/// The gamma that the medians of the pixels agree on, within 1 %.
 double agreed_gamma(const Samples& samples, int steps) {
-  constexpr int pieces = 512;
-  const int count = static_cast<int>(std::ceil(std::log(largest_gamma / least_gamma) / 0.02));
+  const ConstraintCurve curve = constraint_curve(samples, PowerLaw{1}, steps);
   double best_gamma = 1, best = std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= count; ++i) {
-    const double gamma =
-        least_gamma * std::pow(largest_gamma / least_gamma, static_cast<double>(i) / count);
-    const double residual =
-        median_residual(samples, predicted(samples, PowerLaw{gamma}, steps, pieces));
-    if (residual < best) {
-      best = residual;
+  for (double gamma = least_gamma; gamma <= largest_gamma; gamma *= 1.02) {
+    const double left = distance(curve, PowerLaw{gamma});
+    if (left < best) {
+      best = left;
       best_gamma = gamma;
     }
   }

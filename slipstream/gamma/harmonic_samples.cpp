@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -110,12 +111,13 @@ std::vector<Constraint> predicted(const std::vector<HarmonicSample>& samples,
 
 ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, const Response& near,
                                  int steps) {
-  constexpr std::size_t bins = 48, fewest = 10;
+  constexpr std::size_t fewest = 10;
+  const std::size_t bins = std::clamp<std::size_t>(samples.size() / (2 * fewest), 5, 48);
   const std::vector<Constraint> model = predicted(samples, near, steps);
   ConstraintCurve curve{.steps = steps};
   double noise = 0;
   for (std::size_t bin = 1, first = 0, end = 0; bin <= bins; ++bin, first = end) {
-    const double limit = 2 * pi / steps * static_cast<double>(bin) / bins;
+    const double limit = 2 * pi / steps * static_cast<double>(bin) / static_cast<double>(bins);
     while (end < samples.size() && (bin == bins || samples[end].measured < limit)) ++end;
     if (end - first < fewest) continue;
     const std::size_t centre = std::midpoint(first, end);
@@ -142,6 +144,7 @@ ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, con
 }
 
 double distance(const ConstraintCurve& curve, const Response& response) {
+  if (curve.bins.empty()) return std::numeric_limits<double>::infinity();
   const std::vector<Constraint> model = predicted(curve.bins, response, curve.steps, pieces);
   double sum = 0;
   for (std::size_t i = 0; i < model.size(); ++i) {

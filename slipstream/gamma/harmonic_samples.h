@@ -48,7 +48,8 @@ struct ConstraintCurve {
 ConstraintCurve constraint_curve(const std::vector<HarmonicSample>& samples, const Response& near,
                                  int steps);
 
-/// Mean square of what the response leaves of the second and third harmonic.
+/// Mean square of what the response leaves of the second and third harmonic; infinite where there
+/// are no bins.
 double distance(const ConstraintCurve& curve, const Response& response);
 
 /// Its root, less what noise does: about the phase error in rad that correcting by it leaves.

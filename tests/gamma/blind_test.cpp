@@ -78,6 +78,20 @@ TEST(BlindGamma, IsFoundForOtherNAndBelow1) {
   }
 }
 
+TEST(BlindGamma, OfFewPixelsIsFoundOrRefused) {
+  for (const int width : {100, 130, 500}) {
+    Image<MeasuredHarmonics> pixels({width, 1});
+    for (int i = 0; i < width; ++i) {
+      pixels(i, 0) = measured_harmonics(PowerLaw{2.2}, 6, 2 * pi * i / width);
+    }
+    const BlindGamma found = find_gamma(pixels, all_lit(pixels), 6);
+    EXPECT_TRUE(found.accepted());
+    EXPECT_NEAR(found.gamma, 2.2, 1e-6);
+    for (MeasuredHarmonics& pixel : pixels) pixel.second = -pixel.second;
+    EXPECT_EQ(find_gamma(pixels, all_lit(pixels), 6).refusal, BlindRefusal::no_power_law);
+  }
+}
+
 TEST(BlindGamma, RefusesWhereTheDataDoNotSay) {
   const auto refusal = [](const Image<MeasuredHarmonics>& pixels, int steps) {
     return find_gamma(pixels, all_lit(pixels), steps).refusal;

@@ -1,30 +1,15 @@
 #include "slipstream/io/mesh_file.h"
 
-#include <cstdint>
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/detail/stored_points.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/ply_mesh.h"
 
 namespace slipstream {
-namespace {
-
-Mesh parsed(const std::filesystem::path& path, const std::string& extension) {
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  try {
-    return extension == ".obj" ? obj_mesh(bytes) : ply_mesh(bytes);
-  } catch (const Error& error) {
-    throw Error(
-        fmt::format("{}: {}; a whole PLY or OBJ mesh is wanted", path.string(), error.what()));
-  }
-}
-
-}  // namespace
 
 Mesh read_mesh(const std::filesystem::path& path) {
   const std::string extension = lower_case_extension(path);
@@ -32,7 +17,9 @@ Mesh read_mesh(const std::filesystem::path& path) {
     throw Error(fmt::format("{}: no mesh format has the ending '{}'; use .ply or .obj",
                             path.string(), extension));
   }
-  Mesh mesh = parsed(path, extension);
+  StoredPoints stored = read_points(path);
+  Mesh mesh{.vertices = {}, .triangles = std::move(stored.triangles)};
+  for (const auto& point : stored.points) mesh.vertices.emplace_back(point.x, point.y, point.z);
   if (mesh.triangles.empty()) {
     throw Error(fmt::format("{}: no triangle could be read; a whole PLY or OBJ mesh is wanted",
                             path.string()));

@@ -1,198 +1,17 @@
 #include "slipstream/io/stored_cloud.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <functional>
-#include <map>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/detail/glb.h"
 #include "slipstream/io/detail/stored_points.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/number_reader.h"
-#include "slipstream/io/ply_elements.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-/// Where a column of that name goes, and how much of it.
-struct Target {
-  double StoredPoint::*field = nullptr;
-  double share = 1;
-};
-
-Target target_of(const ply::Property& property) {
-  // The weights of the luminance of ITU-R BT.601.
-  static constexpr std::array<std::pair<std::string_view, Target>, 12> targets{
-      {{"x", {&StoredPoint::x}},
-       {"y", {&StoredPoint::y}},
-       {"z", {&StoredPoint::z}},
-       {"intensity", {&StoredPoint::intensity}},
-       {"scalar_intensity", {&StoredPoint::intensity}},
-       {"red", {&StoredPoint::intensity, 0.299}},
-       {"green", {&StoredPoint::intensity, 0.587}},
-       {"blue", {&StoredPoint::intensity, 0.114}},
-       {"sigma_coordinate", {&StoredPoint::sigma_coordinate}},
-       {"sigma_x", {&StoredPoint::sigma_x}},
-       {"sigma_y", {&StoredPoint::sigma_y}},
-       {"sigma_z", {&StoredPoint::sigma_z}}}};
-  const auto* const found = std::find_if(targets.begin(), targets.end(), [&](const auto& target) {
-    return target.first == property.name;
-  });
-  return found == targets.end() || property.count_type ? Target{} : found->second;
-}
-
-/// The targets of an element's properties; where it has an intensity, its colours have none.
-std::vector<Target> targets_of(const ply::Element& element) {
-  std::vector<Target> targets;
-  bool has_intensity = false;
-  for (const ply::Property& property : element.properties) {
-    targets.push_back(target_of(property));
-    const Target& target = targets.back();
-    has_intensity |= target.field == &StoredPoint::intensity && target.share == 1;
-  }
-  for (Target& target : targets) {
-    if (has_intensity && target.share != 1) target = {};
-  }
-  return targets;
-}
-
-/// Reads past an element; keeps its points where it is of vertices.
-void read_element(const ply::Element& element, NumberReader& reader, StoredPoints& stored) {
-  if (element.properties.empty()) return;
-  const std::vector<Target> targets = targets_of(element);
-  const bool vertices = element.name == "vertex";
-  const auto lacks = [&](double StoredPoint::*field) {
-    return std::none_of(targets.begin(), targets.end(),
-                        [field](const Target& target) { return target.field == field; });
-  };
-  if (vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z))) {
-    throw Error("its points have no x, y and z");
-  }
-  for (std::size_t i = 0; i < element.count; ++i) {
-    StoredPoint point;
-    for (std::size_t k = 0; k < targets.size(); ++k) {
-      const std::vector<double> numbers = ply::read_property(element.properties[k], reader);
-      if (targets[k].field != nullptr) point.*targets[k].field += targets[k].share * numbers[0];
-    }
-    if (vertices) stored.points.push_back(point);
-  }
-  stored.has_sigma |= vertices && !lacks(&StoredPoint::sigma_z);
-}
-
-StoredPoints ply_points(std::span<const std::uint8_t> bytes) {
-  NumberReader reader(bytes);
-  StoredPoints stored;
-  for (const ply::Element& element : ply::read_header(reader)) {
-    read_element(element, reader, stored);
-  }
-  return stored;
-}
-
-/// The words of each line of a PCD header by its first word, which goes.
-std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(NumberReader& reader) {
-  std::map<std::string, std::vector<std::string_view>, std::less<>> header;
-  while (!header.contains("DATA")) {
-    std::vector<std::string_view> words = words_of(reader.line());
-    if (words.empty() || words[0].starts_with('#')) continue;
-    const std::string key(words[0]);
-    words.erase(words.begin());
-    header[key] = std::move(words);
-  }
-  for (const char* key : {"FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "DATA"}) {
-    if (header[key].empty()) throw Error(fmt::format("its header has no {}", key));
-  }
-  return header;
-}
-
-/// All fields of 32-bit float, one number each, as write_cloud and most others write them.
-StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
-  NumberReader reader(bytes);
-  const auto header = pcd_header(reader);
-  const auto all = [&](const char* key, std::string_view wanted) {
-    const auto& words = header.at(key);
-    return std::all_of(words.begin(), words.end(), [&](auto word) { return word == wanted; });
-  };
-  if (!all("SIZE", "4") || !all("TYPE", "F") || !all("COUNT", "1")) {
-    throw Error("its fields are not all of one 32-bit float");
-  }
-  if (!all("DATA", "binary") && !all("DATA", "ascii")) {
-    throw Error("its DATA are neither ascii nor binary");
-  }
-  if (all("DATA", "binary")) reader.set_format(NumberFormat::little_endian);
-  ply::Element element{.name = "vertex", .properties = {}};
-  for (const std::string_view field : header.at("FIELDS")) {
-    element.properties.push_back({std::string(field), NumberType::float32, std::nullopt});
-  }
-  const std::size_t width = count_from(header.at("WIDTH")[0]);
-  const std::size_t height = count_from(header.at("HEIGHT")[0]);
-  if (std::max(width, height) > reader.left().size()) throw Error("it is truncated");
-  element.count = width * height;
-  StoredPoints stored;
-  if (height > 1) stored.organised = {static_cast<int>(width), static_cast<int>(height)};
-  read_element(element, reader, stored);
-  return stored;
-}
-
-/// What a text of so many columns holds, as write_cloud writes it.
-std::vector<std::string_view> names_of_columns(std::size_t count) {
-  static constexpr std::array<std::string_view, 4> place{"x", "y", "z", "intensity"};
-  static constexpr std::array<std::string_view, 4> sigma{"sigma_coordinate", "sigma_x", "sigma_y",
-                                                         "sigma_z"};
-  std::vector<std::string_view> names(count, "");
-  const bool ours = count == 4 || count == 7 || count == 8 || count == 11;
-  std::copy_n(place.begin(), std::min<std::size_t>(count, ours ? 4 : 3), names.begin());
-  if (count == 8 || count == 11) std::copy(sigma.begin(), sigma.end(), names.end() - 4);
-  return names;
-}
-
-StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
-  NumberReader reader(bytes);
-  NumberReader lines = reader;
-  const std::size_t columns = lines.left().empty() ? 0 : words_of(lines.line()).size();
-  ply::Element element{.name = "vertex", .count = 1, .properties = {}};
-  for (const std::string_view name : names_of_columns(columns)) {
-    element.properties.push_back({std::string(name), NumberType::float64, std::nullopt});
-  }
-  for (; !lines.left().empty(); ++element.count) {
-    if (words_of(lines.line()).size() != columns) {
-      throw Error(
-          fmt::format("line {} has not the {} numbers of the first", element.count + 1, columns));
-    }
-  }
-  StoredPoints stored;
-  read_element(element, reader, stored);
-  return stored;
-}
-
-using Parse = StoredPoints (*)(std::span<const std::uint8_t>);
-
-constexpr std::array<std::pair<std::string_view, Parse>, 6> formats{{{".ply", ply_points},
-                                                                     {".pcd", pcd_points},
-                                                                     {".xyz", xyz_points},
-                                                                     {".stl", stl_points},
-                                                                     {".obj", obj_points},
-                                                                     {".glb", glb_points}}};
-
-/// Null where no such file can be read.
-Parse parse_for(const fs::path& path) {
-  const std::string extension = lower_case_extension(path);
-  const auto* const found = std::find_if(formats.begin(), formats.end(), [&](const auto& format) {
-    return format.first == extension;
-  });
-  return found == formats.end() ? nullptr : found->second;
-}
 
 bool is_finite(const StoredPoint& point) {
   return std::isfinite(point.x) && std::isfinite(point.y) && std::isfinite(point.z);
@@ -229,26 +48,11 @@ StoredCloud cloud_of(StoredPoints stored) {
 }  // namespace
 
 bool is_cloud_file(const fs::path& path) {
-  return parse_for(path) != nullptr;
+  return holds_points(path);
 }
 
 StoredCloud read_cloud(const fs::path& path) {
-  if (!fs::exists(path)) throw Error(fmt::format("{}: no such file", path.string()));
-  const Parse parse = parse_for(path);
-  if (parse == nullptr) {
-    throw Error(
-        fmt::format("{}: no cloud or mesh that can be read has the ending '{}'; use .ply, "
-                    ".pcd, .xyz, .stl, .obj or .glb",
-                    path.string(), lower_case_extension(path)));
-  }
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  StoredCloud stored;
-  try {
-    stored = cloud_of(parse(bytes));
-  } catch (const Error& error) {
-    throw Error(fmt::format("{} is not a good {} file: {}", path.string(),
-                            lower_case_extension(path).substr(1), error.what()));
-  }
+  StoredCloud stored = cloud_of(read_points(path));
   if (point_count(stored.cloud) == 0) throw Error(fmt::format("{}: no point in it", path.string()));
   return stored;
 }

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <span>
+#include <array>
+#include <filesystem>
 #include <vector>
 
 #include "slipstream/image/size.h"
-#include "slipstream/simulate/mesh.h"
 
 namespace slipstream {
 
@@ -14,22 +13,19 @@ struct StoredPoint {
   double sigma_coordinate = 0, sigma_x = 0, sigma_y = 0, sigma_z = 0;
 };
 
-/// What a file says, before it is a cloud.
+/// What a file says, before it is a cloud or a mesh.
 struct StoredPoints {
   std::vector<StoredPoint> points{};
+  /// Faces of .ply and .obj, as fans, by their corners' indices; these are not checked.
+  std::vector<std::array<int, 3>> triangles{};
   bool has_sigma = false;
   Size organised{};  ///< as so many columns and rows; 0: not
 };
 
-// Each throws Error, which does not name the file, for what is no such file or ends too soon.
+/// Whether the file's ending is one that read_points knows.
+bool holds_points(const std::filesystem::path& path);
 
-/// The corners of the triangles of a binary STL file, each once, in no order.
-StoredPoints stl_points(std::span<const std::uint8_t> bytes);
-
-/// The vertices of an OBJ file; intensity is that of their colours.
-StoredPoints obj_points(std::span<const std::uint8_t> bytes);
-
-/// Its faces as triangles, all its parts as one mesh; their indices are not checked.
-Mesh obj_mesh(std::span<const std::uint8_t> bytes);
+/// See read_cloud. Throws Error, naming the file, where it is another file or ends too soon.
+StoredPoints read_points(const std::filesystem::path& path);
 
 }  // namespace slipstream

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/clean/cleaner.h"
 #include "slipstream/cloud/depth_step.h"
 #include "slipstream/cloud/measure.h"
 #include "slipstream/cloud/spheres.h"
@@ -61,7 +62,9 @@ Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   Cloud part = cloud;
   for (int row = 0; row < cloud.size().height; ++row) {
     for (int column = 0; column < cloud.size().width; ++column) {
-      if (!belongs(column, row)) part.validity(column, row) = Validity::outside_region;
+      if (belongs(column, row)) continue;
+      part.validity(column, row) = Validity::outside_region;
+      part.z(column, row) = std::numeric_limits<float>::quiet_NaN();
     }
   }
   return part;
@@ -137,13 +140,17 @@ double rms_of_means(const Image<double>& map) {
 ShapeAccuracy measure_plane(const Cloud& cloud) {
   const Points points = points_of(cloud);
   const FittedPlane rough = fit_plane(points);
-  double reach = 0;
+  std::vector<double> reaches;
   for (const MeasuredPoint& point : points) {
-    reach = std::max(reach, (point.position - rough.centre).norm());
+    reaches.push_back((point.position - rough.centre).norm());
   }
-  const Cloud whole = part_of(cloud, [&](int column, int row) {
-    return std::abs(signed_distance(rough, position_at(cloud, column, row))) < 0.02 * reach;
+  const double length = 2.5 * quantile(reaches, 0.5);
+  Cloud whole = part_of(cloud, [&](int column, int row) {
+    return std::abs(signed_distance(rough, position_at(cloud, column, row))) < 0.01 * length;
   });
+  CleanSettings largest_piece = CleanSettings::none();
+  largest_piece.smallest_component = static_cast<int>(point_count(whole) / 2);
+  Cleaner{largest_piece}(whole);
   constexpr int rim = 5;
   const Cloud inner = part_of(whole, [&](int column, int row) {
     const auto has_point = [&](int right, int down) {

@@ -52,9 +52,9 @@ using CloudOfScan = std::function<Cloud(const std::string& scan)>;
 /// Finds the artefacts in the scans' clouds, one cloud at a time, and measures them. Of a sphere
 /// count the points that the camera sees at up to 60 degrees from the normal, less those within 40
 /// degrees of the rod of a ball bar. Of a plane, which has to hold two thirds of a cloud's points,
-/// count those nearer to it than 1 % of its length, less a rim of 5 pixels, where blur moves what
-/// is seen. Throws Error, naming the scan, where an artefact is not found, or where repeated scans
-/// are copies.
+/// count those nearer to it than 1 % of its length (2.5 times the median distance of its points
+/// from their middle) in one piece, less a rim of 5 pixels, where blur moves what is seen. Throws
+/// Error, naming the scan, where an artefact is not found, or where repeated scans are copies.
 Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_of);
 
 }  // namespace slipstream

@@ -89,6 +89,19 @@ TEST(Accuracy, LeavesOutThreeInAThousandAndNoMore) {
   }
 }
 
+TEST(Accuracy, OfAPlaneLeavesOutWhatElseLiesInIt) {
+  // A table whose surface crosses the plane, apart from it in the picture, and a wall far behind.
+  Body table{.shape = Board{200, 60}};
+  table.pose = Eigen::Translation3d(0, 110, 600) * Eigen::AngleAxisd(1, Vector3d::UnitX());
+  Body wall{.shape = Board{300, 300}};
+  wall.pose.translation() = Vector3d(700, 0, 2000);
+  const Scene scene{plane_at(600), table, wall};
+  const Artefacts plane{.planes = {"plane"}};
+  const Accuracy found =
+      measure_accuracy(plane, [&](const std::string&) { return cast_cloud(scene); });
+  EXPECT_NEAR(figure(found, "flatness"), 0, 2e-4);
+}
+
 TEST(Accuracy, OfNoiseIsThatOfItsDistribution) {
   std::mt19937 random(1);
   std::normal_distribution<double> noise(0, 0.05);

@@ -56,13 +56,14 @@ void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Out
   }
 }
 
-void tell_response(const std::string& name, Output& output) {
-  output.say("response: {}", name);
-  output.document["response"] = name;
-}
+struct Found {
+  std::string name;
+  MeasuredResponse measured;
+};
 
-MeasuredResponse from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
-                            Output& output) {
+/// Nothing where they do not tell, but uniform patterns will.
+std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
+                                Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
   const BlindGamma& fit = found.fit;
   output.say("gamma {:.5f}, standard error {:.2g}: fitted to {} pixels with all harmonics",
@@ -73,13 +74,13 @@ MeasuredResponse from_scans(const CalibrateGammaFlags& flags, const ScanAverage&
       flags, found.pixels.has_value(),
       fmt::format("{} steps give no gamma for each pixel; it takes 5", found.steps));
   if (found.pixels) tell_pixels(flags, *found.pixels, output);
-  const MeasuredResponse response = found_response(found);
-  tell_response(found.response->name, output);
-  return response;
+  if (!found.response && flags.uniform) return std::nullopt;
+  const MeasuredResponse measured = found_response(found);
+  return Found{found.response->name, measured};
 }
 
 /// The simplest response that fits uniform patterns, or the curve itself where that is asked for.
-MeasuredResponse from_uniform(const CalibrateGammaFlags& flags, Output& output) {
+Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
   const UniformLevels levels = read_uniform_pictures(*flags.uniform);
   const GammaFit fit = fit_gamma(levels.values, levels.intensities);
   output.say(
@@ -92,8 +93,7 @@ MeasuredResponse from_uniform(const CalibrateGammaFlags& flags, Output& output) 
       flags.response
           ? NamedResponse{"measured curve", response_curve(levels.values, levels.intensities)}
           : simplest_response(levels.values, levels.intensities);
-  tell_response(name, output);
-  return {response, fit.gamma, 0};
+  return {name, {response, fit.gamma, 0}};
 }
 
 void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
@@ -107,18 +107,23 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
       flags, !flags.folders.empty(),
       "uniform patterns give no gamma for each pixel; give folders of scans");
   CalibrationFiles files = flags.files;
-  std::optional<MeasuredResponse> found;
+  std::optional<Found> found;
   if (!flags.folders.empty()) {
     found = from_scans(flags, averaged_scans(flags.folders, flags.scan, files, output), output);
   }
   if (flags.uniform) {
-    const MeasuredResponse uniform = from_uniform(flags, output);
+    const Found uniform = from_uniform(flags, output);
     if (!found) found = uniform;
-    if (flags.response) found->response = uniform.response;
+    if (flags.response) {
+      found->name = uniform.name;
+      found->measured.response = uniform.measured.response;
+    }
   }
-  output.document["gamma"] = found->gamma;
-  output.document["standard_error"] = found->standard_error;
-  write_calibration(files, {.response = found}, output);
+  output.say("response: {}", found->name);
+  output.document["response"] = found->name;
+  output.document["gamma"] = found->measured.gamma;
+  output.document["standard_error"] = found->measured.standard_error;
+  write_calibration(files, {.response = found->measured}, output);
 }
 
 }  // namespace
@@ -128,7 +133,7 @@ void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
       add_command(calibrate, chosen, calibrate_gamma, "gamma",
                   "the projector's response, from scans of any surface or uniform patterns");
   command.add("folders", flags.folders,
-              "scan folders or recordings of one unmoved scene, best of 5 steps or more; averaged");
+              "scan folders or recordings of one unmoved scene, best of 8 steps or more; averaged");
   command.add("--uniform", flags.uniform,
               "folder of pictures of uniform patterns, named by grey level: level_017.png");
   command.add("--response", flags.response,

@@ -49,7 +49,7 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   }
   output.document["noise_variance"] = trusted.variance;
   if (!files.output.empty() && !(trusted.variance > 0)) {
-    throw Error("the scans differ in nothing, as copies do; noise is measured between two takes");
+    throw Error("the scans show no noise; nothing was written");
   }
   if (trusted.variance > 0) write_calibration(files, {.noise_variance = trusted.variance}, output);
 }

@@ -63,6 +63,14 @@ bool of_one_band(const Layout& layout) {
   return layout.bands.size() == 1 && !layout.cue;
 }
 
+/// What noise would have made different is not.
+void require_two_takes(const Image<double>& a, const Image<double>& b) {
+  if (!std::equal(a.begin(), a.end(), b.begin(), b.end())) return;
+  throw Error(
+      "two of the scans have the very same frames, noise and all: copies, or the virtual scanner's "
+      "of one --seed; noise is measured between two takes");
+}
+
 /// Why a measurement says another value than the one trusted most; empty where it does not.
 std::string disagreement(const NoiseMeasurement& other, const NoiseMeasurement& trusted) {
   const double difference = other.variance - trusted.variance;
@@ -126,6 +134,7 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
     for (const NoiseScan& b : scans.subspan(i + 1)) {
       const bool alike = a.strategy_ == b.strategy_;
       if (!alike && !(of_one_band(layout) && of_one_band(b.strategy_.layout()))) continue;
+      if (alike) require_two_takes(a.mean_, b.mean_);
       const Image<std::uint8_t> both = in_both(a.measured_, b.measured_);
       (alike ? means : unequal_means)
           .add(noise_from_means(a.mean_, a.steps_, b.mean_, b.steps_, both));

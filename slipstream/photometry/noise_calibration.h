@@ -37,7 +37,7 @@ class NoiseScan {
 };
 
 /// All that the scans of one unmoved scene allow, the one to be trusted most first. Throws Error
-/// where they allow none or are of different sizes.
+/// where they allow none, are of different sizes or two are one and the same.
 std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans);
 
 /// Whether the measurement counts a response that is not linear as noise.

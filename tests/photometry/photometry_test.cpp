@@ -129,6 +129,8 @@ TEST(NoiseCalibration, GivesTheVarianceByEveryEquationThatTheScansAllow) {
     EXPECT_NEAR(measured.variance, 2 + 1.0 / 12, 0.15) << measured.equation;
     EXPECT_EQ(measured.reason, "") << measured.equation;
   }
+  scans.push_back(scans.front());
+  expect_error([&] { (void)calibrate_noise(scans); }, {"very same frames", "--seed"});
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "app/clean_flags.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -57,16 +58,20 @@ void add_clean_flags(CLI::App& subcommand, CleanFlags& flags) {
             "half the window over which points move to their surface, edges kept, pixels");
 }
 
-CleanSettings clean_settings_from(const CleanFlags& flags) {
-  CleanSettings settings = flags.raw ? CleanSettings::none() : CleanSettings();
-  if (flags.largest_sigma) settings.largest_sigma = flags.largest_sigma;
-  settings.smallest_component = flags.smallest_component.value_or(settings.smallest_component);
-  settings.box = box_of(flags.box);
-  settings.outline = outline_of(flags.outline);
-  settings.widest_gap = flags.widest_gap;
-  settings.smoothing = flags.smoothing;
-  require_valid(settings);
-  return settings;
+void set_clean(ReconstructSettings& settings, const CleanFlags& flags) {
+  CleanSettings& clean = settings.clean;
+  clean = flags.raw ? CleanSettings::none() : CleanSettings();
+  if (flags.raw) {
+    settings.nearest = settings.nearest.value_or(0);
+    settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
+  }
+  if (flags.largest_sigma) clean.largest_sigma = flags.largest_sigma;
+  clean.smallest_component = flags.smallest_component.value_or(clean.smallest_component);
+  clean.box = box_of(flags.box);
+  clean.outline = outline_of(flags.outline);
+  clean.widest_gap = flags.widest_gap;
+  clean.smoothing = flags.smoothing;
+  require_valid(clean);
 }
 
 nlohmann::json json_of(const ValidityCounts& counts) {

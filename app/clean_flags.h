@@ -6,8 +6,8 @@
 #include <CLI/App.hpp>
 
 #include "app/output.h"
-#include "slipstream/clean/clean_settings.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
 
 namespace slipstream::app {
 
@@ -24,8 +24,9 @@ struct CleanFlags {
 /// Adds --raw, --max-sigma, --min-component, --box, --outline, --fill and --smooth.
 void add_clean_flags(CLI::App& subcommand, CleanFlags& flags);
 
-/// What they say. Throws Error where that is no box or outline, or out of range.
-CleanSettings clean_settings_from(const CleanFlags& flags);
+/// Sets what they say; --raw takes the limits of depth away, but those asked for. Throws Error
+/// where that is no box or outline, or out of range.
+void set_clean(ReconstructSettings& settings, const CleanFlags& flags);
 
 /// By the names of the reasons.
 nlohmann::json json_of(const ValidityCounts& counts);

@@ -18,7 +18,7 @@ GammaChoice gamma_of(Scan& scan, const ScanInputFlags& flags) {
 }
 
 StoredCloud cloud_of_scan(const std::string& path, CloudInputFlags flags, Output& output) {
-  flags.settings.clean = clean_settings_from(flags.clean);
+  set_clean(flags.settings, flags.clean);
   Scan scan = load(path, flags.input, false, output);
   const SoundScan sound = sound_scan(scan, path, flags, output);
   nlohmann::json& findings = output.document["findings"];

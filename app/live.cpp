@@ -58,7 +58,7 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
     output.say("no scanner is known for {}: pictures without points; --scanner names its file",
                flags.source.source);
   }
-  setup.settings.clean = clean_settings_from(flags.clean);
+  set_clean(setup.settings, flags.clean);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);

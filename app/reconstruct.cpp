@@ -87,6 +87,11 @@ void tell(const ReconstructedScan& scan, Output& output) {
     if (counts[i] == 0) continue;
     output.say("  left out, {}: {}", name_of(static_cast<Validity>(i)), counts[i]);
   }
+  if (counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
+    const auto [nearest, farthest] = depth_range(scan.sound.setup);
+    output.say("  depths kept: {:.0f} to {:.0f} mm; --nearest, --farthest and --raw change that",
+               nearest, farthest);
+  }
   if (scan.rms) output.say("  RMS error against truth: {:.4g} mm", *scan.rms);
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
@@ -215,7 +220,7 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
   require_writable(flags.files, flags.folders);
   set_backend(flags.cloud.settings, flags.backend);
   flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);
-  flags.cloud.settings.clean = clean_settings_from(flags.cloud.clean);
+  set_clean(flags.cloud.settings, flags.cloud.clean);
   if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
     throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
   }

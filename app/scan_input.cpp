@@ -31,8 +31,10 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
           "--keep-saturated", [&settings] { settings.drop_saturated = false; },
           "keep pixels with a saturated frame")
       ->group(group.name);
-  group.add("--nearest", settings.nearest, "least depth, mm");
-  group.add("--farthest", settings.farthest, "largest depth, mm");
+  group.add("--nearest", settings.nearest,
+            "least depth, mm; half of the nearest calibrated where not given");
+  group.add("--farthest", settings.farthest,
+            "largest depth, mm; twice the farthest calibrated where not given");
 }
 
 namespace {

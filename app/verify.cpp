@@ -56,7 +56,7 @@ Test rehearsed(const VerifyFlags& flags) {
   const Scanner calibrated =
       flags.calibrated ? read_scanner(*flags.calibrated) : as_calibrated(world);
   ReconstructSettings settings = flags.input.settings;
-  settings.clean = clean_settings_from(flags.input.clean);
+  set_clean(settings, flags.input.clean);
   const Sequence sequence = sequence_for(flags.input.input.scan, world.scanner);
   return {rehearsal(world, sequence, calibrated, settings),
           fmt::format("Rehearsed in the virtual world, {}", label_of(sequence.strategy))};

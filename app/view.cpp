@@ -39,7 +39,9 @@ struct ViewPathFlags {
 
 view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
   Scan scan = load(flags.path, flags.input, false, output);
-  EngineSetup setup = setup_for(scan, {.clean = clean_settings_from(flags.clean)});
+  ReconstructSettings settings;
+  set_clean(settings, flags.clean);
+  EngineSetup setup = setup_for(scan, settings);
   const std::optional<MeasuredResponse> of_scanner = setup.scanner.photometry.response;
   choose_response(scan, flags.input);
   require_reconstructible(setup);

@@ -307,6 +307,7 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
   require_size(second_frames, second_, "second");
   CameraPhases first = phases_of(first_frames, decode_, phase_, settings);
   const CameraPhases second = phases_of(second_frames, decode_, phase_, settings);
+  const DepthRange depths = depth_range(first_);
   const Stereo stereo(first_.scanner, second_);
   const std::vector<double> fringes = fringes_of(decode_.layout());
   const Size size = first_frames.size();
@@ -342,7 +343,7 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
         continue;
       }
       const double Z = plane_depth(matches, column, row, match_.window);
-      if (Z < settings.nearest || Z > settings.farthest) {
+      if (Z < depths.nearest || Z > depths.farthest) {
         pixel = Validity::out_of_range;
         continue;
       }

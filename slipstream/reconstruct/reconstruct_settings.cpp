@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -17,6 +18,8 @@
 namespace slipstream {
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
 void require_valid(const ReconstructSettings& settings) {
   const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
     if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
@@ -24,9 +27,10 @@ void require_valid(const ReconstructSettings& settings) {
   const double least = settings.minimum_modulation;
   require(least >= 0 && std::isfinite(least), "minimum modulation", least, "0 grey levels or more");
   require(settings.field_margin >= 0, "field margin", settings.field_margin, "0 or more");
-  require(settings.nearest >= 0, "nearest depth", settings.nearest, "0 mm or more");
-  require(settings.farthest > settings.nearest, "farthest depth", settings.farthest,
-          "more than the nearest");
+  const double nearest = settings.nearest.value_or(0);
+  require(nearest >= 0, "nearest depth", nearest, "0 mm or more");
+  const double farthest = settings.farthest.value_or(infinity);
+  require(farthest > nearest, "farthest depth", farthest, "more than the nearest");
   require_valid(settings.clean);
 }
 
@@ -46,6 +50,15 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
   }
   throw Error(
       fmt::format("backend '{}' is not known; it is equation, closed-form, lut or fused", name));
+}
+
+DepthRange depth_range(const EngineSetup& setup) {
+  const auto& [scanner, sequence, settings] = setup;
+  DepthRange usual{0, infinity};
+  if (const auto& covered = scanner.calibrated_depths) {
+    usual = {covered->nearest / 2, covered->farthest * 2};
+  }
+  return {settings.nearest.value_or(usual.nearest), settings.farthest.value_or(usual.farthest)};
 }
 
 void require_reconstructible(const EngineSetup& setup) {

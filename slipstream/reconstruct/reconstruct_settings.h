@@ -1,6 +1,6 @@
 #pragma once
 
-#include <limits>
+#include <optional>
 #include <string_view>
 
 #include "slipstream/clean/clean_settings.h"
@@ -38,8 +38,8 @@ struct ReconstructSettings {
   /// How far past the ends of the projector's field, as a share of its length across the stripes, a
   /// point may lie.
   double field_margin = 0.02;
-  double nearest = 0;                                         ///< mm, least depth
-  double farthest = std::numeric_limits<double>::infinity();  ///< mm, largest depth
+  std::optional<double> nearest{};   ///< mm, least depth; none: see depth_range
+  std::optional<double> farthest{};  ///< mm, largest depth; none: see depth_range
   /// Which points of a finished cloud are left out.
   CleanSettings clean{};
 
@@ -58,6 +58,11 @@ struct EngineSetup {
 
   friend bool operator==(const EngineSetup&, const EngineSetup&) = default;
 };
+
+/// The depths that may become points, mm. Where the settings say none: from half the nearest to
+/// twice the farthest that the calibration's boards covered; any where the scanner does not know
+/// these.
+DepthRange depth_range(const EngineSetup& setup);
 
 /// Throws Error where the scanner or the settings are not valid or see no depth along that axis, or
 /// where the strategy is too fine for the projector or its frames give no projector coordinate. An

@@ -1,6 +1,7 @@
 #include "slipstream/simulate/virtual_world.h"
 
 #include "slipstream/noise/phase_noise.h"
+#include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {
 
@@ -20,6 +21,8 @@ Scanner as_calibrated(const VirtualWorld& world) {
   const PhotometricCalibration truth = photometric_truth(world.photometry);
   scanner.photometry.ambient = truth.ambient;
   scanner.photometry.noise_variance = truth.noise_variance;
+  const double depth = working_volume(scanner).centre.z();
+  scanner.calibrated_depths = {0.75 * depth, 1.25 * depth};
   return scanner;
 }
 

@@ -16,7 +16,7 @@ struct VirtualWorld {
 /// What a calibration of light and sensor would find, rounding included.
 PhotometricCalibration photometric_truth(const Photometry& photometry);
 
-/// The world's scanner with that.
+/// The world's scanner with that, and the depths that boards before it cover.
 Scanner as_calibrated(const VirtualWorld& world);
 
 }  // namespace slipstream

@@ -148,6 +148,18 @@ TEST_P(EngineOfKind, LeavesOutWhatIsNotMeasuredAndSaysWhy) {
   EXPECT_GT(of(counts, Validity::saturated), 100U);
   EXPECT_EQ(of(counts_with({.drop_saturated = false}), Validity::saturated), 0U);
   EXPECT_GT(of(counts_with({.farthest = 600}), Validity::out_of_range), 1000U);
+
+  // Where none is asked for, the depths of the calibration's boards say it.
+  Scanner calibrated = scanner;
+  calibrated.calibrated_depths = {250, 300};
+  const EngineSetup setup{.scanner = calibrated, .sequence = {.strategy = strategy}};
+  EXPECT_EQ(depth_range(setup), (DepthRange{125, 600}));
+  const auto out_of_range = [&](const ReconstructSettings& settings) {
+    const Cloud cloud = cloud_of(scan.frames, calibrated, {.strategy = strategy}, settings);
+    return of(count_by_validity(cloud), Validity::out_of_range);
+  };
+  EXPECT_GT(out_of_range({}), 1000U);
+  EXPECT_EQ(out_of_range({.farthest = 5000}), 0U);
 }
 
 TEST_P(EngineOfKind, ShowsNoPointOfAWrongFringeOrder) {

@@ -257,7 +257,7 @@ std::array<float, 6> edge(const std::array<double, StripeGeometry::edge_terms>& 
   return narrow;
 }
 
-PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings& settings) {
+PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths) {
   const int degree = compiled_degree(geometry.lens.degree);
   const auto [inner_low, inner_high] = geometry.inner_places();
   constexpr double largest = std::numeric_limits<float>::max();
@@ -278,9 +278,9 @@ PointStage point_stage(const StripeGeometry& geometry, const ReconstructSettings
           .high_edge = edge(geometry.high_edge),
           .inner_low = static_cast<float>(inner_low),
           .inner_high = static_cast<float>(inner_high),
-          .nearest = static_cast<float>(std::min(settings.nearest, largest)),
-          .farthest = static_cast<float>(std::min(settings.farthest, largest)),
-          .limits_depth = settings.nearest > 0 || settings.farthest < largest};
+          .nearest = static_cast<float>(std::min(depths.nearest, largest)),
+          .farthest = static_cast<float>(std::min(depths.farthest, largest)),
+          .limits_depth = depths.nearest > 0 || depths.farthest < largest};
 }
 
 /// Where the row kernel takes a turn for a coordinate as it is, without asking for the cut.
@@ -319,7 +319,7 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                      .cue = {},
                      .consensus = consensus_stage(f, settings.fringe_order),
                      .coordinate = coordinate_stage(f, widest, projector_length(setup)),
-                     .point = point_stage(*geometry, settings),
+                     .point = point_stage(*geometry, depth_range(setup)),
                      .rays = std::move(*rays),
                      .blocks = std::move(blocks)};
   stages.point.may_leave_field = widest < 1;

@@ -154,7 +154,8 @@ Validity ReferenceEngine::validity_of(double coordinate, const Eigen::Vector3d& 
   if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin)) {
     return Validity::outside_field;
   }
-  const bool in_range = point.z() >= settings.nearest && point.z() <= settings.farthest;
+  const auto [nearest, farthest] = depth_range(setup_);
+  const bool in_range = point.z() >= nearest && point.z() <= farthest;
   return in_range ? Validity::valid : Validity::out_of_range;
 }
 

@@ -84,9 +84,13 @@ nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const L
           {"covered_share", covered}};
 }
 
-void add_quality(nlohmann::json& pose, const std::optional<BoardQuality>& quality) {
-  pose["flatness_mm"] = quality ? nlohmann::json(quality->flatness) : nlohmann::json();
-  pose["scale_error"] = quality ? nlohmann::json(quality->scale_error) : nlohmann::json();
+void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& quality) {
+  const auto add = [&](const char* name, double BoardQuality::*figure) {
+    told[name] = quality ? nlohmann::json((*quality).*figure) : nlohmann::json();
+  };
+  add("flatness_mm", &BoardQuality::flatness);
+  add("distance_error_mm", &BoardQuality::distance_error);
+  add("scale_error", &BoardQuality::scale_error);
 }
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
@@ -116,12 +120,9 @@ nlohmann::json json_of_poses(const CalibrationReport& report) {
 nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   const Scanner& scanner = calibration.state.scanner;
-  const BoardQuality left_out = overall(left_out_qualities(calibration));
   nlohmann::json told = {
       {"scanner", flags.scanner},
       {"rms", json_of(calibration.rms)},
-      {"flatness_mm", left_out.flatness},
-      {"scale_error", left_out.scale_error},
       {"poses", json_of_poses(report)},
       {"camera", json_of(scanner.camera, calibration.deviation.camera, calibration.camera_lens,
                          calibration.covered_camera)},
@@ -132,12 +133,11 @@ nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationRe
       {"translation_deviation_mm", json_of_vector(calibration.deviation.translation)},
       {"largest_tilt_rad", calibration.largest_tilt},
       {"depths_mm", {scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest}}};
+  add_quality(told, overall(left_out_qualities(calibration)));
   told["findings"] = app::json_of(report.findings);
   if (report.comparison != nullptr) {
-    const BoardQuality compared = overall(report.comparison->poses);
-    told["compared"] = {{"scanner", report.comparison->name},
-                        {"flatness_mm", compared.flatness},
-                        {"scale_error", compared.scale_error}};
+    told["compared"] = {{"scanner", report.comparison->name}};
+    add_quality(told["compared"], overall(report.comparison->poses));
   }
   if (flags.report) told["report"] = *flags.report;
   return told;

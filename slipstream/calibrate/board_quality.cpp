@@ -21,17 +21,21 @@ double flatness_of(const std::vector<Eigen::Vector3d>& points) {
   return std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / static_cast<double>(points.size()));
 }
 
-double scale_error_of(const std::vector<Eigen::Vector3d>& points,
-                      const std::vector<Eigen::Vector3d>& printed) {
-  double sum = 0;
-  int pairs = 0;
+/// Sets what the distances between all pairs of points say.
+void measure_distances(const std::vector<Eigen::Vector3d>& points,
+                       const std::vector<Eigen::Vector3d>& printed, BoardQuality& quality) {
+  double ratios = 0, squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      sum += (points[i] - points[j]).norm() / (printed[i] - printed[j]).norm() - 1;
-      ++pairs;
+      const double ought = (printed[i] - printed[j]).norm();
+      const double error = (points[i] - points[j]).norm() - ought;
+      ratios += error / ought;
+      squares += error * error;
     }
   }
-  return sum / pairs;
+  const double pairs = static_cast<double>(points.size() * (points.size() - 1)) / 2;
+  quality.scale_error = ratios / pairs;
+  quality.distance_error = std::sqrt(squares / pairs);
 }
 
 }  // namespace
@@ -58,7 +62,9 @@ std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& 
   }
   constexpr std::size_t fewest = 4;
   if (points.size() < fewest) return std::nullopt;
-  return BoardQuality{flatness_of(points), scale_error_of(points, places)};
+  BoardQuality quality{.flatness = flatness_of(points)};
+  measure_distances(points, places, quality);
+  return quality;
 }
 
 }  // namespace slipstream

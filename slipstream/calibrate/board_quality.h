@@ -16,8 +16,9 @@ Eigen::Vector3d point_between(const Scanner& scanner, const Eigen::Vector2d& cam
 
 /// A board measured with a scanner, corner by corner, against what a board is.
 struct BoardQuality {
-  double flatness = 0;     ///< RMS distance of the corners from their best plane, mm
-  double scale_error = 0;  ///< mean over all pairs of corners of distance / printed distance - 1
+  double flatness = 0;        ///< RMS distance of the corners from their best plane, mm
+  double scale_error = 0;     ///< mean over all pairs of corners of distance / printed distance - 1
+  double distance_error = 0;  ///< RMS over all pairs of distance - printed distance, mm
 };
 
 /// Nothing where less than four corners are lit.

@@ -58,6 +58,41 @@ void set_lens(Lens& lens, const LensNumbers& numbers) {
   std::copy(numbers.begin() + 4, numbers.end(), lens.distortion.coefficients.begin());
 }
 
+/// Camera, projector and how they stand to each other, in a row.
+using RigNumbers = Eigen::Matrix<double, 2 * lens_size + 6, 1>;
+
+RigNumbers numbers_of(const Scanner& scanner) {
+  RigNumbers numbers;
+  double* next = numbers.data();
+  next = std::ranges::copy(numbers_of(scanner.camera), next).out;
+  next = std::ranges::copy(numbers_of(scanner.projector), next).out;
+  std::ranges::copy(numbers_of(scanner.rotation, scanner.translation), next);
+  return numbers;
+}
+
+LensDeviation lens_deviation(const Eigen::Matrix<double, lens_size, 1>& each) {
+  LensDeviation deviation{each.head<2>(), each.segment<2>(2), {}};
+  std::copy_n(each.data() + 4, untilted_coefficient_count, deviation.coefficients.begin());
+  return deviation;
+}
+
+BundleDeviation deviation_of(const RigNumbers& each) {
+  return {lens_deviation(each.head<lens_size>()),
+          lens_deviation(each.segment<lens_size>(lens_size)), each.segment<3>(2 * lens_size),
+          each.tail<3>()};
+}
+
+RigNumbers numbers_of(const BundleDeviation& deviation) {
+  RigNumbers numbers;
+  const auto& [camera, projector, rotation, translation] = deviation;
+  const auto map = [](const auto& k) {
+    return Eigen::Map<const Eigen::Matrix<double, 12, 1>>(k.data());
+  };
+  numbers << camera.focal, camera.principal_point, map(camera.coefficients), projector.focal,
+      projector.principal_point, map(projector.coefficients), rotation, translation;
+  return numbers;
+}
+
 template <int Columns>
 using Block = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Columns, Eigen::RowMajor>>;
 
@@ -277,19 +312,17 @@ class BundleProblem {
     if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) return false;
     const std::optional<Eigen::VectorXd> variances = variances_of(jacobian);
     if (!variances) return false;
-    const auto deviations = [&](const double* block, int count) -> Eigen::VectorXd {
+    RigNumbers deviations = RigNumbers::Zero();
+    const auto put = [&](const double* block, int first) {
       const auto found = first_column.find(block);
-      if (found == first_column.end()) return Eigen::VectorXd::Zero(count);
-      Eigen::VectorXd result = Eigen::VectorXd::Zero(count);
+      if (found == first_column.end()) return;
       const int free = problem_.ParameterBlockTangentSize(block);
-      result.head(free) = variances->segment(found->second, free).cwiseSqrt();
-      return result;
+      deviations.segment(first, free) = variances->segment(found->second, free).cwiseSqrt();
     };
-    deviation.camera = lens_deviation(deviations(parameters_.camera.data(), lens_size));
-    deviation.projector = lens_deviation(deviations(parameters_.projector.data(), lens_size));
-    const Eigen::VectorXd rig = deviations(parameters_.rig.data(), 6);
-    deviation.rotation = rig.head<3>();
-    deviation.translation = rig.tail<3>();
+    put(parameters_.camera.data(), 0);
+    put(parameters_.projector.data(), lens_size);
+    put(parameters_.rig.data(), 2 * lens_size);
+    deviation = deviation_of(deviations);
     return true;
   }
 
@@ -338,12 +371,6 @@ class BundleProblem {
     }
   }
 
-  static LensDeviation lens_deviation(const Eigen::VectorXd& each) {
-    LensDeviation deviation{each.head<2>(), each.segment<2>(2), {}};
-    std::copy_n(each.data() + 4, untilted_coefficient_count, deviation.coefficients.begin());
-    return deviation;
-  }
-
   Parameters parameters_;
   ceres::Problem problem_;
 };
@@ -385,6 +412,19 @@ BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState sta
     }
   }
   return state;
+}
+
+BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scanner>& without_one) {
+  const auto m = static_cast<Eigen::Index>(without_one.size());
+  Eigen::Matrix<double, RigNumbers::RowsAtCompileTime, Eigen::Dynamic> each(
+      RigNumbers::RowsAtCompileTime, m);
+  for (Eigen::Index i = 0; i < m; ++i)
+    each.col(i) = numbers_of(without_one[static_cast<std::size_t>(i)]);
+  const RigNumbers mean = each.rowwise().mean();
+  const RigNumbers squares = (each.colwise() - mean).rowwise().squaredNorm();
+  const auto poses = static_cast<double>(m);
+  const RigNumbers jackknife = (squares * (poses - 1) / poses).cwiseSqrt();
+  return deviation_of(jackknife.cwiseMax(numbers_of(deviation)));
 }
 
 PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {

@@ -52,7 +52,7 @@ struct LensDeviation {
   std::array<double, 12> coefficients{};                      ///< 0 for those that were held
 };
 
-/// How far the result may be off, were the pictures of the corners taken again.
+/// How far the result may be off: standard deviations.
 struct BundleDeviation {
   LensDeviation camera;
   LensDeviation projector;
@@ -64,11 +64,17 @@ struct BundleDeviation {
 /// as they ought to be seen are least: Huber's robust loss, each device's distances in units of
 /// their robustly estimated standard deviation. Starts from `start`, whose poses and places must be
 /// those of `views`; `printed` is where the board's corners should be. `deviation`, where not null,
-/// receives the standard deviations. Throws Error when it does not converge to finite numbers, or
-/// `deviation` is asked for and the poses do not determine it.
+/// receives the standard deviations for corners that err independently. Throws Error when it does
+/// not converge to finite numbers, or `deviation` is asked for and the poses do not determine it.
 BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
                             const std::vector<Eigen::Vector3d>& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);
+
+/// The larger of `deviation`, for which all corners err independently, and of the jackknife: m
+/// calibrations, each without one of the m poses, deviate from their mean by
+/// sigma^2 = (m - 1) / m * (sum of squares). That also counts what the corners of a pose err by in
+/// common, but not what all poses do, such as the print's scale.
+BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scanner>& without_one);
 
 PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state);
 

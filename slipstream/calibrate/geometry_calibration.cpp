@@ -25,6 +25,7 @@ std::vector<Item> without(std::vector<Item> items, std::size_t left_out) {
 
 /// What a calibration of the other poses makes of one.
 struct LeftOut {
+  Scanner scanner;  ///< of the others
   std::optional<BoardQuality> quality;
   ProjectorOffset offset;
   double misfit = 1;  ///< CalibratedPose::misfit
@@ -44,7 +45,7 @@ std::vector<LeftOut> each_left_out(const std::vector<BoardView>& views, const Bu
     const std::vector<BoardView> others = without(views, v);
     rest = bundle_adjusted(others, std::move(rest), printed, settings);
     const double of_others = mean_squared_error(others, rest, *settings.pixel_deviations);
-    left_out[v] = {board_quality(views[v], rest.scanner, printed),
+    left_out[v] = {rest.scanner, board_quality(views[v], rest.scanner, printed),
                    projector_offset(views[v], rest.scanner, state.poses[v], rest.places),
                    all / of_others - (count - 1)};
   });
@@ -133,6 +134,9 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
   require_valid(state.scanner);
 
   const std::vector<LeftOut> left_out = each_left_out(views, state, printed, bundle);
+  std::vector<Scanner> without_one;
+  for (const LeftOut& of_pose : left_out) without_one.push_back(of_pose.scanner);
+  result.deviation = widened(result.deviation, without_one);
   Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Reprojection of_pose = reprojection(views[v], state, v);

@@ -101,6 +101,9 @@ LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleSt
   std::size_t best = 0;
   LensChoice choice;
   for (const int coefficients : lens_models) {
+    // Without the tangential ones the principal point takes their place, and no standard deviation
+    // says so.
+    if (coefficients == 2) continue;
     (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
         coefficients;
     std::vector<double> by_fold(folds);
@@ -116,7 +119,7 @@ LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleSt
   }
   std::size_t chosen = 0;
   while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
-  choice.coefficients = lens_models[chosen];
+  choice.coefficients = choice.scores[chosen].coefficients;
   return choice;
 }
 

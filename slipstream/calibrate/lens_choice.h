@@ -39,7 +39,8 @@ enum class Device { camera, projector };
 /// poses, a quarter or, of six and fewer, one, for each in turn, and then has to explain how
 /// both devices see those with nothing free but the board's place. Chosen is the one with the
 /// fewest coefficients that is not worse than the best by more than the standard error of the
-/// difference. `state` is what the calibrations start from; the board's corners stay where it says.
+/// difference; k1 k2 without the tangential ones is not tried. `state` is what the calibrations
+/// start from; the board's corners stay where it says.
 LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
                              Device device);
 

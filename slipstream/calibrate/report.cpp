@@ -1,5 +1,6 @@
 #include "slipstream/calibrate/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -30,12 +31,11 @@ class Page {
   std::string text_;
 };
 
-std::string flatness_text(const std::optional<BoardQuality>& quality) {
-  return quality ? fmt::format("{:.4f}", quality->flatness) : "-";
-}
-
-std::string scale_text(const std::optional<BoardQuality>& quality) {
-  return quality ? fmt::format("{:+.3f}", 100 * quality->scale_error) : "-";
+/// The cells of a table's row that say how a board was measured.
+std::string cells(const std::optional<BoardQuality>& quality) {
+  if (!quality) return " - | - | - |";
+  return fmt::format(" {:.4f} | {:.4f} | {:.3f} |", quality->flatness, quality->distance_error,
+                     100 * quality->scale_error);
 }
 
 void write_findings(Page& page, const std::vector<Finding>& findings) {
@@ -90,34 +90,27 @@ void write_left_out(Page& page, const CalibrationReport& report) {
   page.gap();
   page.line(
       "Each pose's board, measured with a calibration of all the other poses: the RMS "
-      "distance of its corners from their best plane, and how much too large the distances "
-      "between them are.{}",
+      "distance of its corners from their best plane, the RMS error of the distances between any "
+      "two of them, and by how much these are too large in the mean. The last two know the print "
+      "only as its spacing was said: a print of another scale is told by a ruler (--measured) "
+      "alone.{}",
       other != nullptr ? fmt::format(" Beside it the same corners measured with {}, which "
                                      "may have been made of these very poses.",
                                      other->name)
                        : "");
   page.gap();
-  page.line("| pose | flatness, mm | scale error, % |{}",
-            other != nullptr
-                ? fmt::format(" {0}: flatness, mm | {0}: scale error, % |", other->name)
-                : "");
-  page.line("| --- | --- | --- |{}", other != nullptr ? " --- | --- |" : "");
+  const auto columns = [](const std::string& of) {
+    return fmt::format(" {0}flatness, mm | {0}distances, mm | {0}scale error, % |", of);
+  };
+  page.line("| pose |{}{}", columns(""), other != nullptr ? columns(other->name + ": ") : "");
+  page.line("| --- | --- | --- | --- |{}", other != nullptr ? " --- | --- | --- |" : "");
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
-    page.line(
-        "| {} | {} | {} |{}", pose.name, flatness_text(pose.left_out), scale_text(pose.left_out),
-        other != nullptr
-            ? fmt::format(" {} | {} |", flatness_text(other->poses[i]), scale_text(other->poses[i]))
-            : "");
+    page.line("| {} |{}{}", pose.name, cells(pose.left_out),
+              other != nullptr ? cells(other->poses[i]) : "");
   }
-  const BoardQuality own = overall(left_out_qualities(calibration));
-  std::string compared;
-  if (other != nullptr) {
-    const BoardQuality theirs = overall(other->poses);
-    compared = fmt::format(" **{:.4f}** | **{:.3f}** |", theirs.flatness, 100 * theirs.scale_error);
-  }
-  page.line("| **root mean square** | **{:.4f}** | **{:.3f}** |{}", own.flatness,
-            100 * own.scale_error, compared);
+  page.line("| **root mean square** |{}{}", cells(overall(left_out_qualities(calibration))),
+            other != nullptr ? cells(overall(other->poses)) : "");
 }
 
 void write_number(Page& page, const char* name, double value, double deviation, const char* unit) {
@@ -150,7 +143,9 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
   page.gap();
   page.line("## Parameters");
   page.gap();
-  page.line("The standard deviation is what the noise of the corners alone would do.");
+  page.line(
+      "The standard deviation is the larger of two: what the noise of corners that err "
+      "independently would do, and how calibrations without one of the poses scatter.");
   page.gap();
   page.line("| parameter | value | standard deviation | unit |");
   page.line("| --- | --- | --- | --- |");
@@ -188,13 +183,13 @@ void write_lens_models(Page& page, const GeometryCalibration& calibration) {
   page.gap();
   page.line("| model | camera | projector |");
   page.line("| --- | --- | --- |");
-  const auto score = [](const LensChoice& choice, std::size_t i) {
-    return i < choice.scores.size() ? fmt::format("{:.4f}", choice.scores[i].error)
-                                    : std::string("-");
+  const auto score = [](const LensChoice& choice, int model) {
+    const auto found = std::ranges::find(choice.scores, model, &LensModelScore::coefficients);
+    return found != choice.scores.end() ? fmt::format("{:.4f}", found->error) : std::string("-");
   };
-  for (std::size_t i = 0; i < lens_models.size(); ++i) {
-    page.line("| {} | {} | {} |", name_of_lens_model(lens_models[i]), score(camera, i),
-              score(projector, i));
+  for (const int model : lens_models) {
+    page.line("| {} | {} | {} |", name_of_lens_model(model), score(camera, model),
+              score(projector, model));
   }
 }
 
@@ -263,34 +258,33 @@ std::vector<std::optional<BoardQuality>> left_out_qualities(
 }
 
 BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses) {
-  BoardQuality squares;
-  int count = 0;
+  Squares flatness, scale, distances;
   for (const std::optional<BoardQuality>& pose : poses) {
     if (!pose) continue;
-    squares.flatness += pose->flatness * pose->flatness;
-    squares.scale_error += pose->scale_error * pose->scale_error;
-    ++count;
+    flatness.add(pose->flatness * pose->flatness);
+    scale.add(pose->scale_error * pose->scale_error);
+    distances.add(pose->distance_error * pose->distance_error);
   }
-  if (count == 0) {
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {nan, nan};
-  }
-  return {std::sqrt(squares.flatness / count), std::sqrt(squares.scale_error / count)};
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  if (flatness.count == 0) return {nan, nan, nan};
+  return {flatness.rms(), scale.rms(), distances.rms()};
 }
 
 std::string text_of(const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   const auto& [camera, projector, stereo] = calibration.rms;
   const BoardQuality left_out = overall(left_out_qualities(calibration));
+  const auto told = [](const BoardQuality& quality) {
+    return fmt::format("flat to {:.4f} mm, distances off by {:.4f} mm, scale error {:.3f} %",
+                       quality.flatness, quality.distance_error, 100 * quality.scale_error);
+  };
   std::string text = fmt::format(
       "RMS: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px\n"
-      "each pose measured with a calibration of the others: flat to {:.4f} mm, scale error {:.3f} "
-      "%\n",
-      camera, projector, stereo, left_out.flatness, 100 * left_out.scale_error);
+      "each pose measured with a calibration of the others: {}\n",
+      camera, projector, stereo, told(left_out));
   if (report.comparison != nullptr) {
     const BoardQuality compared = overall(report.comparison->poses);
-    text += fmt::format("measured with {}: flat to {:.4f} mm, scale error {:.3f} %\n",
-                        report.comparison->name, compared.flatness, 100 * compared.scale_error);
+    text += fmt::format("measured with {}: {}\n", report.comparison->name, told(compared));
   }
   return text + fmt::format("lens models: camera {}, projector {}",
                             name_of_lens_model(calibration.camera_lens.coefficients),

@@ -93,7 +93,10 @@ TEST(BoardQuality, OfAnExactScannerIsPerfectAndOfAWrongOneIsNot) {
   EXPECT_LT(std::abs(exact->scale_error), 1e-8);
   Scanner larger = truth;
   larger.translation *= 1.01;
-  EXPECT_NEAR(board_quality(boards.views[1], larger, places)->scale_error, 0.01, 1e-8);
+  const auto enlarged = board_quality(boards.views[1], larger, places);
+  EXPECT_NEAR(enlarged->scale_error, 0.01, 1e-8);
+  EXPECT_LT(exact->distance_error, 1e-6);
+  EXPECT_GT(enlarged->distance_error, 0.01 * board.spacing);
   Scanner bent = truth;
   bent.camera.distortion = {};
   EXPECT_GT(board_quality(boards.views[1], bent, places)->flatness, 0.01);

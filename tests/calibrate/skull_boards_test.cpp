@@ -74,8 +74,10 @@ TEST(SkullBoards, AreCalibratedAtLeastAsWellAsPublished) {
   }
   const GeometryCalibration found = calibrate_geometry(views, board, camera, projector);
   for (const Finding& finding : found.findings) {
-    // They cover less than a third of either picture.
-    EXPECT_NE(finding.what.find("distortion is not known"), std::string::npos) << text_of(finding);
+    // They cover less than a third of either picture, and five are few.
+    EXPECT_TRUE(finding.what.find("distortion is not known") != std::string::npos ||
+                finding.what.find("focal length is uncertain") != std::string::npos)
+        << text_of(finding);
   }
   ASSERT_TRUE(found.state.scanner.calibrated_depths);
   EXPECT_NEAR(found.state.scanner.calibrated_depths->nearest, 306, 3);

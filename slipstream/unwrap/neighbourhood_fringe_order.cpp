@@ -47,10 +47,9 @@ class ImageField {
 }  // namespace
 
 void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_phase,
-                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost,
-                            const NeighbourhoodChoice& settings) {
+                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost) {
   ImageField field(orders, wrapped_phase, lit, cost);
-  NeighbourhoodVote vote(field, settings);
+  NeighbourhoodVote vote(field);
   Image<std::uint8_t> open(orders.size());
   for_each_row(orders.height(), [&](int row) {
     for (int column = 0; column < orders.width(); ++column) {

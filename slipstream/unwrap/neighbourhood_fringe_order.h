@@ -18,7 +18,6 @@ using FringeOrderCost = std::function<double(int column, int row, int order)>;
 /// nothing is said. `wrapped_phase`: rad, [0, 2 pi); `orders`: the pixels' own choices, and then
 /// the result; `lit`: 1 where the phase means something.
 void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_phase,
-                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost,
-                            const NeighbourhoodChoice& settings = {});
+                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost);
 
 }  // namespace slipstream

@@ -14,23 +14,6 @@
 
 namespace slipstream {
 
-/// Which neighbours are asked, and how much they count.
-struct NeighbourhoodChoice {
-  int radius = 2;              ///< of the square window around the pixel, 1 or 2
-  double steepest = 0.25;      ///< periods per pixel; a step of the phase above it is an edge
-  double roughest = 0.05;      ///< periods; what a step may differ from those before and after it
-  double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
-  double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
-  double sure = 25;  ///< five standard deviations: a choice that costs a pixel more is none
-  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
-  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
-  double line_evidence = 16;
-  /// So many of the eight neighbours that hold in the end what the pixel said alone show an edge
-  /// that the wrapped phase does not, one of whole periods: there the pixel's own choice stands.
-  int hidden_edge = 1;
-  int passes = 3;
-};
-
 struct PixelPlace {
   int row = 0, column = 0;
   auto operator<=>(const PixelPlace&) const = default;
@@ -66,8 +49,7 @@ using PhaseWindow = std::array<std::array<double, 9>, 9>;
 template <class Field>
 class NeighbourhoodVote {
  public:
-  NeighbourhoodVote(Field& field, const NeighbourhoodChoice& settings)
-      : field_(field), settings_(settings) {}
+  explicit NeighbourhoodVote(Field& field) : field_(field) {}
 
   /// Whether a neighbour on the same surface implies another order.
   [[nodiscard]] bool disagrees(int column, int row) const {
@@ -83,12 +65,12 @@ class NeighbourhoodVote {
   /// shifts are 0 and are then those chosen. `lists.ever_moved` holds all pixels that have one.
   void operator()(NeighbourhoodVoteLists& lists) {
     lists.ever_moved.clear();
-    for (int pass = 0; pass < settings_.passes && !lists.open.empty(); ++pass) {
+    for (int pass = 0; pass < passes && !lists.open.empty(); ++pass) {
       choose(lists);
       open_around_the_moved(lists);
     }
     sort_once(lists.ever_moved);
-    for (int pass = 0; pass < settings_.passes; ++pass) {
+    for (int pass = 0; pass < passes; ++pass) {
       if (!restore_at_hidden_edges(lists)) break;
     }
     std::erase_if(lists.ever_moved,
@@ -96,6 +78,18 @@ class NeighbourhoodVote {
   }
 
  private:
+  static constexpr double steepest = 0.25;  ///< periods per pixel; a step above it is an edge
+  /// Periods; what a step may differ from those before and after it.
+  static constexpr double roughest = 0.05;
+  static constexpr double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
+  static constexpr double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
+  /// Five standard deviations: a choice that costs a pixel more is none.
+  static constexpr double sure = 25;
+  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
+  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
+  static constexpr double enough_along_a_line = 16;
+  static constexpr int passes = 3;
+
   static constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
@@ -114,10 +108,9 @@ class NeighbourhoodVote {
   /// Whether the surface goes on across a step, given those before and after it, all less whole
   /// periods: an edge differs from the steps on either side of it.
   [[nodiscard]] bool goes_on(double before, double step, double after) const {
-    if (!(std::abs(step) <= settings_.steepest)) return false;
+    if (!(std::abs(step) <= steepest)) return false;
     if (std::isnan(before) && std::isnan(after)) return true;
-    return std::abs(step - before) <= settings_.roughest ||
-           std::abs(step - after) <= settings_.roughest;
+    return std::abs(step - before) <= roughest || std::abs(step - after) <= roughest;
   }
 
   /// From a pixel to the next along (dx, dy), dx + dy = +-1.
@@ -278,7 +271,7 @@ class NeighbourhoodVote {
         known->voters |= bit(cell);
       });
       end = std::remove_if(candidates_.begin(), end, [&](const Candidate& candidate) {
-        return cost(middle, candidate.shift) - cost(middle, 0) > vote_.settings_.sure;
+        return cost(middle, candidate.shift) - cost(middle, 0) > sure;
       });
       std::sort(candidates_.begin(), end, [](const auto& a, const auto& b) {
         const int votes = std::popcount(a.voters), of_b = std::popcount(b.voters);
@@ -291,12 +284,12 @@ class NeighbourhoodVote {
     /// a line of the wire and one of the surface behind it cross, the pixel itself decides.
     [[nodiscard]] int shift_of_a_line(int best, typename Candidates::iterator end) {
       int chosen = best;
-      double most = vote_.settings_.line_evidence;
+      double most = enough_along_a_line;
       for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
         if (candidate->shift == best) continue;
         const LineEvidence evidence = line_evidence(best, *candidate);
         if (!(evidence.for_candidate > most)) continue;
-        const bool crossing = evidence.for_best > vote_.settings_.line_evidence;
+        const bool crossing = evidence.for_best > enough_along_a_line;
         if (crossing && !(cost(middle, candidate->shift) < cost(middle, best))) continue;
         chosen = candidate->shift;
         most = evidence.for_candidate;
@@ -335,16 +328,15 @@ class NeighbourhoodVote {
     /// negative, a part of it that is not below `enough`.
     [[nodiscard]] double total(int shift, double enough) {
       if (!vote_.field_.own_order_costs_least()) enough = std::numeric_limits<double>::infinity();
-      const NeighbourhoodChoice& settings = vote_.settings_;
       double sum = cost(middle, shift) - cost(middle, 0);
       for (Cells rest = surface_.pixels & ~bit(middle); rest != 0 && sum < enough;
            rest &= rest - 1) {
         const int cell = std::countr_zero(rest);
         const int implied = shift + surface_.shift_step[index(cell)];
-        if (shift_[index(cell)] != implied) sum += settings.disagreement;
+        if (shift_[index(cell)] != implied) sum += disagreement;
         if (implied == 0) continue;
         const double against = cost(cell, implied) - cost(cell, 0);
-        sum += std::min(against, settings.most_evidence);
+        sum += std::min(against, most_evidence);
       }
       return sum;
     }
@@ -392,7 +384,7 @@ class NeighbourhoodVote {
       const int column = at.column + direction[0], row = at.row + direction[1];
       const double step = field_.periods(column, row) - own;
       const double nearest = nearest_whole(step);
-      return std::abs(step - nearest) <= settings_.steepest &&
+      return std::abs(step - nearest) <= steepest &&
              field_.shift(column, row) != shift - static_cast<int>(nearest);
     });
   }
@@ -400,7 +392,7 @@ class NeighbourhoodVote {
   [[nodiscard]] int chosen_shift(PixelPlace at) const {
     const Links links = links_around(at);
     if (!disagrees(at, links)) return field_.shift(at.column, at.row);
-    const Surface surface = same_surface(links, settings_.radius > 1 ? whole_window : inner_window);
+    const Surface surface = same_surface(links, whole_window);
     return Ballot(*this, at, surface).least_cost_shift();
   }
 
@@ -444,8 +436,8 @@ class NeighbourhoodVote {
   void open_around_the_moved(NeighbourhoodVoteLists& lists) const {
     lists.open.clear();
     for (const auto& [row, column] : lists.moved) {
-      for (int dy = -settings_.radius; dy <= settings_.radius; ++dy) {
-        for (int dx = -settings_.radius; dx <= settings_.radius; ++dx) {
+      for (int dy = -side / 2; dy <= side / 2; ++dy) {
+        for (int dx = -side / 2; dx <= side / 2; ++dx) {
           const PixelPlace seeing{row + dy, column + dx};
           if (may_disagree(seeing)) lists.open.push_back(seeing);
         }
@@ -459,27 +451,27 @@ class NeighbourhoodVote {
     places.erase(std::unique(places.begin(), places.end()), places.end());
   }
 
-  /// One pass over the moved pixels: back to what the pixel said alone where enough of its eight
-  /// neighbours, those on the same surface, agree with that. Whether there was one.
+  /// One pass over the moved pixels: back to what the pixel said alone where one of its eight
+  /// neighbours, of those on the same surface, agrees with that: it shows an edge of whole periods,
+  /// which the wrapped phase does not. Whether there was one.
   bool restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
     lists.choices.clear();
     for (const PixelPlace at : lists.ever_moved) {
       if (field_.shift(at.column, at.row) == 0) continue;
       const Surface surface = same_surface(links_around(at), inner_window);
-      int supporters = 0;
+      bool supported = false;
       for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
         const PixelPlace neighbour = place(at, cell);
         const int shift = field_.shift(neighbour.column, neighbour.row);
-        supporters += shift == surface.shift_step[index(cell)] ? 1 : 0;
+        supported |= shift == surface.shift_step[index(cell)];
       });
-      if (supporters >= settings_.hidden_edge) lists.choices.push_back({at, 0});
+      if (supported) lists.choices.push_back({at, 0});
     }
     for (const auto& [at, shift] : lists.choices) field_.set_shift(at.column, at.row, shift);
     return !lists.choices.empty();
   }
 
   Field& field_;
-  NeighbourhoodChoice settings_;
 };
 
 }  // namespace slipstream

@@ -323,7 +323,7 @@ void vote(const Pass<Pixel>& pass, int first, int last, VoteBlock& block) {
   const bool some_dim = pass.cue_limits.lit_square > pass.cue_limits.voting_square;
   VoteField field(cue, pass.frames, pass.full_scale, some_dim, block);
   block.lists.open.assign(block.disagreeing.begin(), block.disagreeing.end());
-  NeighbourhoodVote(field, {})(block.lists);
+  NeighbourhoodVote{field}(block.lists);
   for (const PixelPlace at : block.lists.ever_moved) {
     float& coordinate = block.coordinates(at.row)[at.column];
     std::int32_t& flags = block.flags(at.row)[at.column];

@@ -86,7 +86,7 @@ RigNumbers numbers_of(const BundleDeviation& deviation) {
   RigNumbers numbers;
   const auto& [camera, projector, rotation, translation] = deviation;
   const auto map = [](const auto& k) {
-    return Eigen::Map<const Eigen::Matrix<double, 12, 1>>(k.data());
+    return Eigen::Map<const Eigen::Vector<double, untilted_coefficient_count>>(k.data());
   };
   numbers << camera.focal, camera.principal_point, map(camera.coefficients), projector.focal,
       projector.principal_point, map(projector.coefficients), rotation, translation;
@@ -415,15 +415,11 @@ BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState sta
 }
 
 BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scanner>& without_one) {
-  const auto m = static_cast<Eigen::Index>(without_one.size());
-  Eigen::Matrix<double, RigNumbers::RowsAtCompileTime, Eigen::Dynamic> each(
-      RigNumbers::RowsAtCompileTime, m);
-  for (Eigen::Index i = 0; i < m; ++i)
-    each.col(i) = numbers_of(without_one[static_cast<std::size_t>(i)]);
-  const RigNumbers mean = each.rowwise().mean();
-  const RigNumbers squares = (each.colwise() - mean).rowwise().squaredNorm();
-  const auto poses = static_cast<double>(m);
-  const RigNumbers jackknife = (squares * (poses - 1) / poses).cwiseSqrt();
+  const auto m = static_cast<double>(without_one.size());
+  RigNumbers mean = RigNumbers::Zero(), squares = RigNumbers::Zero();
+  for (const Scanner& scanner : without_one) mean += numbers_of(scanner) / m;
+  for (const Scanner& scanner : without_one) squares += (numbers_of(scanner) - mean).cwiseAbs2();
+  const RigNumbers jackknife = ((m - 1) / m * squares).cwiseSqrt();
   return deviation_of(jackknife.cwiseMax(numbers_of(deviation)));
 }
 

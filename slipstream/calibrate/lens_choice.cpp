@@ -95,7 +95,8 @@ const char* name_of_lens_model(int coefficients) {
 LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
                              Device device) {
   const std::size_t folds = fold_count(views.size());
-  BundleSettings settings;
+  // Four of the other device: a fifth that is not there may spoil what is foreseen.
+  BundleSettings settings{.camera_coefficients = 4, .projector_coefficients = 4};
   settings.pixel_deviations = pixel_deviations(views, state);
   std::vector<std::vector<double>> errors;
   std::size_t best = 0;

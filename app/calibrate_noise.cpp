@@ -47,11 +47,21 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
                     "scans alike would tell",
                     trusted.equation));
   }
-  output.document["noise_variance"] = trusted.variance;
+  const NoiseLine line = noise_line(scans).value_or(NoiseLine{.at_half = trusted.variance});
+  if (line.gain > 0) {
+    output.say(
+        "it grows by {:.4f} with each grey level, standard error {:.2g}: {:.4f} at half of "
+        "full scale",
+        line.gain, line.gain_error, line.at_half);
+  }
+  output.document["noise_variance"] = line.at_half;
+  output.document["noise_gain"] = line.gain;
   if (!files.output.empty() && !(trusted.variance > 0)) {
     throw Error("the scans show no noise; nothing was written");
   }
-  if (trusted.variance > 0) write_calibration(files, {.noise_variance = trusted.variance}, output);
+  if (trusted.variance > 0) {
+    write_calibration(files, {.noise_variance = line.at_half, .noise_gain = line.gain}, output);
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {
@@ -28,17 +29,20 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
 
 void add_device_flags(CLI::App& command, VirtualFlags& flags) {
   const FlagGroup group{command, "Devices"};
-  Photometry& photometry = flags.photometry;
   group.add("--camera", flags.camera, "size of the example's camera")->default_str("640x480");
-  group.add("--virtual-ambient", photometry.ambient, "ambient light beta, grey levels of 255");
+  group.add("--world", flags.world,
+            fmt::format("{}; with changes, as bench,gloss or harsh,no-flicker: {}",
+                        fmt::join(world_names(), ", "), fmt::join(effect_names(), ", ")));
+  group.add("--virtual-ambient", flags.ambient, "ambient light beta, grey levels of 255");
   group.add("--virtual-gamma", flags.response,
             "response of projector and camera: gamma, srgb, logistic:SLOPE:CENTRE, or a file that "
             "holds one");
-  group.add("--virtual-noise", photometry.noise_variance, "sigma_w^2, grey levels^2 of 255");
+  group.add("--virtual-noise", flags.noise_variance,
+            "sigma_w^2, grey levels^2 of 255, in place of the world's noise");
   group.add("--bits", flags.bits, "of the camera, 8 to 16");
-  group.add("--seed", photometry.seed, "of the noise");
-  group.add("--rays", photometry.rays,
-            "rays of each pixel, 1 to 256: more put edges truer and take longer");
+  group.add("--seed", flags.seed, "of the noise");
+  group.add("--rays", flags.rays,
+            "rays of each pixel at edges, 1 to 256: more put them truer and take longer");
 }
 
 /// Of the file that --scanner names, else the example with a camera of that size.
@@ -53,6 +57,20 @@ Scanner virtual_scanner(const VirtualFlags& flags) {
   Scanner scanner = read_scanner(*flags.scanner);
   require_valid(scanner);
   return scanner;
+}
+
+Photometry virtual_photometry(const VirtualFlags& flags) {
+  Photometry photometry = photometry_named(flags.world);
+  photometry.ambient = flags.ambient.value_or(photometry.ambient);
+  if (flags.response) photometry.response = response_named(*flags.response, "--virtual-gamma");
+  photometry.rays = flags.rays.value_or(photometry.rays);
+  photometry.bits = flags.bits;
+  photometry.seed = flags.seed;
+  if (flags.noise_variance) {
+    photometry.noise_variance = *flags.noise_variance;
+    photometry.physics.full_well = photometry.physics.row_noise = 0;
+  }
+  return photometry;
 }
 
 Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {
@@ -76,10 +94,8 @@ void add_virtual_flags(CLI::App& command, VirtualFlags& flags) {
 }
 
 VirtualWorld world_from(const VirtualFlags& flags) {
-  VirtualWorld world{.scanner = virtual_scanner(flags), .photometry = flags.photometry};
+  VirtualWorld world{.scanner = virtual_scanner(flags), .photometry = virtual_photometry(flags)};
   world.scene = virtual_scene(flags, world.scanner);
-  world.photometry.bits = flags.bits;
-  world.photometry.response = response_named(flags.response, "--virtual-gamma");
   return world;
 }
 

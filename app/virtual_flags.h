@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,13 +22,18 @@ struct VirtualFlags {
   std::vector<double> motion;          ///< empty, or X Y Z
   std::optional<std::string> scanner;  ///< file; its flag is the subcommand's own
   std::optional<std::string> camera;   ///< "640x480"
-  std::string response = "1";          ///< as response_named has it
-  Photometry photometry{.ambient = 5, .noise_variance = 1.55, .bits = 8, .seed = 1};
+  std::string world = "bench";
+  // What is other than in that world.
+  std::optional<double> ambient, noise_variance;
+  std::optional<std::string> response;  ///< as response_named has it
+  std::optional<int> rays;
   int bits = 8;
+  std::uint64_t seed = 1;
 };
 
-/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --bits, --seed, --rays,
-/// and --virtual-ambient, --virtual-gamma and --virtual-noise: what is simulated, where --ambient,
+/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --world, --bits, --seed,
+/// --rays, and --virtual-ambient, --virtual-gamma and --virtual-noise: what is simulated, where
+/// --ambient,
 /// --gamma and --noise-variance are what is reckoned with.
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags);
 

@@ -63,17 +63,24 @@ void require_valid(const Scanner& scanner) {
 }
 
 void require_valid(const PhotometricCalibration& photometry) {
-  const auto& [ambient, noise_variance, response] = photometry;
+  const auto& [ambient, noise_variance, noise_gain, response] = photometry;
   if (ambient && !(std::abs(*ambient) <= 255)) {
     throw Error(fmt::format("ambient_light {} is out of range; -255 to 255 grey levels", *ambient));
   }
   if (noise_variance && !(*noise_variance > 0 && std::isfinite(*noise_variance))) {
     throw Error(fmt::format("noise_variance {} is out of range; above 0", *noise_variance));
   }
+  if (!(noise_gain >= 0 && std::isfinite(noise_gain))) {
+    throw Error(fmt::format("noise_gain {} is out of range; 0 or more", noise_gain));
+  }
   if (!response) return;
   if (const auto* law = std::get_if<PowerLaw>(&response->response)) {
     require_gamma(law->gamma, "gamma");
   }
+}
+
+double noise_variance_at(double grey_level, double at_half, double gain) {
+  return std::max(at_half + gain * (grey_level - 127.5), at_half / 20);
 }
 
 Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector) {

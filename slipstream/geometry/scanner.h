@@ -13,8 +13,10 @@ namespace slipstream {
 
 /// What calibration knows of light and sensor; grey levels of an 8-bit camera.
 struct PhotometricCalibration {
-  std::optional<double> ambient{};         ///< beta of Liu 2010, Eq. (3.2), -255 to 255
-  std::optional<double> noise_variance{};  ///< sigma_w^2, rounding included, above 0
+  std::optional<double> ambient{};  ///< beta of Liu 2010, Eq. (3.2), -255 to 255
+  /// sigma_w^2 at half of full scale, rounding included, above 0.
+  std::optional<double> noise_variance{};
+  double noise_gain = 0;  ///< by which it grows with each grey level: shot noise; 0 or more
   /// How the light of projector and camera together answers a pattern's value; phases are corrected
   /// for it.
   std::optional<MeasuredResponse> response{};
@@ -59,6 +61,10 @@ void require_valid(const Scanner& scanner);
 
 /// Throws Error for ambient light or noise out of range, or a gamma that is.
 void require_valid(const PhotometricCalibration& photometry);
+
+/// sigma_w^2 at a grey level, where it is `at_half` at half of full scale. Never less than a
+/// twentieth of that.
+double noise_variance_at(double grey_level, double at_half, double gain);
 
 /// The scanner with the sizes that it does not say taken from the frames and the patterns; `camera`
 /// and `projector` may be empty. Throws Error, naming `file`, where they do not agree with what it

@@ -18,6 +18,7 @@ using Entries = std::map<std::string, StoredMatrix>;
 
 constexpr const char* ambient_entry = "ambient_light";
 constexpr const char* noise_entry = "noise_variance";
+constexpr const char* gain_entry = "noise_gain";
 constexpr const char* gamma_entry = "gamma";
 constexpr const char* error_entry = "gamma_standard_error";
 constexpr const char* values_entry = "response_values";
@@ -58,6 +59,7 @@ PhotometricCalibration photometric_calibration_of(const Entries& entries, const 
   try {
     PhotometricCalibration read{.ambient = number(entries, ambient_entry),
                                 .noise_variance = number(entries, noise_entry),
+                                .noise_gain = number(entries, gain_entry).value_or(0),
                                 .response = response_of(entries)};
     require_valid(read);
     return read;
@@ -69,7 +71,10 @@ PhotometricCalibration photometric_calibration_of(const Entries& entries, const 
 Entries entries_of(const PhotometricCalibration& calibration) {
   Entries entries;
   if (calibration.ambient) entries[ambient_entry] = row_of({*calibration.ambient});
-  if (calibration.noise_variance) entries[noise_entry] = row_of({*calibration.noise_variance});
+  if (calibration.noise_variance) {
+    entries[noise_entry] = row_of({*calibration.noise_variance});
+    entries[gain_entry] = row_of({calibration.noise_gain});
+  }
   if (!calibration.response) return entries;
   const auto& [response, gamma, standard_error] = *calibration.response;
   entries[gamma_entry] = row_of({gamma});

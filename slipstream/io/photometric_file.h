@@ -12,6 +12,7 @@ namespace slipstream {
 
 // What a scanner file says of light and sensor, each entry for itself:
 //   ambient_light, noise_variance          numbers
+//   noise_gain                             a number, 0 where it is missing
 //   gamma, gamma_standard_error            of a power law, or of the one nearest to a curve
 //   response_values, response_light        a measured curve, two rows of numbers
 

@@ -44,6 +44,39 @@ NoiseEstimate noise_from_means(const Image<double>& mean_1, int steps_1,
                          [&](std::size_t i) { return mean_1.begin()[i] - mean_2.begin()[i]; });
 }
 
+NoiseLine noise_line_from_means(const Image<double>& mean_1, const Image<double>& mean_2, int steps,
+                                const Image<std::uint8_t>& measured) {
+  const NoiseEstimate all = noise_from_means(mean_1, steps, mean_2, steps, measured);
+  double shift = 0;  // light that changed between the scans
+  for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
+    if (measured.begin()[i] != 0) shift += mean_1.begin()[i] - mean_2.begin()[i];
+  }
+  shift /= static_cast<double>(all.pixels);
+  NoiseLine line{.at_half = all.variance};
+  // Squares of Gaussian values spread as their mean squared: weights follow from the line itself.
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
+    for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
+      if (measured.begin()[i] == 0) continue;
+      const double a = mean_1.begin()[i], b = mean_2.begin()[i];
+      const double x = (a + b) / 2 - 127.5, y = steps / 2.0 * (a - b - shift) * (a - b - shift);
+      const double predicted = std::max(line.at_half + line.gain * x, all.variance / 20);
+      const double weight = 1 / (2 * predicted * predicted);
+      w += weight;
+      wx += weight * x;
+      wxx += weight * x * x;
+      wy += weight * y;
+      wxy += weight * x * y;
+    }
+    const double determinant = w * wxx - wx * wx;
+    if (!(determinant > 1e-9 * w * wxx)) return {.at_half = all.variance};
+    line = {.at_half = (wxx * wy - wx * wxy) / determinant,
+            .gain = (w * wxy - wx * wy) / determinant,
+            .gain_error = std::sqrt(w / determinant)};
+  }
+  return line;
+}
+
 NoiseEstimate noise_from_half_phase(const Image<double>& b_cos,
                                     const Image<std::uint8_t>& measured) {
   return scaled_variance(measured, 4, [&](std::size_t i) { return b_cos.begin()[i]; });

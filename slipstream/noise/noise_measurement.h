@@ -14,6 +14,13 @@ struct NoiseEstimate {
   std::size_t pixels = 0;     ///< that it was measured over
 };
 
+/// How sigma_w^2 depends on the grey level.
+struct NoiseLine {
+  double at_half = 0;     ///< sigma_w^2 at half of full scale, grey levels^2
+  double gain = 0;        ///< by which it grows with each grey level
+  double gain_error = 0;  ///< one standard error of the gain
+};
+
 // The images below are of one unmoved scene, in grey levels; `measured` is 1 where a pixel counts.
 // Each throws Error where fewer than 100 pixels do.
 
@@ -22,6 +29,10 @@ struct NoiseEstimate {
 NoiseEstimate noise_from_means(const Image<double>& mean_1, int steps_1,
                                const Image<double>& mean_2, int steps_2,
                                const Image<std::uint8_t>& measured);
+
+/// The same as a line over the pixels' grey level, from two scans of N frames each.
+NoiseLine noise_line_from_means(const Image<double>& mean_1, const Image<double>& mean_2, int steps,
+                                const Image<std::uint8_t>& measured);
 
 /// From the half phase channel B_cos^c of one 4-pattern scan: Eq. (3.79). A response that is not
 /// linear shows in it as noise.

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "slipstream/error/error.h"
-#include "slipstream/noise/noise_measurement.h"
 
 namespace slipstream {
 namespace {
@@ -152,6 +151,25 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
   }
   for (NoiseMeasurement& other : all) other.reason = disagreement(other, all.front());
   return all;
+}
+
+std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans) {
+  NoiseLine sum;
+  int pairs = 0;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    for (const NoiseScan& b : scans.subspan(i + 1)) {
+      const NoiseScan& a = scans[i];
+      if (!(a.strategy_ == b.strategy_)) continue;
+      const NoiseLine line =
+          noise_line_from_means(a.mean_, b.mean_, a.steps_, in_both(a.measured_, b.measured_));
+      sum.at_half += line.at_half;
+      sum.gain += line.gain;
+      sum.gain_error = std::hypot(sum.gain_error, line.gain_error);
+      ++pairs;
+    }
+  }
+  if (pairs == 0 || !(sum.gain > 4 * sum.gain_error)) return std::nullopt;
+  return NoiseLine{sum.at_half / pairs, sum.gain / pairs, sum.gain_error / pairs};
 }
 
 }  // namespace slipstream

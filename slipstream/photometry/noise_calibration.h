@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "slipstream/noise/noise_measurement.h"
 #include "slipstream/scan/scan.h"
 
 namespace slipstream {
@@ -27,6 +29,7 @@ class NoiseScan {
 
  private:
   friend std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans);
+  friend std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans);
 
   Strategy strategy_;
   int steps_ = 0;                 ///< of the first band
@@ -39,6 +42,10 @@ class NoiseScan {
 /// All that the scans of one unmoved scene allow, the one to be trusted most first. Throws Error
 /// where they allow none, are of different sizes or two are one and the same.
 std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans);
+
+/// How sigma_w^2 depends on the grey level, the mean of all pairs of scans alike. None where there
+/// are no pairs, or noise does not grow with the light by more than four standard errors.
+std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans);
 
 /// Whether the measurement counts a response that is not linear as noise.
 bool mistakes_gamma_for_noise(const NoiseMeasurement& measurement);

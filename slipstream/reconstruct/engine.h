@@ -49,8 +49,8 @@ class Engine {
   /// Both in one pass; likewise.
   ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps);
 
-  /// How sure each point of a scan is under noise of the scanner's variance on each frame (1.6
-  /// where it is not known): sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the
+  /// How sure each point of a scan is under noise of the scanner's variance at the pixel's mean
+  /// (1.6 where it is not known): sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the
   /// derivative of the point. `frames` are those that cloud and maps were made from.
   [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
                                         const FrameViews& frames);

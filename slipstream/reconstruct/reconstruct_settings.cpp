@@ -87,10 +87,10 @@ void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {
 }
 
 CueSettings cue_settings(const EngineSetup& setup) {
-  const auto& [ambient, noise_variance, response] = setup.scanner.photometry;
+  const PhotometricCalibration& known = setup.scanner.photometry;
   CueSettings cue{.light = setup.sequence.light, .rule = setup.settings.cue_rule};
-  cue.ambient = ambient.value_or(cue.ambient);
-  cue.noise_variance = noise_variance.value_or(cue.noise_variance);
+  cue.ambient = known.ambient.value_or(cue.ambient);
+  cue.noise_variance = known.noise_variance.value_or(cue.noise_variance);
   return cue;
 }
 

@@ -54,14 +54,14 @@ std::optional<Hit> hit(const std::shared_ptr<const MeshTree>& tree, const Ray& r
   return tree->first_hit(ray);
 }
 
-Eigen::Isometry3d pose_at(const Body& body, int frame) {
+Eigen::Isometry3d pose_at(const Body& body, double time) {
   Eigen::Isometry3d pose = body.pose;
-  pose.pretranslate(frame * body.motion);
+  pose.pretranslate(time * body.motion);
   return pose;
 }
 
-std::optional<Hit> hit(const Body& body, const Ray& ray, int frame) {
-  const Eigen::Isometry3d to_body = pose_at(body, frame).inverse();
+std::optional<Hit> hit(const Body& body, const Ray& ray, double time) {
+  const Eigen::Isometry3d to_body = pose_at(body, time).inverse();
   const Ray in_body{to_body * ray.origin, to_body.linear() * ray.direction};
   return std::visit([&](const auto& shape) { return hit(shape, in_body); }, body.shape);
 }
@@ -141,18 +141,23 @@ Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel,
   };
 }
 
-std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, int frame) {
+bool is_moving(const Scene& scene) {
+  return std::any_of(scene.begin(), scene.end(),
+                     [](const Body& body) { return !body.motion.isZero(0); });
+}
+
+std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time) {
   const Body* nearest = nullptr;
   Hit first{.distance = std::numeric_limits<double>::infinity(), .normal = {}};
   for (const Body& body : scene) {
-    const std::optional<Hit> found = hit(body, ray, frame);
+    const std::optional<Hit> found = hit(body, ray, time);
     if (!found || found->distance >= first.distance) continue;
     nearest = &body;
     first = *found;
   }
   if (nearest == nullptr) return std::nullopt;
 
-  const Eigen::Isometry3d pose = pose_at(*nearest, frame);
+  const Eigen::Isometry3d pose = pose_at(*nearest, time);
   const Eigen::Vector3d point = ray.origin + first.distance * ray.direction;
   Eigen::Vector3d normal = (pose.linear() * first.normal).normalized();
   if (normal.dot(ray.direction) > 0) normal = -normal;
@@ -162,12 +167,12 @@ std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, in
 }
 
 bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
-               int frame) {
+               double time) {
   // From the light towards the point, whose own surface is at distance 1 but for rounding.
   constexpr double own_surface = 1 - 1e-6;
   const Ray ray{light, point - light};
   return std::any_of(scene.begin(), scene.end(), [&](const Body& body) {
-    const std::optional<Hit> found = hit(body, ray, frame);
+    const std::optional<Hit> found = hit(body, ray, time);
     return found && found->distance < own_surface;
   });
 }

@@ -81,11 +81,13 @@ struct SurfacePoint {
   double gloss = 0;
 };
 
-/// In the scene as it stands at frame `frame` (0 at the first).
-std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, int frame);
+bool is_moving(const Scene& scene);
+
+/// In the scene as it stands at `time`, in frames (0 at the first).
+std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time);
 
 /// Whether anything but the surface at `point` itself stands between it and `light`.
 bool in_shadow(const Scene& scene, const Eigen::Vector3d& point, const Eigen::Vector3d& light,
-               int frame);
+               double time);
 
 }  // namespace slipstream

@@ -18,12 +18,9 @@ double motions_at(int frame, int loop) {
   return loop / 4.0 - std::abs(frame - loop / 2.0);
 }
 
-/// The scene as it stands at a frame of the loop.
-Scene still_scene(Scene scene, double motions) {
-  for (Body& body : scene) {
-    body.pose.pretranslate(motions * body.motion);
-    body.motion.setZero();
-  }
+/// The scene as it stands when a frame of the loop begins, going on forth from there.
+Scene scene_at(Scene scene, double motions) {
+  for (Body& body : scene) body.pose.pretranslate(motions * body.motion);
   return scene;
 }
 
@@ -57,8 +54,7 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   int cycles) {
   if (cycles < 1) throw Error(fmt::format("{} cycles of patterns; 1 or more", cycles));
   if (!photometry.bits) throw Error("a virtual camera has 8 to 16 bits; none are given");
-  const bool moving = std::any_of(scene.begin(), scene.end(),
-                                  [](const Body& body) { return !body.motion.isZero(0); });
+  const bool moving = is_moving(scene);
   const int count = patterns.count * cycles;
   std::vector<Frame> frames(static_cast<std::size_t>(count));
   std::optional<VirtualScan> seen;
@@ -67,10 +63,10 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
     Photometry light = photometry;
     light.seed += static_cast<std::uint64_t>(n);
     Frame& frame = frames[static_cast<std::size_t>(n)];
-    if (seen && light.rays == 1) {
+    if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
-      seen = take_scan(scanner, still_scene(scene, motions_at(n, count)), pattern, light);
+      seen = take_scan(scanner, scene_at(scene, motions_at(n, count)), pattern, light);
       frame = first_frame(seen->frames);
     }
     frame.stamp.sequence = static_cast<std::uint64_t>(n);

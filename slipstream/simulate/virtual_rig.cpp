@@ -8,15 +8,12 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/simulate/projected_light.h"
+#include "slipstream/simulate/sensor.h"
 #include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream {
 namespace {
-
-/// One pattern whose shape is the coordinate itself.
-PatternSet ramp(Axis axis) {
-  return {.count = 1, .axis = axis, .light = {}, .shape = [](int, double y) { return y; }};
-}
 
 /// The picture's grey level at a place between its pixels.
 double level_at(const Image<std::uint8_t>& picture, double x, double y) {
@@ -40,18 +37,11 @@ VirtualRig::VirtualRig(Scanner scanner, Scene scene, const Photometry& photometr
     : scanner_(std::move(scanner)),
       scene_(std::move(scene)),
       photometry_(photometry),
-      moving_(std::any_of(scene_.begin(), scene_.end(),
-                          [](const Body& body) { return !body.motion.isZero(0); })) {
+      seen_(scanner_.camera.size) {
   if (!photometry.bits) throw Error("a virtual camera has 8 to 16 bits; none are given");
-  if (photometry.rays != 1) {
-    throw Error(fmt::format("a virtual rig sees 1 ray of a pixel, not {}", photometry.rays));
-  }
-  look();
-}
-
-void VirtualRig::look() {
-  columns_ = take_scan(scanner_, scene_, ramp(Axis::x), photometry_);
-  rows_ = take_scan(scanner_, scene_, ramp(Axis::y), photometry_);
+  require_valid(scanner_);
+  require_valid(photometry_);
+  seen_ = look(scanner_, scene_, photometry_, 0);
 }
 
 void VirtualRig::load(std::vector<Image<std::uint8_t>> patterns) {
@@ -70,32 +60,21 @@ FrameFormat VirtualRig::format() const {
   return {scanner_.camera.size, *photometry_.bits};
 }
 
-/// Of the projector at what each pixel sees, 0 to 1; NaN in shadow and outside the field.
-Image<double> VirtualRig::light_on_scene() const {
-  const Image<std::uint8_t>& picture = patterns_[*on_show_];
-  Image<double> light(scanner_.camera.size);
-  for (int row = 0; row < light.height(); ++row) {
-    for (int column = 0; column < light.width(); ++column) {
-      const double x = columns_.coordinate(column, row), y = rows_.coordinate(column, row);
-      light(column, row) =
-          std::isnan(x) ? x : level_at(picture, x * picture.width(), y * picture.height()) / 255;
-    }
-  }
-  return light;
-}
-
 Arrival VirtualRig::next(Frame& frame, std::chrono::milliseconds) {
-  if (moving_ && taken_ > 0) {
+  if (is_moving(scene_) && taken_ > 0) {
     move(scene_);
-    look();
+    seen_ = look(scanner_, scene_, photometry_, 0);
   }
-  // With the light in the coordinate's place, the ramp is what the projector shows.
-  VirtualScan lit = columns_;
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  lit.coordinate = on_show_ ? light_on_scene() : Image<double>(scanner_.camera.size, nan);
-  Photometry photometry = photometry_;
-  photometry.seed += taken_;
-  frame = first_frame(take_again(lit, ramp(Axis::x), photometry));
+  const ProjectedLight light = [&](const LitSample& sample) {
+    if (!on_show_) return 0.0;
+    const double level = level_at(patterns_[*on_show_], sample.pixel.x(), sample.pixel.y());
+    return responded(level, photometry_);
+  };
+  std::vector<Image<double>> exposures;
+  const int number = static_cast<int>(taken_);
+  exposures.push_back(exposed(seen_, photometry_, number, light));
+  add_noise(exposures.back(), number, photometry_);
+  frame = first_frame(digitised(std::move(exposures), photometry_.bits));
   frame.stamp = {.sequence = taken_++,
                  .pattern_index = std::nullopt,
                  .device_time = {},

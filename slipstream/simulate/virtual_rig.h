@@ -11,6 +11,7 @@
 #include "slipstream/capture/pattern_sink.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
+#include "slipstream/simulate/seen_scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {
@@ -22,12 +23,11 @@ namespace slipstream {
 ///   rig.show(n);
 ///   rig.next(frame, timeout);  // the scene under pattern n, with noise of its own
 ///
-/// Between the projector's pixels the light goes from one to the other evenly. Bodies go on by
-/// their `motion` from each frame to the next.
+/// Between the projector's pixels the light goes from one to the other evenly, whatever its blur.
+/// Bodies go on by their `motion` from each frame to the next, still while a frame is exposed.
 class VirtualRig : public PatternSink, public FrameSource {
  public:
-  /// Throws Error where the scanner or the photometry is not valid, says no bits, or more rays than
-  /// one.
+  /// Throws Error where the scanner or the photometry is not valid or says no bits.
   VirtualRig(Scanner scanner, Scene scene, const Photometry& photometry = {});
 
   [[nodiscard]] std::optional<Size> size() const override { return scanner_.projector.size; }
@@ -47,15 +47,10 @@ class VirtualRig : public PatternSink, public FrameSource {
   [[nodiscard]] std::string state() const override { return {}; }
 
  private:
-  void look();
-  [[nodiscard]] Image<double> light_on_scene() const;
-
   Scanner scanner_;
   Scene scene_;
   Photometry photometry_;
-  bool moving_;
-  VirtualScan columns_;  ///< what the camera sees, with the projector's column that lights it
-  VirtualScan rows_;     ///< the same with the projector's row
+  SeenScene seen_;
   std::vector<Image<std::uint8_t>> patterns_;
   std::optional<std::size_t> on_show_;
   std::uint64_t shown_ = 0, taken_ = 0;

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/gamma/response.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/pattern/pattern_set.h"
+#include "slipstream/simulate/physics.h"
 #include "slipstream/simulate/scene.h"
 
 namespace slipstream {
+
+struct SeenScene;
 
 /// Light and sensor of the virtual scanner. Intensities are in grey levels of an 8-bit device
 /// whatever the bits: full scale is 255.
@@ -21,8 +25,10 @@ struct Photometry {
   std::optional<int> bits = 8;
   std::uint64_t seed = 1;  ///< of the noise; the same seed gives the same frames
   /// Rays of a pixel, 1 to 256: it sees the mean of what they meet. One goes through its centre;
-  /// more are spread over it, so that an edge lies where it is to about 1 / rays of a pixel.
+  /// more are spread over it where surface, light or reflectivity are not even, so that an edge
+  /// lies where it is to about 1 / rays of a pixel.
   int rays = 1;
+  Physics physics{};
 };
 
 /// What a virtual camera saw, and what was really there when the first frame was taken.
@@ -33,20 +39,26 @@ struct VirtualScan {
   /// field.
   Image<double> coordinate;
   Image<double> reflectivity;  ///< alpha, shading and gloss included; 0 where there is no surface
+  std::shared_ptr<const SeenScene> seen{};  ///< when the first frame was taken
+  Size projector{};
 };
 
 /// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each
 /// pixel's centre or as many as the photometry says: I = alpha (I^p + beta) + beta + w, Eq. (3.2),
 /// I^p = 0 in the projector's shadow and outside its field; the light is as many times as
-/// much as the pattern's exposure says. Patterns are exact: not sampled by
-/// projector pixels nor quantised. Throws Error where the scanner or the photometry is not valid.
+/// much as the pattern's exposure says. Unless the photometry's physics say otherwise patterns are
+/// exact: not sampled by projector pixels nor quantised. Throws Error where the scanner or the
+/// photometry is not valid.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {});
 
 /// The frames of other patterns, or with other light, from where `scan` was taken: of the scene as
-/// it stood then, without tracing its rays again: one ray for each pixel. The patterns vary along
-/// the same axis. Throws Error where the photometry is not valid.
+/// it stood then, without tracing its rays again. Rays, blur and bounces are those of the
+/// first time. Throws Error where the photometry is not valid.
 FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
                     const Photometry& photometry);
+
+/// Throws Error, naming what is out of range.
+void require_valid(const Photometry& photometry);
 
 }  // namespace slipstream

@@ -1,5 +1,7 @@
 #include "slipstream/simulate/virtual_world.h"
 
+#include <cmath>
+
 #include "slipstream/noise/phase_noise.h"
 #include "slipstream/simulate/named_scenes.h"
 
@@ -11,7 +13,13 @@ PhotometricCalibration photometric_truth(const Photometry& photometry) {
     const double step = 255.0 / ((1 << *photometry.bits) - 1);
     variance += quantisation_variance * step * step;
   }
+  const Physics& physics = photometry.physics;
   PhotometricCalibration truth{.ambient = photometry.ambient};
+  if (physics.full_well > 0) {
+    truth.noise_gain = 255 / physics.full_well;
+    variance += std::pow(truth.noise_gain * physics.read_noise, 2) + truth.noise_gain * 127.5;
+  }
+  variance += physics.row_noise * physics.row_noise;
   if (variance > 0) truth.noise_variance = variance;
   return truth;
 }
@@ -23,6 +31,7 @@ Scanner as_calibrated(const VirtualWorld& world) {
   scanner.photometry.noise_variance = truth.noise_variance;
   const double depth = working_volume(scanner).centre.z();
   scanner.calibrated_depths = {0.75 * depth, 1.25 * depth};
+  scanner.photometry.noise_gain = truth.noise_gain;
   return scanner;
 }
 

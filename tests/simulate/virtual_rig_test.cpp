@@ -121,7 +121,7 @@ TEST(VirtualRig, RefusesWhatItCannotShowOrSee) {
   EXPECT_THROW(rig.load({Picture({64, 48})}), Error);
   EXPECT_THROW(rig.show(0), std::out_of_range);
   EXPECT_THROW(VirtualRig(scanner, scene, {.bits = std::nullopt}), Error);
-  EXPECT_THROW(VirtualRig(scanner, scene, {.rays = 4}), Error);
+  EXPECT_THROW(VirtualRig(scanner, scene, {.rays = 0}), Error);
   EXPECT_THROW(VirtualRig(scanner, scene, {.noise_variance = -1}), Error);
 }
 

@@ -113,7 +113,8 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
                                          double full_scale) const {
   constexpr double step = 1e-6;  // of y: 1e-3 mm in depth, where the point is a straight line of it
   const double grey_level = full_scale / 255;
-  const double noise_variance = cue_settings(setup_).noise_variance;
+  const double at_half = cue_settings(setup_).noise_variance;
+  const double by_light = setup_.scanner.photometry.noise_gain;
   const Band& band = measuring_band(decode_.layout());
   const std::optional<StepRun> run = step_run(band);
   const auto& corrected = setup_.scanner.photometry.response;
@@ -122,6 +123,8 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
     for (int column = 0; column < cloud.size().width; ++column) {
       if (cloud.validity(column, row) != Validity::valid) continue;
       const double modulation = maps.modulation(column, row) / grey_level;
+      const double noise_variance =
+          noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
       const double y = maps.coordinate(column, row);
       const double gain = run && corrected ? noise_gain(corrected->response, run->steps,
                                                         2 * std::numbers::pi * band.periods * y)

@@ -1,0 +1,125 @@
+#include "slipstream/simulate/projected_light.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace slipstream {
+namespace {
+
+using Profile = std::vector<double>;
+
+constexpr int places = 8;          // of a profile in a projector pixel
+constexpr double blur_step = 0.5;  // pixels, from one profile to the next
+
+/// Across the projector, not blurred.
+Profile sharp_profile(const PatternSet& patterns, int n, int length, const Photometry& photometry) {
+  Profile profile;
+  for (int place = 0; place < length * places; ++place) {
+    if (!photometry.physics.projector_pixels) {
+      const double pixel = (place + 0.5) / places - 0.5;
+      profile.push_back(responded(patterns.intensity(n, pixel / length), photometry));
+    } else if (place % places > 0) {
+      profile.push_back(profile.back());
+    } else {
+      const double y = static_cast<double>(place / places) / length;  // at the pixel's centre
+      profile.push_back(responded(std::round(patterns.intensity(n, y)), photometry));
+    }
+  }
+  return profile;
+}
+
+/// `deviation` in places, above 0. Dark beyond its ends.
+Profile blurred(const Profile& sharp, double deviation) {
+  const int reach = static_cast<int>(std::ceil(4 * deviation));
+  Profile weights;
+  for (int i = -reach; i <= reach; ++i) {
+    weights.push_back(std::exp(-0.5 * i * i / (deviation * deviation)));
+  }
+  double all = 0;
+  for (const double weight : weights) all += weight;
+  const int size = static_cast<int>(sharp.size());
+  Profile result(sharp.size(), 0);
+  for (int place = 0; place < size; ++place) {
+    const int from = std::max(place - reach, 0), to = std::min(place + reach, size - 1);
+    double sum = 0;
+    for (int i = from; i <= to; ++i) {
+      sum +=
+          weights[static_cast<std::size_t>(i - place + reach)] * sharp[static_cast<std::size_t>(i)];
+    }
+    result[static_cast<std::size_t>(place)] = sum / all;
+  }
+  return result;
+}
+
+/// Profiles of one pattern from sharp to the widest blur.
+class BlurredPattern {
+ public:
+  BlurredPattern(const Profile& sharp, double widest) : profiles_{sharp} {
+    for (int step = 1; (step - 1) * blur_step < widest; ++step) {
+      profiles_.push_back(blurred(sharp, step * blur_step * places));
+    }
+  }
+
+  /// `place`: from the projector's edge; linear in between, and from blur to blur in its
+  /// square, by which a Gaussian takes modulation away.
+  [[nodiscard]] double at(double place, double blur) const {
+    const auto lower = std::min(static_cast<std::size_t>(blur / blur_step), profiles_.size() - 1);
+    const double sharper = profile_at(profiles_[lower], place);
+    if (lower + 1 == profiles_.size()) return sharper;
+    const double steps = static_cast<double>(lower),
+                 share = (std::pow(blur / blur_step, 2) - steps * steps) / (2 * steps + 1);
+    return std::lerp(sharper, profile_at(profiles_[lower + 1], place), share);
+  }
+
+ private:
+  static double profile_at(const Profile& profile, double place) {
+    const double last = static_cast<double>(profile.size()) - 1;
+    const double within = std::clamp(place - 0.5, 0.0, last);
+    const auto left = static_cast<std::size_t>(std::min(within, last - 1));
+    return std::lerp(profile[left], profile[left + 1], within - static_cast<double>(left));
+  }
+
+  std::vector<Profile> profiles_;
+};
+
+double widest_blur(const SeenScene& seen) {
+  double widest = 0;
+  for (const auto& row : seen.samples) {
+    for (const LitSample& sample : row) {
+      widest = std::max(widest, std::hypot(sample.blur, sample.spread));
+    }
+  }
+  return widest;
+}
+
+}  // namespace
+
+double responded(double intensity, const Photometry& photometry) {
+  if (photometry.response == Response(PowerLaw{1})) return intensity;
+  return 255 * light_at(photometry.response, intensity / 255);  // (4.2)
+}
+
+ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
+                               const Photometry& photometry, const SeenScene& seen) {
+  const double exposure = patterns.exposure(n);
+  const double widest = widest_blur(seen);
+  if (!photometry.physics.projector_pixels && widest == 0) {
+    return [=](const LitSample& sample) {
+      const double y = coordinate_along(patterns.axis, sample.pixel, projector);
+      return exposure * responded(patterns.intensity(n, y), photometry);
+    };
+  }
+  const int length = length_along(patterns.axis, projector);
+  BlurredPattern pattern(sharp_profile(patterns, n, length, photometry), widest);
+  return [=, axis = patterns.axis, pattern = std::move(pattern)](const LitSample& sample) {
+    const double pixel = axis == Axis::x ? sample.pixel.x() : sample.pixel.y();
+    const double place = (pixel + 0.5) * places;
+    const double sharp = pattern.at(place, sample.blur);
+    if (sample.spread == 0) return exposure * sharp;
+    return exposure * (sharp + pattern.at(place, std::hypot(sample.blur, sample.spread))) / 2;
+  };
+}
+
+}  // namespace slipstream

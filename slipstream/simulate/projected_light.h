@@ -1,0 +1,17 @@
+#pragma once
+
+#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/simulate/seen_scene.h"
+#include "slipstream/simulate/virtual_scanner.h"
+
+namespace slipstream {
+
+/// The light that answers a pattern's intensity: grey levels both, Eq. (4.2).
+double responded(double intensity, const Photometry& photometry);
+
+/// The light of pattern n from a projector of that size, for the samples of `seen`: exact, or where
+/// physics say so by pixels of 256 levels, blurred.
+ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
+                               const Photometry& photometry, const SeenScene& seen);
+
+}  // namespace slipstream

@@ -1,0 +1,325 @@
+#include "slipstream/simulate/seen_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <optional>
+
+#include "slipstream/image/parallel_rows.h"
+#include "slipstream/simulate/counted_random.h"
+#include "slipstream/simulate/named_scenes.h"
+
+namespace slipstream {
+namespace {
+
+using Vector = Eigen::Vector3d;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double shutter_rolls = 0.9;  // from the first row to the last, frames
+
+/// How far from the middle of a picture, 1 in its corners, squared.
+double off_centre(const Eigen::Vector2d& pixel, Size size) {
+  const Eigen::Vector2d middle(0.5 * size.width, 0.5 * size.height);
+  return (pixel - middle).squaredNorm() / middle.squaredNorm();
+}
+
+/// The projector pixel that lights a point; nothing in shadow and outside the field.
+std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scene& scene,
+                                              const SurfacePoint& surface, double time) {
+  const Lens& projector = scanner.projector;
+  const Vector centre = projector_centre(scanner);
+  const Vector point = in_projector_frame(scanner, surface.point);
+  if (point.z() <= 0 || surface.normal.dot(centre - surface.point) <= 0) return std::nullopt;
+
+  const Eigen::Vector2d pixel = project(projector, point);
+  const bool in_field = pixel.x() >= -0.5 && pixel.x() < projector.size.width - 0.5 &&
+                        pixel.y() >= -0.5 && pixel.y() < projector.size.height - 0.5;
+  if (!in_field) return std::nullopt;
+  if (!projector.distortion.is_zero()) {
+    // Far outside the field the lens model folds back into it.
+    const Vector ray = ray_through(projector, pixel);
+    if (!(ray - point / point.z()).isZero(1e-6)) return std::nullopt;
+  }
+  if (in_shadow(scene, surface.point, centre, time)) return std::nullopt;
+  return pixel;
+}
+
+/// Ray `ray` of `rays` from the pixel's centre, pixels. In columns and in rows alike they are
+/// evenly spread, no two the same: a lattice of two numbers, one a step of about the golden
+/// section.
+Eigen::Vector2d ray_offset(int ray, int rays) {
+  int step = std::max(1, static_cast<int>(std::lround(rays / std::numbers::phi)));
+  while (std::gcd(step, rays) != 1) ++step;
+  const Eigen::Vector2d place(ray, ray * step % rays);
+  return (place + Eigen::Vector2d(0.5, 0.5)) / rays - Eigen::Vector2d(0.5, 0.5);
+}
+
+/// A direction about `normal`, as often as its cosine says; u and v in [0, 1).
+Vector diffuse_direction(const Vector& normal, double u, double v) {
+  const Vector across = normal.unitOrthogonal(), along = normal.cross(across);
+  const double radius = std::sqrt(u), angle = 2 * std::numbers::pi * v;
+  return radius * (std::cos(angle) * across + std::sin(angle) * along) + std::sqrt(1 - u) * normal;
+}
+
+/// What a camera ray meets, and the light on it.
+struct Met {
+  SurfacePoint surface;
+  double reflectivity = 0;
+  std::optional<LitSample> light{};
+};
+
+class Onlooker {
+ public:
+  Onlooker(const Scanner& scanner, const Scene& scene, const Photometry& photometry, double time)
+      : scanner_(scanner),
+        scene_(scene),
+        physics_(photometry.physics),
+        rays_(photometry.rays),
+        time_(time),
+        projector_centre_(projector_centre(scanner)),
+        working_place_(working_volume(scanner).centre),
+        projector_distance_((working_place_ - projector_centre_).norm()),
+        bright_distance_(projector_distance_ - working_volume(scanner).extent / 2) {}
+
+  [[nodiscard]] int rays() const { return rays_; }
+
+  [[nodiscard]] std::optional<Met> along(const Eigen::Vector2d& pixel) const {
+    const Vector direction = ray_through(scanner_.camera, pixel + residue(pixel));
+    if (!direction.allFinite()) return std::nullopt;
+    return met({Vector::Zero(), direction}, time_of(pixel));
+  }
+
+  /// Adds the light that other surfaces throw on what a pixel sees.
+  void add_bounces(const Eigen::Vector2d& pixel, const SurfacePoint& from,
+                   std::vector<LitSample>& samples) const {
+    const auto key = static_cast<std::uint64_t>(pixel.y() * 65536 + pixel.x());
+    const double turn = uniform(key);
+    for (int i = 0; i < physics_.bounces; ++i) {
+      const double u = (i + 0.5) / physics_.bounces;
+      const Vector direction = diffuse_direction(from.normal, u, turn + i / std::numbers::phi);
+      const Ray ray{from.point + 1e-4 * from.normal, direction};
+      const std::optional<Met> other = met(ray, time_of(pixel));
+      if (!other || !other->light) continue;
+      samples.push_back(*other->light);
+      samples.back().strength *= from.alpha / physics_.bounces;
+    }
+  }
+
+  /// Of the camera, pixels.
+  [[nodiscard]] double blur(double depth) const {
+    return physics_.camera.at(std::isnan(depth) ? 1 : depth / working_place_.z());
+  }
+
+ private:
+  [[nodiscard]] double time_of(const Eigen::Vector2d& pixel) const {
+    const double rolled = shutter_rolls * pixel.y() / scanner_.camera.size.height;
+    return physics_.rolling_shutter ? time_ + rolled : time_;
+  }
+
+  /// A smooth field that no polynomial of a lens follows.
+  [[nodiscard]] Eigen::Vector2d residue(const Eigen::Vector2d& pixel) const {
+    if (physics_.lens_residue == 0) return Eigen::Vector2d::Zero();
+    const double u = 12 * pixel.x() / scanner_.camera.size.width;
+    const double v = 12 * pixel.y() / scanner_.camera.size.width;
+    return physics_.lens_residue * Eigen::Vector2d(std::sin(u + std::cos(v)), std::cos(v - u));
+  }
+
+  /// Seen from where the ray comes from.
+  [[nodiscard]] double reflectivity(const SurfacePoint& surface, const Vector& eye) const {
+    constexpr double sharpness = 30;
+    const Vector to_light = (projector_centre_ - surface.point).normalized();
+    double alpha = surface.alpha;
+    if (surface.shading == Shading::lambertian) {
+      alpha *= std::max(0.0, surface.normal.dot(to_light));
+    }
+    const Vector half_way = (to_light + (eye - surface.point).normalized()).normalized();
+    return std::clamp(alpha, 0.0, 1.0) +
+           (surface.gloss + physics_.gloss) *
+               std::pow(std::max(0.0, surface.normal.dot(half_way)), sharpness);
+  }
+
+  [[nodiscard]] std::optional<Met> met(const Ray& ray, double time) const {
+    const std::optional<SurfacePoint> surface = first_surface(scene_, ray, time);
+    if (!surface) return std::nullopt;
+    const double distance = (surface->point - projector_centre_).norm();
+    Met result{*surface, reflectivity(*surface, ray.origin)};
+    const double share = physics_.fall_off ? std::pow(bright_distance_ / distance, 2) : 1;
+    if (const auto pixel = lighting_pixel(scanner_, scene_, *surface, time)) {
+      const double lens_loss =
+          1 - physics_.vignetting * off_centre(*pixel, scanner_.projector.size);
+      result.light = {*pixel, share * lens_loss * result.reflectivity,
+                      physics_.projector.at(distance / projector_distance_),
+                      physics_.translucency * scanner_.projector.intrinsic(0, 0) / distance};
+    }
+    return result;
+  }
+
+  const Scanner& scanner_;
+  const Scene& scene_;
+  const Physics& physics_;
+  int rays_;
+  double time_;
+  Vector projector_centre_;
+  Vector working_place_;
+  double projector_distance_;  // to the working place
+  double bright_distance_;     // of the light that patterns say
+};
+
+/// What the rays through the pixels' centres meet.
+struct MetByCentres {
+  Size size;
+  std::vector<std::optional<Met>> met;
+
+  [[nodiscard]] const std::optional<Met>& at(int column, int row) const {
+    const int x = std::clamp(column, 0, size.width - 1), y = std::clamp(row, 0, size.height - 1);
+    return met[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+               static_cast<std::size_t>(x)];
+  }
+};
+
+/// Whether what a pixel and its neighbours see is one even surface under one even light.
+bool is_even(const MetByCentres& met, int column, int row) {
+  constexpr double bend = 2e-4;  // of the depth, from pixel to pixel
+  constexpr double contrast = 0.02;
+  const std::optional<Met>& here = met.at(column, row);
+  const auto beside = [&](int right, int down) -> const std::optional<Met>& {
+    return met.at(column + right, row + down);
+  };
+  const auto alike = [&](const std::optional<Met>& other) {
+    if (!here || !other) return !here && !other;
+    return here->light.has_value() == other->light.has_value() &&
+           std::abs(here->reflectivity - other->reflectivity) < contrast;
+  };
+  const auto straight = [&](const std::optional<Met>& one, const std::optional<Met>& other) {
+    if (!alike(one) || !alike(other)) return false;
+    if (!here) return true;
+    const double depth = here->surface.point.z();
+    return std::abs(one->surface.point.z() + other->surface.point.z() - 2 * depth) < bend * depth;
+  };
+  return straight(beside(-1, 0), beside(1, 0)) && straight(beside(0, -1), beside(0, 1)) &&
+         straight(beside(-1, -1), beside(1, 1)) && straight(beside(-1, 1), beside(1, -1));
+}
+
+void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, double& albedo,
+                      std::vector<LitSample>& samples) {
+  albedo = 0;
+  for (int ray = 0; ray < onlooker.rays(); ++ray) {
+    const auto met = onlooker.along(pixel + ray_offset(ray, onlooker.rays()));
+    if (!met) continue;
+    albedo += met->reflectivity / onlooker.rays();
+    if (!met->light) continue;
+    samples.push_back(*met->light);
+    samples.back().strength /= onlooker.rays();
+  }
+}
+
+MetByCentres meet(const Onlooker& onlooker, Size size) {
+  const auto width = static_cast<std::size_t>(size.width);
+  MetByCentres centres{
+      size, std::vector<std::optional<Met>>(width * static_cast<std::size_t>(size.height))};
+  for_each_row(size.height, [&](int row) {
+    const std::size_t first = static_cast<std::size_t>(row) * width;
+    for (int column = 0; column < size.width; ++column) {
+      centres.met[first + static_cast<std::size_t>(column)] =
+          onlooker.along(Eigen::Vector2d(column, row));
+    }
+  });
+  return centres;
+}
+
+/// Convolved along one direction with a Gaussian that differs from pixel to pixel, of standard
+/// deviation `deviation`.
+Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
+                      int down) {
+  Image<double> result(picture.size());
+  for_each_row(picture.height(), [&](int row) {
+    for (int column = 0; column < picture.width(); ++column) {
+      const double sigma = std::max(deviation(column, row), 1e-3);
+      const int reach = static_cast<int>(std::ceil(4 * sigma));
+      double sum = 0, weights = 0;
+      for (int i = -reach; i <= reach; ++i) {
+        const int x = std::clamp(column + i * right, 0, picture.width() - 1);
+        const int y = std::clamp(row + i * down, 0, picture.height() - 1);
+        const double weight = std::exp(-0.5 * i * i / (sigma * sigma));
+        sum += weight * picture(x, y);
+        weights += weight;
+      }
+      result(column, row) = sum / weights;
+    }
+  });
+  return result;
+}
+
+}  // namespace
+
+SeenScene::SeenScene(Size size)
+    : depth(size, nan),
+      reflectivity(size, 0),
+      albedo(size, 0),
+      blur(size, 0),
+      lit_column(size, nan),
+      lit_row(size, nan),
+      samples(static_cast<std::size_t>(size.height)),
+      sample_count(size, 0) {}
+
+SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
+               double time) {
+  const Size size = scanner.camera.size;
+  const Onlooker onlooker(scanner, scene, photometry, time);
+  const MetByCentres met = meet(onlooker, size);
+  SeenScene seen(size);
+  for_each_row(size.height, [&](int row) {
+    std::vector<LitSample>& samples = seen.samples[static_cast<std::size_t>(row)];
+    for (int column = 0; column < size.width; ++column) {
+      const Eigen::Vector2d pixel(column, row);
+      const std::size_t before = samples.size();
+      const std::optional<Met>& centre = met.at(column, row);
+      if (centre) {
+        seen.depth(column, row) = centre->surface.point.z();
+        seen.reflectivity(column, row) = seen.albedo(column, row) = centre->reflectivity;
+        if (centre->light) {
+          seen.lit_column(column, row) = centre->light->pixel.x();
+          seen.lit_row(column, row) = centre->light->pixel.y();
+        }
+      }
+      seen.blur(column, row) = onlooker.blur(seen.depth(column, row));
+      if (photometry.rays > 1 && !is_even(met, column, row)) {
+        add_mean_of_rays(onlooker, pixel, seen.albedo(column, row), samples);
+      } else if (centre && centre->light) {
+        samples.push_back(*centre->light);
+      }
+      if (centre) onlooker.add_bounces(pixel, centre->surface, samples);
+      seen.sample_count(column, row) = static_cast<int>(samples.size() - before);
+    }
+  });
+  return seen;
+}
+
+Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n,
+                      const ProjectedLight& light) {
+  const Physics& physics = photometry.physics;
+  const Size size = seen.depth.size();
+  // Sines of a frequency that no number of steps has a share in.
+  const double flicker = 1 + physics.flicker * std::sin(2.4 * n + 1);
+  Image<double> frame(size);
+  for_each_row(size.height, [&](int row) {
+    auto sample = seen.samples[static_cast<std::size_t>(row)].begin();
+    for (int column = 0; column < size.width; ++column) {
+      const double from_middle = (2.0 * column - size.width) / size.width;
+      const double beta = photometry.ambient * (1 + physics.ambient_gradient * from_middle);
+      double sum = (seen.albedo(column, row) + 1) * beta;
+      for (int i = 0; i < seen.sample_count(column, row); ++i, ++sample) {
+        sum += sample->strength * light(*sample);
+      }
+      const double lens_loss =
+          1 - physics.vignetting * off_centre(Eigen::Vector2d(column, row), size);
+      frame(column, row) = flicker * lens_loss * sum;
+    }
+  });
+  if (physics.camera == Sharpness{}) return frame;
+  return blurred(blurred(frame, seen.blur, 1, 0), seen.blur, 0, 1);
+}
+
+}  // namespace slipstream

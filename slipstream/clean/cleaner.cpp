@@ -75,6 +75,13 @@ struct WordEvidence {
                         (~(linked_below() & linked_below(1)) & bent_across(-1)) |
                         (~(linked_below(-1) & linked_below(-2)) & bent_across(1)));
   }
+  /// With a point beside it that it is not linked to.
+  [[nodiscard]] Word at_edge() const {
+    const Word* const points = at(planes.trusted);
+    const Word* const linked = at(planes.to_right);
+    return trusted() & ((after(points) & ~linked[0]) | (before(points) & ~before(linked)) |
+                        (trusted(1) & ~linked_below()) | (trusted(-1) & ~linked_below(-1)));
+  }
   /// With points all around it: linked with all four and off them in row and column, or with none.
   [[nodiscard]] Word outliers() const {
     const Word* const points = at(planes.trusted);
@@ -170,12 +177,38 @@ struct Cleaner::Pass {
     }
   }
 
+  /// Whether a pixel at an edge between surfaces far apart is darker than those about it: it sees
+  /// both, and the fringes of one take modulation from the other's.
+  [[nodiscard]] bool is_dim(int column, int row) const {
+    constexpr float far = 0.05F, dim = 0.75F;  // of the depth; of the brightest
+    const int left = std::max(column - 1, 0), right = std::min(column + 1, cloud.z.width() - 1);
+    const float z = cloud.z(column, row);
+    float brightest = 0, apart = 0;
+    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, cloud.z.height() - 1); ++y) {
+      for (int x = left; x <= right; ++x) {
+        brightest = std::max(brightest, (*modulation)(x, y));
+        apart = std::fmax(apart, std::abs(cloud.z(x, y) - z));
+      }
+    }
+    return apart > far * z && (*modulation)(column, row) < dim * brightest;
+  }
+
+  [[nodiscard]] Word mixed_pixels(const WordEvidence& evidence) const {
+    Word mixed = evidence.mixed();
+    if (modulation == nullptr) return mixed;
+    for_each_bit(evidence.at_edge() & ~mixed, evidence.word, [&](int column) {
+      const Word bit = Word{1} << column % word_pixels;
+      if (is_dim(column, evidence.row)) mixed |= bit;
+    });
+    return mixed;
+  }
+
   /// Low trust, mixed pixels and outliers.
   void judge(int row, ValidityCounts& counted) {
     for (int w = 0; w < words(); ++w) {
       const WordEvidence evidence{memory.planes, row, w};
       const Word trusted = evidence.trusted();
-      const Word mixed = settings.drop_mixed ? evidence.mixed() : 0;
+      const Word mixed = settings.drop_mixed ? mixed_pixels(evidence) : 0;
       const Word outliers = settings.drop_outliers ? evidence.outliers() & ~mixed : 0;
       memory.kept.row(row)[w] = trusted & ~(mixed | outliers);
       const Word untrusted = *evidence.at(memory.planes.point) & ~trusted;

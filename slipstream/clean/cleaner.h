@@ -19,8 +19,9 @@ struct DepthNoise {
 
 /// Leaves out points of organised clouds, see CleanSettings, each with its reason as Validity: low
 /// trust first, then mixed pixels and outliers together, then small components, then what is
-/// outside the region. Gaps are filled and points smoothed after that. Depth edges and outliers are
-/// told by limits that follow the cloud's own noise, measured from it, and the distance between
+/// outside the region. Where the modulation is known, so are mixed pixels at edges between surfaces
+/// far apart by its dip. Gaps are filled and points smoothed after that. Depth edges and outliers
+/// are told by limits that follow the cloud's own noise, measured from it, and the distance between
 /// pixels.
 ///
 /// The result does not depend on the number of threads. Memory is kept from cloud to cloud, so that

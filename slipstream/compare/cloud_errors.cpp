@@ -29,11 +29,26 @@ double depth_error(double z, double sigma, const Image<double>& depth, int colum
   return std::abs(own) <= 5 * sigma ? own : nearest_error(z, depth, column, row);
 }
 
+/// Of a point from what rays within one and a half pixels of its own meet, mm.
+double distance_to_surfaces(const Cloud& cloud, int column, int row, const Scanner& scanner,
+                            const Scene& scene) {
+  const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
+  double nearest = std::numeric_limits<double>::infinity();
+  for (double y = row - 1.5; y <= row + 1.5; y += 0.25) {
+    for (double x = column - 1.5; x <= column + 1.5; x += 0.25) {
+      const Ray ray{Eigen::Vector3d::Zero(), ray_through(scanner.camera, {x, y})};
+      const auto surface = first_surface(scene, ray, 0);
+      if (surface) nearest = std::min(nearest, (surface->point - point).norm());
+    }
+  }
+  return nearest;
+}
+
 }  // namespace
 
 CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
-                         const VirtualScan& truth, const Image<float>& coordinate,
-                         const Layout& layout) {
+                         const Image<float>& coordinate, const Layout& layout,
+                         const VirtualScan& truth, const Scanner& scanner, const Scene& scene) {
   const double periods = measuring_band(layout).periods;
   CloudErrors errors;
   std::size_t lit = 0, measured = 0, on_surface = 0, within_5 = 0, flying = 0, wrong = 0;
@@ -52,7 +67,9 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
         ++within_5;
         normalised_squares += std::pow(error / sigma, 2);
       }
-      if (std::abs(error) > std::max(5 * sigma, 1.0)) {
+      const double limit = std::max(5 * sigma, 1.0);
+      if (std::abs(error) > limit &&
+          distance_to_surfaces(cloud, column, row, scanner, scene) > limit) {
         ++flying;
       } else {
         ++on_surface;

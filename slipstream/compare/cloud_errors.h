@@ -18,14 +18,14 @@ struct CloudErrors {
   /// Root mean square of depth errors over their own sigma, of those within 5.
   double normalised_rms = 0;
   double beyond_5 = 0;     ///< share of the points whose depth errs by more than 5 of their sigma
-  double flying = 0;       ///< share that errs by more than 5 sigma and 1 mm
+  double flying = 0;       ///< share off every surface by more than 5 sigma and 1 mm
   double wrong_order = 0;  ///< share whose projector coordinate errs by half a period and more
 };
 
-/// `layout`: of the patterns that the scan shows.
+/// `coordinate` and `layout`: of the scan that the cloud is of.
 CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
-                         const VirtualScan& truth, const Image<float>& coordinate,
-                         const Layout& layout);
+                         const Image<float>& coordinate, const Layout& layout,
+                         const VirtualScan& truth, const Scanner& scanner, const Scene& scene);
 
 /// Standard deviation of depth from take to take, mm: by the median difference of two clouds of one
 /// unmoved scene. 0 where they have no point in common.

@@ -40,8 +40,8 @@ ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
   Maps maps;
   engine.cloud_and_maps(scan.frames, result.cloud, maps);
   const Uncertainty sigma = engine.uncertainty(result.cloud, maps, scan.frames);
-  result.errors =
-      cloud_errors(result.cloud, sigma, scan, maps.coordinate, sequence.strategy.layout());
+  result.errors = cloud_errors(result.cloud, sigma, maps.coordinate, sequence.strategy.layout(),
+                               scan, world.scanner, world.scene);
   result.decode_ms = milliseconds_of(engine, scan.frames, result.cloud);
   if (!is_moving(world.scene)) {
     Photometry again = world.photometry;

@@ -21,8 +21,8 @@ struct Physics {
   bool projector_pixels = false;
   Sharpness projector{}, camera{};
   double vignetting = 0;  ///< share of the light that either lens loses in its corners
-  /// The projector's light falls with the distance squared; what it is at the near end of the
-  /// working volume it would be everywhere without.
+  /// The projector's light falls with the distance squared; what it is half way to the near end of
+  /// the working volume it would be everywhere without.
   bool fall_off = false;
   double gloss = 0;         ///< added to every body's
   double translucency = 0;  ///< mm that a half of the light spreads within a surface

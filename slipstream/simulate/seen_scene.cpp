@@ -81,7 +81,7 @@ class Onlooker {
         projector_centre_(projector_centre(scanner)),
         working_place_(working_volume(scanner).centre),
         projector_distance_((working_place_ - projector_centre_).norm()),
-        bright_distance_(projector_distance_ - working_volume(scanner).extent / 2) {}
+        bright_distance_(projector_distance_ - working_volume(scanner).extent / 4) {}
 
   [[nodiscard]] int rays() const { return rays_; }
 

@@ -18,6 +18,7 @@
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/board_poses.h"
 #include "slipstream/simulate/moved_board.h"
 #include "slipstream/simulate/virtual_camera.h"
 
@@ -49,8 +50,8 @@ Reel boards_for(const ServeFlags& flags, const VirtualWorld& world, const Sequen
   const Body sheet = sheet_of(board_from(flags.board), world.scanner);
   const auto poses = poses_of(sheet, *flags.boards, world.scanner);
   Progress progress("boards", *flags.boards);
-  Reel reel = moved_board(world, sheet, poses, along_both_axes(sequence), flags.still,
-                          [&] { progress.advance(); });
+  Reel reel = moved_board(world, misprinted(sheet, world.photometry.physics), poses,
+                          along_both_axes(sequence), flags.still, [&] { progress.advance(); });
   progress.finish();
   return reel;
 }

@@ -42,6 +42,7 @@ void add_reconstruct(CLI::App& program, Command& chosen);
 void add_assist(CLI::App& program, Command& chosen);
 void add_check(CLI::App& program, Command& chosen);
 void add_measure(CLI::App& program, Command& chosen);
+void add_compare(CLI::App& program, Command& chosen);
 void add_verify(CLI::App& program, Command& chosen);
 void add_project(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_live(CLI::App& program, Command& chosen);

@@ -113,6 +113,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_check(program, chosen);
   add_measure(program, chosen);
   add_verify(program, chosen);
+  add_compare(program, chosen);
   add_assist(program, chosen);
   add_live(program, chosen);
 #ifdef SLIPSTREAM_VIEW

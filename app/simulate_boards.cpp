@@ -39,7 +39,8 @@ void simulate_boards(const fs::path& folder, const SimulateBoardsFlags& flags,
   const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
   Progress progress("boards", count);
   const std::vector<std::string> names =
-      save_board_scans(folder, sequence, world, sheet, poses, [&] { progress.advance(); });
+      save_board_scans(folder, sequence, world, misprinted(sheet, world.photometry.physics), poses,
+                       [&] { progress.advance(); });
   progress.finish();
   output.say("took a {} of {}x{}, {:g} mm apart, in {} poses of {}; they are in {}",
              name_of(board.kind), board.columns, board.rows, board.spacing, count,

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <limits>
 #include <utility>
+#include <variant>
 
 #include "slipstream/reconstruct/engine.h"
 
@@ -31,10 +32,21 @@ double milliseconds_of(Engine& engine, const FrameSet& frames, Cloud cloud) {
   return fastest;
 }
 
+/// The world's scanner with all that calibrations would find.
+Scanner fully_calibrated(const VirtualWorld& world) {
+  Scanner scanner = as_calibrated(world);
+  const Response& response = world.photometry.response;
+  if (response == Response(PowerLaw{1})) return scanner;
+  const auto* const law = std::get_if<PowerLaw>(&response);
+  scanner.photometry.response.emplace(
+      MeasuredResponse{.response = response, .gamma = law != nullptr ? law->gamma : 1});
+  return scanner;
+}
+
 ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
                         const ReconstructSettings& settings) {
   const PatternSet patterns = pattern_set(sequence);
-  Engine engine(as_calibrated(world), sequence, settings);
+  Engine engine(fully_calibrated(world), sequence, settings);
   const VirtualScan scan = take_scan(world.scanner, world.scene, patterns, world.photometry);
   ComparedSequence result;
   Maps maps;

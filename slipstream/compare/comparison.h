@@ -18,9 +18,9 @@ struct ComparedSequence {
 };
 
 /// Takes and reconstructs one scan by each sequence with the world's scanner, as calibrated for
-/// light and sensor, all in the same time: of twice as many frames each is exposed half as long,
-/// the camera's gain twice as high, and bodies, whose `motion` is meant for the sequence of the
-/// fewest frames, move half as far from one to the next. Throws Error as take_scan and Engine.
+/// response, light and noise, all in the same time: of twice as many frames each is exposed half as
+/// long, the camera's gain twice as high, and bodies, whose `motion` is meant for the sequence of
+/// the fewest frames, move half as far from one to the next. Throws Error as take_scan and Engine.
 std::vector<ComparedSequence> compare(const VirtualWorld& world,
                                       const std::vector<Sequence>& sequences,
                                       const ReconstructSettings& settings = {});

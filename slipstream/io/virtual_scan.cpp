@@ -31,6 +31,7 @@ std::vector<std::string> save_board_scans(const fs::path& folder, const Sequence
   make_folder(folder);
   write_scanner(scanner_file, world.scanner);
   Photometry photometry = world.photometry;
+  photometry.rays = 1;  // what is printed on a sheet has soft edges of its own
   std::vector<std::string> names;
   for (const Eigen::Isometry3d& pose : poses) {
     sheet.pose = pose;

@@ -1,7 +1,10 @@
 #include "slipstream/simulate/board_poses.h"
 
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -87,6 +90,26 @@ Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel,
       .shape = Board{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel},
       .texture = picture_texture(picture, mm_per_pixel, dark, bright, blur * mm_of_camera_pixel),
       .shading = Shading::lambertian};
+}
+
+Body misprinted(Body sheet, const Physics& physics) {
+  if (physics.board_stretch != 0) {
+    const double share = 1 / (1 + physics.board_stretch);
+    sheet.texture = [print = sheet.texture, share](const Eigen::Vector3d& p) {
+      return print(Eigen::Vector3d(share * p.x(), p.y(), p.z()));
+    };
+  }
+  if (physics.board_bend != 0) {
+    const Board flat = std::get<Board>(sheet.shape);
+    Mesh mesh;
+    append_surface(mesh, 1, 200, [&](double u, double v) {
+      const double across = 2 * u - 1;
+      return Eigen::Vector3d(across * flat.width / 2, (v - 0.5) * flat.height,
+                             physics.board_bend * (across * across - 1));
+    });
+    sheet.shape = std::make_shared<const MeshTree>(std::move(mesh));
+  }
+  return sheet;
 }
 
 }  // namespace slipstream

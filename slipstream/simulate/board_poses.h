@@ -7,6 +7,7 @@
 
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/image/image.h"
+#include "slipstream/simulate/physics.h"
 #include "slipstream/simulate/scene.h"
 
 namespace slipstream {
@@ -23,5 +24,9 @@ std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, do
 /// edges are as soft as a good lens makes them, half a camera pixel where the scanner's devices
 /// look at one place: without that, single rays would put edges where the pixel grid is.
 Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel, const Scanner& scanner);
+
+/// The sheet as a careless print on a board that is not flat, see Physics: stretched along its X,
+/// its middle nearer to the camera than its left and right ends.
+Body misprinted(Body sheet, const Physics& physics);
 
 }  // namespace slipstream

@@ -52,6 +52,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
   }
   const std::vector<ShownPattern> cycle = cycle_of(sets);
   Photometry photometry = world.photometry;
+  photometry.rays = 1;  // what is printed on a sheet has soft edges of its own
   Reel reel;
   const auto expose = [&](const PatternSet& patterns) {
     std::vector<Frame> seen = virtual_frames(world.scanner, {sheet}, patterns, photometry, 1);

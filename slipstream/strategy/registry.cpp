@@ -1,6 +1,7 @@
 #include "slipstream/strategy/registry.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -87,6 +88,34 @@ std::string label_of(const Strategy& strategy) {
     label += fmt::format(", {} {:g}", name, value);
   }
   return label;
+}
+
+Strategy strategy_labelled(std::string_view label) {
+  StrategySettings settings;
+  const std::string_view name = label.substr(0, label.find(','));
+  for (std::string_view rest = label.substr(name.size()); !rest.empty();) {
+    rest.remove_prefix(1);
+    std::string_view setting = rest.substr(0, rest.find(','));
+    rest.remove_prefix(setting.size());
+    setting.remove_prefix(std::min(setting.find_first_not_of(' '), setting.size()));
+    const std::string_view word = setting.substr(0, setting.find(' '));
+    const char* const end = setting.data() + setting.size();
+    double value = 0;
+    const auto [after, failure] =
+        std::from_chars(std::min(setting.data() + word.size() + 1, end), end, value);
+    if (failure != std::errc() || after != end) {
+      throw Error(fmt::format("'{}' in '{}' is no setting; give a name and a number, as steps 4",
+                              setting, label));
+    }
+    settings[std::string(word)] = value;
+  }
+  return make_strategy(name, settings);
+}
+
+std::vector<Strategy> strategies_to_compare() {
+  return {PhaseChannelMultiplexing{.steps = 3},  PhaseChannelMultiplexing{.steps = 4},
+          PhaseChannelMultiplexing{.steps = 5},  PhaseMeasuring{.steps = 6},
+          DualFrequency{.steps = 3, .high = 16}, DualFrequency{.steps = 4, .high = 32}};
 }
 
 std::vector<std::string_view> strategy_names() {

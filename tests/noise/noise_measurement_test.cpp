@@ -127,5 +127,30 @@ TEST(NoiseMeasurement, RefusesTooFewPixels) {
   EXPECT_THROW(noise_from_half_phase(image, dark), Error);
 }
 
+TEST(NoiseMeasurement, TellsNoiseThatGrowsWithTheLight) {
+  const double gain = 255.0 / 8000;
+  const auto line_in = [&](const Photometry& photometry) {
+    const Strategy strategy = make_strategy("pmp", {{"steps", 6}});
+    Scanner scanner = example_scanner({240, 180});
+    const PatternSet patterns = pattern_set(strategy, Axis::x, light);
+    const VirtualScan scan =
+        take_scan(scanner, scene_named("contrast", scanner), patterns, photometry);
+    Photometry again = photometry;
+    again.seed += 1;
+    const FrameSet second = take_again(scan, patterns, again);
+    const auto mean = [&](const FrameSet& frames) {
+      return weighted_sum(frames, strategy.layout().bands.front().mean);
+    };
+    return noise_line_from_means(mean(scan.frames), mean(second), 6, unclipped_mask(scan.frames));
+  };
+  const NoiseLine grows = line_in({.ambient = 5, .physics = {.full_well = 8000, .read_noise = 20}});
+  EXPECT_NEAR(grows.gain, gain, 5 * grows.gain_error);
+  EXPECT_LT(grows.gain_error, 0.1 * gain);
+  const double read = std::pow(20 * gain, 2) + quantisation_variance;
+  EXPECT_NEAR(grows.at_half, 127.5 * gain + read, 0.15);
+  const NoiseLine even = line_in({.ambient = 5, .noise_variance = 2});
+  EXPECT_NEAR(even.gain, 0, 5 * even.gain_error);
+}
+
 }  // namespace
 }  // namespace slipstream

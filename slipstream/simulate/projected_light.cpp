@@ -65,6 +65,10 @@ class BlurredPattern {
   /// `place`: from the projector's edge; linear in between, and from blur to blur in its
   /// square, by which a Gaussian takes modulation away.
   [[nodiscard]] double at(double place, double blur) const {
+    if (blur == 0) {
+      const double last = static_cast<double>(profiles_[0].size()) - 1;
+      return profiles_[0][static_cast<std::size_t>(std::clamp(place, 0.0, last))];
+    }
     const auto lower = std::min(static_cast<std::size_t>(blur / blur_step), profiles_.size() - 1);
     const double sharper = profile_at(profiles_[lower], place);
     if (lower + 1 == profiles_.size()) return sharper;

@@ -75,7 +75,7 @@ TEST_F(CaptureProgram, LeadsFromNothingToACloud) {
                     scanner = poses + "/scanner.yaml", truth = in_folder("truth.yaml");
   const Arguments camera{"--source", "aravis:127.0.0.1"};
   RunningProgram server(Arguments{"camera", "serve", "--boards", "12", "--rate", "60", "--cycles",
-                                  "4", "--write-scanner", truth} +
+                                  "4", "--write-scanner", truth, "--world", "ideal"} +
                         board + patterns);
   ASSERT_TRUE(server.wait_for_words("serving dual-frequency of 640x480")) << server.words();
 

@@ -107,12 +107,11 @@ double responded(double intensity, const Photometry& photometry) {
 
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen) {
-  const double exposure = patterns.exposure(n);
   const double widest = widest_blur(seen);
   if (!photometry.physics.projector_pixels && widest == 0) {
     return [=](const LitSample& sample) {
       const double y = coordinate_along(patterns.axis, sample.pixel, projector);
-      return exposure * responded(patterns.intensity(n, y), photometry);
+      return responded(patterns.intensity(n, y), photometry);
     };
   }
   const int length = length_along(patterns.axis, projector);
@@ -121,8 +120,8 @@ ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector
     const double pixel = axis == Axis::x ? sample.pixel.x() : sample.pixel.y();
     const double place = (pixel + 0.5) * places;
     const double sharp = pattern.at(place, sample.blur);
-    if (sample.spread == 0) return exposure * sharp;
-    return exposure * (sharp + pattern.at(place, std::hypot(sample.blur, sample.spread))) / 2;
+    if (sample.spread == 0) return sharp;
+    return (sharp + pattern.at(place, std::hypot(sample.blur, sample.spread))) / 2;
   };
 }
 

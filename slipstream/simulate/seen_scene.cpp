@@ -297,7 +297,7 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
   return seen;
 }
 
-Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n,
+Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
                       const ProjectedLight& light) {
   const Physics& physics = photometry.physics;
   const Size size = seen.depth.size();
@@ -315,7 +315,7 @@ Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n
       }
       const double lens_loss =
           1 - physics.vignetting * off_centre(Eigen::Vector2d(column, row), size);
-      frame(column, row) = flicker * lens_loss * sum;
+      frame(column, row) = exposure * flicker * lens_loss * sum;
     }
   });
   if (physics.camera == Sharpness{}) return frame;

@@ -46,8 +46,8 @@ SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& pho
 using ProjectedLight = std::function<double(const LitSample&)>;
 
 /// What the pixels collect in frame n, grey levels of 8 bits, before the sensor's noise: I =
-/// alpha (I^p + beta) + beta, Eq. (3.2), with what physics adds.
-Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n,
+/// alpha (I^p + beta) + beta, Eq. (3.2), with what physics adds, `exposure` times as long as usual.
+Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
                       const ProjectedLight& light);
 
 }  // namespace slipstream

@@ -71,7 +71,7 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
     Image<double> frame(scanner.camera.size);
     for (const SeenScene& now : seen) {
       const auto light = projected_light(patterns, n, projector, photometry, now);
-      const Image<double> exposure = exposed(now, photometry, n, light);
+      const Image<double> exposure = exposed(now, photometry, n, patterns.exposure(n), light);
       const double share = 1.0 / static_cast<double>(seen.size());
       std::transform(frame.begin(), frame.end(), exposure.begin(), frame.begin(),
                      [=](double sum, double more) { return sum + share * more; });
@@ -93,7 +93,7 @@ FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
   std::vector<Image<double>> exposures;
   for (int n = 0; n < patterns.count; ++n) {
     exposures.push_back(
-        exposed(*scan.seen, photometry, n,
+        exposed(*scan.seen, photometry, n, patterns.exposure(n),
                 projected_light(patterns, n, scan.projector, photometry, *scan.seen)));
     add_noise(exposures.back(), n, photometry);
   }

@@ -42,8 +42,8 @@ class GammaProgram : public testing::Test {
     return rms;
   }
   void simulate(const std::string& steps) const {
-    (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96",
-                  "--virtual-gamma", "2.4", "--virtual-noise", "0.2", "--steps", steps,
+    (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--world",
+                  "ideal", "--virtual-gamma", "2.4", "--virtual-noise", "0.2", "--steps", steps,
                   "--low-steps", "6", "--high", "8"});
   }
 
@@ -65,9 +65,9 @@ TEST_F(GammaProgram, CalibratesTheScannerFileThatReconstructUses) {
   EXPECT_TRUE(std::filesystem::exists(path("gamma.png")));
   EXPECT_EQ(read_map(path("gamma.tiff")).size(), (Size{128, 96}));
 
-  (void)out_of({"simulate", path("three"), "--scene", "board", "--camera", "128x96",
-                "--virtual-gamma", "2.4", "--virtual-noise", "0.2", "--steps", "3", "--low-steps",
-                "6", "--high", "8"});
+  (void)out_of({"simulate", path("three"), "--scene", "board", "--camera", "128x96", "--world",
+                "ideal", "--virtual-gamma", "2.4", "--virtual-noise", "0.2", "--steps", "3",
+                "--low-steps", "6", "--high", "8"});
   const auto depth_error = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"reconstruct", path("three"), "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -88,8 +88,8 @@ TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
   simulate("3");
   // The low frequency has six steps and says what gamma is.
   EXPECT_LT(rms_with("blind"), rms_with("none") / 10);
-  (void)out_of({"simulate", path("scan"), "--camera", "128x96", "--virtual-gamma", "2.4",
-                "--strategy", "pmp", "--steps", "3"});
+  (void)out_of({"simulate", path("scan"), "--camera", "128x96", "--world", "ideal",
+                "--virtual-gamma", "2.4", "--strategy", "pmp", "--steps", "3"});
   const std::string said = out_of({"reconstruct", path("scan"), "--gamma", "blind"});
   EXPECT_TRUE(says(said, "left alone: ambient light")) << said;
 }
@@ -97,9 +97,9 @@ TEST_F(GammaProgram, CorrectsBlindOrSaysWhyNot) {
 TEST_F(GammaProgram, FindsAnSCurveOrSaysWhatIsLeft) {
   const auto simulated = [&](const std::string& name, const std::string& response,
                              const std::string& steps) {
-    (void)out_of({"simulate", path(name), "--scene", "board", "--camera", "128x96",
-                  "--virtual-gamma", response, "--steps", steps, "--low-steps", "6", "--high",
-                  "8"});
+    (void)out_of({"simulate", path(name), "--scene", "board", "--camera", "128x96", "--world",
+                  "ideal", "--virtual-gamma", response, "--steps", steps, "--low-steps", "6",
+                  "--high", "8"});
     return path(name);
   };
   const std::string said = out_of({"calibrate", "gamma", simulated("eight", "logistic:9:0.45", "8"),
@@ -161,9 +161,9 @@ TEST_F(GammaProgram, UniformPatternsOf16BitsAreToldInGreyLevelsOf255) {
 }
 
 TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
-  (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96",
-                "--virtual-gamma", "2.4", "--steps", "3", "--low-steps", "6", "--high", "8",
-                "--second-camera"});
+  (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--world",
+                "ideal", "--virtual-gamma", "2.4", "--steps", "3", "--low-steps", "6", "--high",
+                "8", "--second-camera"});
   const std::string said = out_of({"reconstruct", path("scan"), "-o", path("cloud.ply")});
   EXPECT_TRUE(says(said, "two cameras, free of gamma")) << said;
   const double two_cameras = rms_with("none");
@@ -201,8 +201,8 @@ TEST_F(GammaProgram, RefusesBadInput) {
   EXPECT_TRUE(says(
       refusal_of({"calibrate", "gamma", "--uniform", path("levels"), "--map", path("map.tiff")}),
       "--map"));
-  (void)out_of(
-      {"simulate", path("four"), "--camera", "128x96", "--strategy", "pmp", "--steps", "4"});
+  (void)out_of({"simulate", path("four"), "--camera", "128x96", "--world", "ideal", "--strategy",
+                "pmp", "--steps", "4"});
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("four"), "--map", path("m.tiff")}), "5"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("scan"), "-o", path("s.xml")}), ".xml"));
   EXPECT_TRUE(says(refusal_of({"calibrate", "gamma", path("nowhere")}), "nowhere"));

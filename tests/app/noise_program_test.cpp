@@ -20,9 +20,9 @@ class NoiseProgram : public testing::Test {
   void simulate(const std::string& name, const std::vector<std::string>& strategy,
                 const std::string& seed) const {
     std::vector<std::string> arguments{
-        "simulate",        path(name), "--scene",  "board", "--camera",          "160x120",
-        "--alpha-p",       "200",      "--beta-p", "40",    "--virtual-ambient", "-5",
-        "--virtual-noise", "2",        "--seed",   seed};
+        "simulate",          path(name), "--scene",         "board", "--camera", "160x120",
+        "--world",           "ideal",    "--alpha-p",       "200",   "--beta-p", "40",
+        "--virtual-ambient", "-5",       "--virtual-noise", "2",     "--seed",   seed};
     arguments.insert(arguments.end(), strategy.begin(), strategy.end());
     const ProgramRun run = run_program(arguments);
     ASSERT_EQ(run.exit_code, 0) << run.err;
@@ -61,13 +61,14 @@ TEST_F(NoiseProgram, CalibratesAmbientLightAndNoiseIntoTheScannerFile) {
 
 TEST_F(NoiseProgram, AmbientLightTakesTheResponseFirst) {
   const std::string scan = path("bent"), file = path("bent.yaml");
-  ASSERT_EQ(run_program({"simulate",        scan,      "--scene",           "board",
-                         "--camera",        "160x120", "--strategy",        "pmp",
-                         "--steps",         "8",       "--alpha-p",         "200",
-                         "--beta-p",        "0",       "--virtual-ambient", "5",
-                         "--virtual-noise", "1",       "--virtual-gamma",   "2.2"})
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      run_program(
+          {"simulate",        scan,    "--scene",         "board", "--camera",          "160x120",
+           "--world",         "ideal", "--strategy",      "pmp",   "--steps",           "8",
+           "--alpha-p",       "200",   "--beta-p",        "0",     "--virtual-ambient", "5",
+           "--virtual-noise", "1",     "--virtual-gamma", "2.2"})
+          .exit_code,
+      0);
   const ProgramRun refused = run_program({"calibrate", "ambient", scan, "-o", file});
   EXPECT_EQ(refused.exit_code, 2) << refused.out;
   EXPECT_NE(refused.err.find("calibrate gamma"), std::string::npos) << refused.err;

@@ -48,21 +48,28 @@ Reproduction unwrapping_at_edges(std::uint64_t seed) {
 }
 
 Reproduction variance_ratios(int steps, std::uint64_t seed) {
+  const VarianceRatioTrial trial{.seed = seed};
   Reproduction result;
-  std::string experiment;
-  for (const VarianceRatioCell& cell : variance_ratio_table(steps, {.seed = seed})) {
-    result.cells.push_back({"variance of PMP over that of PCMP",
-                            {{"N", steps}, {"c_1", cell.c1}, {"f_h", cell.high}},
-                            cell.predicted,
-                            cell.measured,
-                            {}});
-    experiment += fmt::format("{}{:.2f}", experiment.empty() ? "" : ", ", cell.published);
+  std::vector<ReproducedCell> of_foam;
+  for (const VarianceRatioCell& cell : variance_ratio_table(steps, trial)) {
+    const auto add = [&](auto& cells, const char* quantity, double published, double recomputed) {
+      cells.push_back({quantity,
+                       {{"N", steps}, {"c_1", cell.c1}, {"f_h", cell.high}},
+                       published,
+                       recomputed,
+                       {}});
+    };
+    add(result.cells, "variance of PMP over that of PCMP", cell.predicted, cell.measured);
+    add(of_foam, "the same, of foam", cell.published, cell.of_foam);
   }
+  result.cells.insert(result.cells.end(), of_foam.begin(), of_foam.end());
   result.notes.emplace_back(
       "Published: the theory, c_1^2 f_h^2; recomputed: a board before the virtual scanner, 8-bit "
       "frames.");
-  result.notes.push_back(
-      fmt::format("The dissertation's experiment, in the same order: {}.", experiment));
+  result.notes.push_back(fmt::format(
+      "Of foam: published the dissertation's experiment; recomputed with gamma {} and a "
+      "board in which half of the light spreads by {} mm.",
+      trial.gamma, trial.translucency));
   return result;
 }
 

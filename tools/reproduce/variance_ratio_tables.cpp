@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include <fmt/format.h>
 
@@ -60,26 +61,40 @@ double measured_variance(const Strategy& strategy, const FrameSet& frames,
   return squares / count - sum * sum / (count * count);
 }
 
-}  // namespace
-
-std::vector<VarianceRatioCell> variance_ratio_table(int steps, const VarianceRatioTrial& trial) {
-  std::vector<VarianceRatioCell> table = printed_table(steps);
-  const Scanner scanner = example_scanner(trial.camera);
-  const int length = scanner.projector.size.width;
-  Photometry photometry{.ambient = -7, .noise_variance = 1.55, .seed = trial.seed * 1000};
+/// Variance of PMP over that of each cell's PCMP, for frames taken with that photometry.
+std::vector<double> measured_ratios(const std::vector<VarianceRatioCell>& table, Size camera,
+                                    Photometry photometry) {
+  const Scanner scanner = example_scanner(camera);
+  const int length = scanner.projector.size.width, steps = table.front().steps;
   const CueSettings cue{.light = light, .ambient = photometry.ambient};
-
   const Strategy unit = PhaseMeasuring{.steps = steps, .frequency = 1};
   const VirtualScan board = take_scan(scanner, scene_named("board", scanner),
                                       pattern_set(unit, Axis::x, light), photometry);
   const double unit_variance = measured_variance(unit, board.frames, board.coordinate, length, cue);
-  for (VarianceRatioCell& cell : table) {
+  std::vector<double> ratios;
+  for (const VarianceRatioCell& cell : table) {
     const Strategy strategy = PhaseChannelMultiplexing{
         .steps = steps, .high = cell.high, .share = cell.c1, .reference = {}};
     ++photometry.seed;
     const FrameSet frames = take_again(board, pattern_set(strategy, Axis::x, light), photometry);
-    cell.measured =
-        unit_variance / measured_variance(strategy, frames, board.coordinate, length, cue);
+    ratios.push_back(unit_variance /
+                     measured_variance(strategy, frames, board.coordinate, length, cue));
+  }
+  return ratios;
+}
+
+}  // namespace
+
+std::vector<VarianceRatioCell> variance_ratio_table(int steps, const VarianceRatioTrial& trial) {
+  std::vector<VarianceRatioCell> table = printed_table(steps);
+  Photometry photometry{.ambient = -7, .noise_variance = 1.55, .seed = trial.seed * 1000};
+  const std::vector<double> ideal = measured_ratios(table, trial.camera, photometry);
+  photometry.response = PowerLaw{trial.gamma};
+  photometry.physics.translucency = trial.translucency;
+  const std::vector<double> foam = measured_ratios(table, trial.camera, photometry);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    table[i].measured = ideal[i];
+    table[i].of_foam = foam[i];
   }
   return table;
 }

@@ -20,6 +20,7 @@ namespace {
 struct VerifyFlags {
   std::optional<std::string> artefacts, report, calibrated;
   bool rehearse = false;
+  VirtualFlags devices;  ///< of a rehearsal: its world
   CloudInputFlags input;
 };
 
@@ -49,7 +50,7 @@ struct Test {
 };
 
 Test rehearsed(const VerifyFlags& flags) {
-  VirtualFlags devices;
+  VirtualFlags devices = flags.devices;
   devices.scene = "board";  // it makes way for the artefacts
   devices.scanner = flags.input.input.scanner;
   const VirtualWorld world = world_from(devices);
@@ -59,7 +60,8 @@ Test rehearsed(const VerifyFlags& flags) {
   set_clean(settings, flags.input.clean);
   const Sequence sequence = sequence_for(flags.input.input.scan, world.scanner);
   return {rehearsal(world, sequence, calibrated, settings),
-          fmt::format("Rehearsed in the virtual world, {}", label_of(sequence.strategy))};
+          fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
+                      label_of(sequence.strategy))};
 }
 
 Test of_artefacts(const VerifyFlags& flags, Output& output) {
@@ -104,6 +106,7 @@ void add_verify(CLI::App& program, Command& chosen) {
                   "accuracy by certified artefacts, as ISO 10360-13 and VDI/VDE 2634 state it");
   command.add("artefacts", flags.artefacts, "certified lengths and scans: .yaml");
   command.add("--rehearse", flags.rehearse, "artefacts and scans in the virtual world instead");
+  command.add("--world", flags.devices.world, "of a rehearsal, as simulate has it");
   command.add_file("--calibrated", flags.calibrated,
                    "of a rehearsal: what reconstructs, where not the scanner as it truly is");
   command.add("-o,--output", flags.report, "a page with tables and pictures: .html");

@@ -100,6 +100,7 @@ struct Cleaner::Memory {
   std::vector<float> samples;
   PaddedRow first, last, beyond;
   DepthPlanes planes;
+  BitPlane dim;  ///< see Pass::is_dim
   BitPlane kept;
   Components components;
   Image<std::uint8_t> outline;  ///< 1 inside
@@ -193,14 +194,14 @@ struct Cleaner::Pass {
     return apart > far * z && (*modulation)(column, row) < dim * brightest;
   }
 
-  [[nodiscard]] Word mixed_pixels(const WordEvidence& evidence) const {
-    Word mixed = evidence.mixed();
-    if (modulation == nullptr) return mixed;
-    for_each_bit(evidence.at_edge() & ~mixed, evidence.word, [&](int column) {
-      const Word bit = Word{1} << column % word_pixels;
-      if (is_dim(column, evidence.row)) mixed |= bit;
-    });
-    return mixed;
+  /// Before any point is dropped, since depths of other rows are asked for.
+  void find_dim(int row) {
+    for (int w = 0; w < words(); ++w) {
+      Word& dim = memory.dim.row(row)[w];
+      dim = 0;
+      for_each_bit(WordEvidence{memory.planes, row, w}.at_edge(), w,
+                   [&](int column) { dim |= Word{is_dim(column, row)} << column % word_pixels; });
+    }
   }
 
   /// Low trust, mixed pixels and outliers.
@@ -208,7 +209,7 @@ struct Cleaner::Pass {
     for (int w = 0; w < words(); ++w) {
       const WordEvidence evidence{memory.planes, row, w};
       const Word trusted = evidence.trusted();
-      const Word mixed = settings.drop_mixed ? mixed_pixels(evidence) : 0;
+      const Word mixed = settings.drop_mixed ? evidence.mixed() | *evidence.at(memory.dim) : 0;
       const Word outliers = settings.drop_outliers ? evidence.outliers() & ~mixed : 0;
       memory.kept.row(row)[w] = trusted & ~(mixed | outliers);
       const Word untrusted = *evidence.at(memory.planes.point) & ~trusted;
@@ -250,11 +251,17 @@ struct Cleaner::Pass {
   ValidityCounts run() {
     const Size size = cloud.size();
     memory.planes.prepare(size);
+    memory.dim.prepare(size);
     memory.kept.prepare(size);
     memory.beyond.copy(nullptr, size.width);
     memory.first.copy(cloud.z.row(0), size.width);
     memory.last.copy(cloud.z.row(size.height - 1), size.width);
     for_each_row_counting([&](int row, ValidityCounts&) { compare(row); });
+    if (modulation != nullptr && settings.drop_mixed) {
+      for_each_row_counting([&](int row, ValidityCounts&) { find_dim(row); });
+    } else {
+      memory.dim.clear();
+    }
     for_each_row_counting([&](int row, ValidityCounts& counted) { judge(row, counted); });
     if (settings.smallest_component > 1) drop_small_components();
     drop_outside();

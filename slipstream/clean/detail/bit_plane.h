@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 
@@ -19,6 +20,7 @@ class BitPlane {
     const Size size{words_of(picture) + 2, picture.height + 2 * border};
     if (bits_.size() != size) bits_ = Image<Word>(size);
   }
+  void clear() { std::fill(bits_.begin(), bits_.end(), Word{0}); }
   [[nodiscard]] Word* row(int row) { return bits_.row(row + border) + 1; }
   [[nodiscard]] const Word* row(int row) const { return bits_.row(row + border) + 1; }
 

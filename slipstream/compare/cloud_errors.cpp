@@ -68,12 +68,14 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
         normalised_squares += std::pow(error / sigma, 2);
       }
       const double limit = std::max(5 * sigma, 1.0);
-      if (std::abs(error) > limit &&
-          distance_to_surfaces(cloud, column, row, scanner, scene) > limit) {
+      const double off = std::abs(error) <= limit
+                             ? std::abs(error)
+                             : distance_to_surfaces(cloud, column, row, scanner, scene);
+      if (off > limit) {
         ++flying;
       } else {
         ++on_surface;
-        squares += error * error;
+        squares += off * off;
       }
     }
   }

@@ -36,7 +36,7 @@ double milliseconds_of(Engine& engine, const FrameSet& frames, Cloud cloud) {
 Scanner fully_calibrated(const VirtualWorld& world) {
   Scanner scanner = as_calibrated(world);
   const Response& response = world.photometry.response;
-  if (response == Response(PowerLaw{1})) return scanner;
+  if (is_linear(response)) return scanner;
   const auto* const law = std::get_if<PowerLaw>(&response);
   scanner.photometry.response.emplace(
       MeasuredResponse{.response = response, .gamma = law != nullptr ? law->gamma : 1});

@@ -103,6 +103,11 @@ double value_for(const ResponseCurve& curve, double light) {
 
 }  // namespace
 
+bool is_linear(const Response& response) {
+  const auto* const law = std::get_if<PowerLaw>(&response);
+  return law != nullptr && law->gamma == 1;
+}
+
 void require_gamma(double gamma, std::string_view what) {
   if (!(gamma >= least_gamma && gamma <= largest_gamma)) {
     throw Error(

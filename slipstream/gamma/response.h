@@ -31,6 +31,9 @@ struct ResponseCurve {
 /// How the light of projector and camera together answers a pattern's value.
 using Response = std::variant<PowerLaw, ResponseCurve>;
 
+/// Whether light is the pattern's value itself: a power law of 1.
+bool is_linear(const Response& response);
+
 /// A response and how well it is known.
 struct MeasuredResponse {
   Response response{};

@@ -49,8 +49,8 @@ std::filesystem::path path_named_by_time(const std::filesystem::path& parent, st
                                          std::string_view ending);
 
 /// RMS of depth minus the truth that the virtual scanner wrote beside a scan, truth/depth.tiff,
-/// over the points that have both, mm; none where there is no truth or no such point. Throws Error
-/// where it is of another size.
+/// over the points that have both, mm, at edges minus the nearest of those about the pixel; none
+/// where there is no truth or no such point. Throws Error where it is of another size.
 std::optional<double> error_against_truth(const std::filesystem::path& folder, const Cloud& cloud);
 
 }  // namespace slipstream

@@ -101,7 +101,7 @@ double widest_blur(const SeenScene& seen) {
 }  // namespace
 
 double responded(double intensity, const Photometry& photometry) {
-  if (photometry.response == Response(PowerLaw{1})) return intensity;
+  if (is_linear(photometry.response)) return intensity;
   return 255 * light_at(photometry.response, intensity / 255);  // (4.2)
 }
 

@@ -24,8 +24,8 @@ std::vector<Strategy> usual_strategies();
 /// Name and settings in a line: "dual-frequency, high 16, low 1, steps 3".
 std::string label_of(const Strategy& strategy);
 
-/// The strategy of such a line; settings that it does not name are at their defaults. Throws Error as
-/// make_strategy, and for a setting without a value.
+/// The strategy of such a line; settings that it does not name are at their defaults. Throws Error
+/// as make_strategy, and for a setting without a value.
 Strategy strategy_labelled(std::string_view label);
 
 /// One of each kind and size that is worth knowing apart, of the fewest frames first.

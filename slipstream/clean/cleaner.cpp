@@ -100,7 +100,7 @@ struct Cleaner::Memory {
   std::vector<float> samples;
   PaddedRow first, last, beyond;
   DepthPlanes planes;
-  BitPlane dim;  ///< see Pass::is_dim
+  BitPlane mixed;
   BitPlane kept;
   Components components;
   Image<std::uint8_t> outline;  ///< 1 inside
@@ -183,24 +183,31 @@ struct Cleaner::Pass {
   [[nodiscard]] bool is_dim(int column, int row) const {
     constexpr float far = 0.05F, dim = 0.75F;  // of the depth; of the brightest
     const int left = std::max(column - 1, 0), right = std::min(column + 1, cloud.z.width() - 1);
+    const int above = std::max(row - 1, 0), below = std::min(row + 1, cloud.z.height() - 1);
     const float z = cloud.z(column, row);
-    float brightest = 0, apart = 0;
-    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, cloud.z.height() - 1); ++y) {
-      for (int x = left; x <= right; ++x) {
-        brightest = std::max(brightest, (*modulation)(x, y));
-        apart = std::fmax(apart, std::abs(cloud.z(x, y) - z));
-      }
+    float apart = 0;
+    for (int y = above; y <= below; ++y) {
+      for (int x = left; x <= right; ++x) apart = std::fmax(apart, std::abs(cloud.z(x, y) - z));
     }
-    return apart > far * z && (*modulation)(column, row) < dim * brightest;
+    if (!(apart > far * z)) return false;
+    float brightest = 0;
+    for (int y = above; y <= below; ++y) {
+      for (int x = left; x <= right; ++x) brightest = std::max(brightest, (*modulation)(x, y));
+    }
+    return (*modulation)(column, row) < dim * brightest;
   }
 
   /// Before any point is dropped, since depths of other rows are asked for.
-  void find_dim(int row) {
+  void find_mixed(int row) {
     for (int w = 0; w < words(); ++w) {
-      Word& dim = memory.dim.row(row)[w];
-      dim = 0;
-      for_each_bit(WordEvidence{memory.planes, row, w}.at_edge(), w,
-                   [&](int column) { dim |= Word{is_dim(column, row)} << column % word_pixels; });
+      const WordEvidence evidence{memory.planes, row, w};
+      Word mixed = evidence.mixed();
+      if (modulation != nullptr) {
+        for_each_bit(evidence.at_edge() & ~mixed, w, [&](int column) {
+          mixed |= Word{is_dim(column, row)} << column % word_pixels;
+        });
+      }
+      memory.mixed.row(row)[w] = mixed;
     }
   }
 
@@ -209,7 +216,7 @@ struct Cleaner::Pass {
     for (int w = 0; w < words(); ++w) {
       const WordEvidence evidence{memory.planes, row, w};
       const Word trusted = evidence.trusted();
-      const Word mixed = settings.drop_mixed ? evidence.mixed() | *evidence.at(memory.dim) : 0;
+      const Word mixed = *evidence.at(memory.mixed);
       const Word outliers = settings.drop_outliers ? evidence.outliers() & ~mixed : 0;
       memory.kept.row(row)[w] = trusted & ~(mixed | outliers);
       const Word untrusted = *evidence.at(memory.planes.point) & ~trusted;
@@ -251,16 +258,16 @@ struct Cleaner::Pass {
   ValidityCounts run() {
     const Size size = cloud.size();
     memory.planes.prepare(size);
-    memory.dim.prepare(size);
+    memory.mixed.prepare(size);
     memory.kept.prepare(size);
     memory.beyond.copy(nullptr, size.width);
     memory.first.copy(cloud.z.row(0), size.width);
     memory.last.copy(cloud.z.row(size.height - 1), size.width);
     for_each_row_counting([&](int row, ValidityCounts&) { compare(row); });
-    if (modulation != nullptr && settings.drop_mixed) {
-      for_each_row_counting([&](int row, ValidityCounts&) { find_dim(row); });
+    if (settings.drop_mixed) {
+      for_each_row_counting([&](int row, ValidityCounts&) { find_mixed(row); });
     } else {
-      memory.dim.clear();
+      memory.mixed.clear();
     }
     for_each_row_counting([&](int row, ValidityCounts& counted) { judge(row, counted); });
     if (settings.smallest_component > 1) drop_small_components();

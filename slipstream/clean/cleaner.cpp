@@ -185,11 +185,15 @@ struct Cleaner::Pass {
     const int left = std::max(column - 1, 0), right = std::min(column + 1, cloud.z.width() - 1);
     const int above = std::max(row - 1, 0), below = std::min(row + 1, cloud.z.height() - 1);
     const float z = cloud.z(column, row);
-    float apart = 0;
+    float nearest = z, farthest = z;
     for (int y = above; y <= below; ++y) {
-      for (int x = left; x <= right; ++x) apart = std::fmax(apart, std::abs(cloud.z(x, y) - z));
+      const float* const depths = cloud.z.row(y);
+      for (int x = left; x <= right; ++x) {  // no point, NaN, compares false
+        if (depths[x] < nearest) nearest = depths[x];
+        if (depths[x] > farthest) farthest = depths[x];
+      }
     }
-    if (!(apart > far * z)) return false;
+    if (farthest - z <= far * z && z - nearest <= far * z) return false;
     float brightest = 0;
     for (int y = above; y <= below; ++y) {
       for (int x = left; x <= right; ++x) brightest = std::max(brightest, (*modulation)(x, y));

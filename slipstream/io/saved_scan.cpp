@@ -1,6 +1,5 @@
 #include "slipstream/io/saved_scan.h"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -19,6 +18,7 @@
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/nearest_error.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -171,15 +171,8 @@ namespace {
 /// at an edge, whose sides a lens mixes.
 double depth_error(double z, const Image<double>& truth, int column, int row) {
   constexpr double far = 0.01;  // of the depth
-  double error = z - truth(column, row);
-  if (std::abs(error) <= far * z) return error;
-  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, truth.height() - 1); ++y) {
-    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, truth.width() - 1); ++x) {
-      const double other = z - truth(x, y);
-      if (std::abs(other) < std::abs(error)) error = other;
-    }
-  }
-  return error;
+  const double own = z - truth(column, row);
+  return std::abs(own) > far * z ? nearest_error(z, truth, column, row) : own;
 }
 
 }  // namespace

@@ -110,7 +110,9 @@ const auto& entry_named(const Entries& entries, std::string_view name, std::stri
 }  // namespace
 
 std::vector<std::string_view> world_names() {
-  return {"ideal", "bench", "harsh"};
+  std::vector<std::string_view> names;
+  for (const auto& [name, photometry] : worlds) names.push_back(name);
+  return names;
 }
 
 std::vector<std::string_view> effect_names() {

@@ -20,18 +20,20 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// The names of one layout; the sizes are empty where the layout has none.
+/// The names of one layout; the sizes are empty where the layout has none. A width without a height
+/// is an entry of both.
 struct Layout {
   std::string_view camera_matrix, camera_distortion, camera_width, camera_height;
   std::string_view projector_matrix, projector_distortion, projector_width, projector_height;
   std::string_view rotation, translation;
 };
 
-constexpr std::array<Layout, 3> layouts{{
+constexpr std::array<Layout, 4> layouts{{
     {"camera_matrix", "camera_distortion", "camera_width", "camera_height", "projector_matrix",
      "projector_distortion", "projector_width", "projector_height", "rotation", "translation"},
     {"Kc", "kc", "frameWidth", "frameHeight", "Kp", "kp", "screenResX", "screenResY", "Rp", "Tp"},
     {"cam_K", "cam_kc", "", "", "proj_K", "proj_kc", "", "", "R", "T"},
+    {"M1", "D1", "S", "", "M4", "D4", "", "", "Rlp", "Tlp"},
 }};
 
 constexpr const char* measured_entry = "measured";
@@ -51,7 +53,8 @@ class ScannerFile {
       if (has(layout.camera_matrix) || has(layout.projector_matrix)) return layout;
     }
     throw Error(fmt::format(
-        "{}: no camera matrix; it is named camera_matrix, Kc or cam_K in a scanner file", name_));
+        "{}: no camera matrix; it is named camera_matrix, Kc, cam_K or M1 in a scanner file",
+        name_));
   }
 
   /// rows x columns numbers, row by row.
@@ -77,20 +80,29 @@ class ScannerFile {
     }
   }
 
-  /// A whole number of pixels; 0 where the file does not say.
-  [[nodiscard]] int pixel_count(std::string_view name) const {
-    if (name.empty() || !has(name)) return 0;
-    const std::vector<double> value = numbers(name);
-    if (value.size() != 1 ||
-        !(value[0] >= 1 && value[0] <= 65536 && value[0] == std::floor(value[0]))) {
-      throw Error(fmt::format("{}: {} is not a number of pixels", name_, name));
-    }
-    return static_cast<int>(value[0]);
+  /// Whole numbers of pixels; 0 where the file does not say.
+  [[nodiscard]] Size size(std::string_view width, std::string_view height) const {
+    if (!height.empty()) return {pixel_counts(width, 1)[0], pixel_counts(height, 1)[0]};
+    const std::vector<int> both = pixel_counts(width, 2);
+    return {both[0], both[1]};
   }
 
  private:
   [[nodiscard]] bool has(std::string_view name) const {
-    return entries_.contains(std::string(name));
+    return !name.empty() && entries_.contains(std::string(name));
+  }
+
+  [[nodiscard]] std::vector<int> pixel_counts(std::string_view name, std::size_t count) const {
+    if (!has(name)) return std::vector<int>(count, 0);
+    const std::vector<double> values = numbers(name);
+    const auto is_count = [](double value) {
+      return value >= 1 && value <= 65536 && value == std::floor(value);
+    };
+    if (values.size() != count || !std::all_of(values.begin(), values.end(), is_count)) {
+      throw Error(fmt::format("{}: {} is not {} of pixels", name_, name,
+                              count == 1 ? "a number" : "two numbers"));
+    }
+    return {values.begin(), values.end()};
   }
 
   [[nodiscard]] std::vector<double> numbers(std::string_view name) const {
@@ -186,14 +198,12 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
 Scanner scanner_of(const ScannerFile& file) {
   const Layout& names = file.layout();
   Scanner scanner;
-  scanner.camera = {
-      .intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
-      .distortion = file.distortion(names.camera_distortion),
-      .size = {file.pixel_count(names.camera_width), file.pixel_count(names.camera_height)}};
-  scanner.projector = {
-      .intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
-      .distortion = file.distortion(names.projector_distortion),
-      .size = {file.pixel_count(names.projector_width), file.pixel_count(names.projector_height)}};
+  scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
+                    .distortion = file.distortion(names.camera_distortion),
+                    .size = file.size(names.camera_width, names.camera_height)};
+  scanner.projector = {.intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
+                       .distortion = file.distortion(names.projector_distortion),
+                       .size = file.size(names.projector_width, names.projector_height)};
   scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
   scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
   scanner.photometry = photometric_calibration_of(file.entries(), file.name());

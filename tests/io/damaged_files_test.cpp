@@ -119,6 +119,23 @@ const std::vector<Format> formats{
      [](const auto& path) { require_valid(read_scanner(path)); }},
     {"scanner.xml", [](const auto& path) { write_scanner(path, some_scanner()); },
      [](const auto& path) { require_valid(read_scanner(path)); }},
+    {"slmaster.yml",
+     [](const auto& path) {
+       const auto matrix = [](const std::string& name, int rows, int columns,
+                              const std::string& data) {
+         return name + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
+                "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " + data + " ]\n";
+       };
+       const std::string lens = "900., 0., 320., 0., 901., 240., 0., 0., 1.";
+       write_file(path, "%YAML:1.0\n---\n" + matrix("M1", 3, 3, lens) +
+                            matrix("D1", 1, 5, "0.1, 0., 0., 0., 0.") +
+                            matrix("S", 2, 1, "640., 480.") + matrix("M4", 3, 3, lens) +
+                            matrix("Rlp", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") +
+                            matrix("Tlp", 3, 1, "-108., 2., 3."));
+     },
+     [](const auto& path) {
+       require_valid(completed(read_scanner(path), path, {}, {1920, 1080}));
+     }},
     {"response.yaml", write_curve, read_light},
     {"response.xml", write_curve, read_light},
     {"photometry.yaml",

@@ -97,6 +97,34 @@ TEST(ScannerFile, ReadsTheLayoutWithoutSizes) {
   EXPECT_EQ(scanner.camera.size, Size{});
 }
 
+/// A file of SLMaster, whose entries hold those numbers.
+std::string slmaster_file(const char* rotation, const char* size) {
+  return head + matrix("M1", 3, 3, K) + matrix("D1", 1, 5, "0.1, 0., 0., 0., 0.") +
+         matrix("S", 2, 1, size) + matrix("M4", 3, 3, K) +
+         matrix("D4", 1, 5, "0.2, 0., 0., 0., 0.") + matrix("Rlp", 3, 3, rotation) +
+         matrix("Tlp", 3, 1, "-108., 2., 3.");
+}
+
+TEST(ScannerFile, ReadsTheLayoutOfSlmaster) {
+  const Scanner scanner = scanner_from(
+      slmaster_file("0., -1., 0., 1., 0., 0., 0., 0., 1.", "640., 480."), "caliInfo.yml");
+  EXPECT_EQ(scanner.camera.intrinsic(1, 2), 240);
+  EXPECT_EQ(scanner.camera.distortion.coefficients[0], 0.1);
+  EXPECT_EQ(scanner.camera.size, (Size{640, 480}));
+  EXPECT_EQ(scanner.projector.distortion.coefficients[0], 0.2);
+  EXPECT_EQ(scanner.projector.size, Size{});
+  EXPECT_EQ(in_projector_frame(scanner, {1, 2, 500}), Eigen::Vector3d(-110, 3, 503));
+}
+
+TEST(ScannerFile, ReadsARealCalibrationOfSlmaster) {
+  const auto path = shared_data() / "slmaster-mono" / "caliInfo.yml";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  const Scanner scanner = completed(read_scanner(path), path, {}, {1920, 1080});
+  EXPECT_EQ(scanner.camera.size, (Size{1280, 1024}));
+  EXPECT_NEAR(scanner.projector.intrinsic(0, 0), 2496.63, 0.01);
+  EXPECT_NEAR(projector_centre(scanner).norm(), 109.44, 0.01);
+}
+
 TEST(ScannerFile, ReadsARealCalibration) {
   const auto path = shared_data() / "skull" / "calibration.xml";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
@@ -118,6 +146,13 @@ TEST(ScannerFile, BadOnesAreNamed) {
   const std::string camera = matrix("camera_matrix", 3, 3, K);
   const std::string pose =
       matrix("rotation", 3, 3, identity) + matrix("translation", 3, 1, "100., 0., 0.");
+  for (const char* missing : {"M4", "Rlp", "Tlp"}) {
+    std::string text = slmaster_file(identity, "640., 480.");
+    text.replace(text.find(missing), 1, "X");
+    expect_refused(text, {"bad.yaml", missing, "missing"});
+  }
+  expect_refused(slmaster_file(identity, "640., 480.5"), {"bad.yaml", "S is not two numbers"});
+  expect_refused(slmaster_file("1., 0., 0., 1., 0., 0.", "640., 480."), {"bad.yaml", "Rlp"});
   expect_refused("", {"bad.yaml"});
   expect_refused("not a scanner", {"bad.yaml"});
   expect_refused(head + "a: 1\n", {"bad.yaml", "camera_matrix"});

@@ -115,7 +115,10 @@ double misfit(const std::vector<FittedSphere>& spheres, std::span<const double> 
 std::vector<FittedSphere> find_spheres(const Cloud& cloud, std::span<const double> radii) {
   std::vector<SurfaceElement> elements = surface_elements(cloud);
   std::vector<FittedSphere> spheres;
-  for (const double radius : radii) {
+  // The smaller first: one that passes for the smaller leaves one that passes for the larger.
+  std::vector<double> ascending(radii.begin(), radii.end());
+  std::sort(ascending.begin(), ascending.end());
+  for (const double radius : ascending) {
     const auto sphere = find_sphere(cloud, elements, radius);
     if (!sphere) {
       throw Error(fmt::format("no sphere of diameter {:g} mm is seen{}", 2 * radius,

@@ -41,6 +41,17 @@ RC_GTEST_PROP(FindSpheres, FindsTwoAmongPlanesAndBoxesUnderNoise, (unsigned seed
   for (std::size_t i = 0; i < 2; ++i) RC_ASSERT(std::abs(found[i].radius - radii[i]) < 0.3);
 }
 
+TEST(FindSpheres, LeavesToEachOfNearlyOneSizeItsOwn) {
+  const Vector3d left(-63, -39, 530), right(50, -40, 530);
+  const Cloud cloud = cast_cloud({sphere_at(left, 21), sphere_at(right, 19)});
+  for (const std::array radii : {std::array{21.0, 19.0}, std::array{19.0, 21.0}}) {
+    const std::vector<FittedSphere> found = find_spheres(cloud, radii);
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_LT((found[i].centre - (radii[i] == 21 ? left : right)).norm(), 0.01);
+    }
+  }
+}
+
 TEST(FindSpheres, RefusesWhereThereIsNone) {
   const Scene scene{placed(Board{800, 800}, {0, 0, 650}, 0.3), sphere_at({0, 0, 600}, 30)};
   const Cloud cloud = cast_cloud(scene);

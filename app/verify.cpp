@@ -10,7 +10,6 @@
 #include "slipstream/accuracy/accuracy_report.h"
 #include "slipstream/accuracy/rehearsal.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/strategy/registry.h"
 
@@ -76,9 +75,6 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   if (flags.rehearse == flags.artefacts.has_value()) {
     throw Error("give the file of the artefacts, or --rehearse");
   }
-  if (flags.report && lower_case_extension(*flags.report) != ".html") {
-    throw Error(fmt::format("{}: the report is HTML; use the ending .html", *flags.report));
-  }
   const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
   const Artefacts& artefacts = test.artefacts;
   Progress progress("scans",
@@ -95,7 +91,7 @@ void verify_accuracy(const VerifyFlags& flags, Output& output) {
   if (!flags.report) return;
   write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
   output.document["report"] = *flags.report;
-  output.say("the report is {}", *flags.report);
+  output.say("the report is {}/report.md", *flags.report);
 }
 
 }  // namespace
@@ -109,11 +105,11 @@ void add_verify(CLI::App& program, Command& chosen) {
   command.add("--world", flags.devices.world, "of a rehearsal, as simulate has it");
   command.add_file("--calibrated", flags.calibrated,
                    "of a rehearsal: what reconstructs, where not the scanner as it truly is");
-  command.add("-o,--output", flags.report, "a page with tables and pictures: .html");
+  command.add("-o,--output", flags.report, "a folder to write a report with pictures into");
   add_cloud_input_flags(command.app, flags.input);
   command.app.footer(
-      "Examples:\n  slipstream verify artefacts.yaml -o report.html\n"
-      "  slipstream verify --rehearse -o report.html");
+      "Examples:\n  slipstream verify artefacts.yaml -o report\n"
+      "  slipstream verify --rehearse -o report");
 }
 
 }  // namespace slipstream::app

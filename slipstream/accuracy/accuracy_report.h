@@ -8,10 +8,10 @@
 
 namespace slipstream {
 
-/// Writes one page of HTML with its pictures in it: the figures in mm and per mille of the measured
+/// Writes report.md and its pictures into a folder: the figures in mm and per mille of the measured
 /// volume's diagonal (mm), each sphere and plane, and maps of what deviates most. `subject` says in
 /// a line what was measured. Throws WorldError where it cannot be written.
-void write_accuracy_report(const std::filesystem::path& path, const std::string& subject,
+void write_accuracy_report(const std::filesystem::path& folder, const std::string& subject,
                            const Accuracy& accuracy, std::optional<double> diagonal);
 
 }  // namespace slipstream

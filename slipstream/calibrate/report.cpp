@@ -10,6 +10,7 @@
 #include "slipstream/calibrate/residual_plots.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/page.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -17,78 +18,53 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// Text that grows a line at a time.
-class Page {
- public:
-  template <class... Values>
-  void line(fmt::format_string<Values...> format, Values&&... values) {
-    text_ += fmt::format(format, std::forward<Values>(values)...) + "\n";
-  }
-  void gap() { text_ += "\n"; }
-  [[nodiscard]] const std::string& text() const { return text_; }
-
- private:
-  std::string text_;
-};
-
 /// The cells of a table's row that say how a board was measured.
-std::string cells(const std::optional<BoardQuality>& quality) {
-  if (!quality) return " - | - | - |";
-  return fmt::format(" {:.4f} | {:.4f} | {:.3f} |", quality->flatness, quality->distance_error,
-                     100 * quality->scale_error);
+std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
+  if (!quality) return {"-", "-", "-"};
+  return {fmt::format("{:.4f}", quality->flatness), fmt::format("{:.4f}", quality->distance_error),
+          fmt::format("{:.3f}", 100 * quality->scale_error)};
 }
 
 void write_findings(Page& page, const std::vector<Finding>& findings) {
-  page.gap();
-  if (findings.empty()) {
-    page.line("Nothing in the data speaks against this calibration.");
-    return;
-  }
-  page.line("## What speaks against it");
-  page.gap();
-  page.line("| seen | evidence | likely cause | what to do |");
-  page.line("| --- | --- | --- | --- |");
+  if (findings.empty())
+    return page.paragraph("Nothing in the data speaks against this calibration.");
+  page.heading("What speaks against it");
+  page.table({"seen", "evidence", "likely cause", "what to do"});
   for (const Finding& finding : findings) {
-    std::string numbers;
-    for (const Evidence& evidence : finding.evidence) {
-      numbers +=
-          fmt::format("{}{}: {:.3g}", numbers.empty() ? "" : "; ", evidence.name, evidence.value);
+    std::vector<std::string> numbers;
+    for (const auto& [name, value] : finding.evidence) {
+      numbers.push_back(fmt::format("{}: {:.3g}", name, value));
     }
-    page.line("| {} | {} | {} | {} |", finding.what, numbers, finding.likely, finding.advice);
+    page.row({finding.what, fmt::format("{}", fmt::join(numbers, "; ")), finding.likely,
+              finding.advice});
   }
 }
 
 void write_poses(Page& page, const CalibrationReport& report) {
-  const GeometryCalibration& calibration = report.calibration;
-  page.gap();
-  page.line("## Poses");
-  page.gap();
-  page.line(
+  page.heading("Poses");
+  page.paragraph(
       "RMS distances, in pixels of the device, between where corners are seen and where the "
       "calibration puts them.");
-  page.gap();
-  page.line("| pose | corners | with projector coordinate | camera | projector | stereo |");
-  page.line("| --- | --- | --- | --- | --- | --- |");
-  for (const CalibratedPose& pose : calibration.poses) {
-    page.line("| {} | {} | {} | {:.3f} | {:.3f} | {:.3f} |", pose.name, pose.corners, pose.lit,
-              pose.rms.camera, pose.rms.projector, pose.rms.stereo);
+  page.table({"pose", "corners", "with projector coordinate", "camera", "projector", "stereo"});
+  const auto row = [&](const std::string& name, const std::string& corners, const std::string& lit,
+                       const ReprojectionRms& rms) {
+    page.row({name, corners, lit, fmt::format("{:.3f}", rms.camera),
+              fmt::format("{:.3f}", rms.projector), fmt::format("{:.3f}", rms.stereo)});
+  };
+  for (const CalibratedPose& pose : report.calibration.poses) {
+    row(pose.name, std::to_string(pose.corners), std::to_string(pose.lit), pose.rms);
   }
-  const ReprojectionRms& rms = calibration.rms;
-  page.line("| **all** | | | **{:.3f}** | **{:.3f}** | **{:.3f}** |", rms.camera, rms.projector,
-            rms.stereo);
+  row("**all**", "", "", report.calibration.rms);
   for (const UnusedPose& pose : report.unused) {
-    page.gap();
-    page.line("{} took no part: {}.", pose.name, pose.why);
+    page.paragraph("{} took no part: {}.", pose.name, pose.why);
   }
 }
 
 void write_left_out(Page& page, const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   const ScannerComparison* other = report.comparison;
-  page.gap();
-  page.line("## What it measures");
-  page.gap();
-  page.line(
+  page.heading("What it measures");
+  page.paragraph(
       "Each pose's board, measured with a calibration of all the other poses: the RMS "
       "distance of its corners from their best plane, the RMS error of the distances between any "
       "two of them, and by how much these are too large in the mean. The last two know the print "
@@ -98,24 +74,34 @@ void write_left_out(Page& page, const CalibrationReport& report) {
                                      "may have been made of these very poses.",
                                      other->name)
                        : "");
-  page.gap();
-  const auto columns = [](const std::string& of) {
-    return fmt::format(" {0}flatness, mm | {0}distances, mm | {0}scale error, % |", of);
+  std::vector<std::string> columns{"pose"};
+  const auto add_columns = [&](const std::string& of) {
+    for (const char* column : {"flatness, mm", "distances, mm", "scale error, %"}) {
+      columns.push_back(of + column);
+    }
   };
-  page.line("| pose |{}{}", columns(""), other != nullptr ? columns(other->name + ": ") : "");
-  page.line("| --- | --- | --- | --- |{}", other != nullptr ? " --- | --- | --- |" : "");
+  add_columns("");
+  if (other != nullptr) add_columns(other->name + ": ");
+  page.table(columns);
+  const auto row = [&](const std::string& name, const std::optional<BoardQuality>& ours,
+                       const std::optional<BoardQuality>& theirs) {
+    std::vector<std::string> all{name};
+    std::ranges::copy(cells(ours), std::back_inserter(all));
+    if (other != nullptr) std::ranges::copy(cells(theirs), std::back_inserter(all));
+    page.row(all);
+  };
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
-    page.line("| {} |{}{}", pose.name, cells(pose.left_out),
-              other != nullptr ? cells(other->poses[i]) : "");
+    row(pose.name, pose.left_out, other != nullptr ? other->poses[i] : std::nullopt);
   }
-  page.line("| **root mean square** |{}{}", cells(overall(left_out_qualities(calibration))),
-            other != nullptr ? cells(overall(other->poses)) : "");
+  row("**root mean square**", overall(left_out_qualities(calibration)),
+      other != nullptr ? std::optional(overall(other->poses)) : std::nullopt);
 }
 
-void write_number(Page& page, const char* name, double value, double deviation, const char* unit) {
-  page.line("| {} | {:.6g} | {} | {} |", name, value,
-            deviation > 0 ? fmt::format("{:.2g}", deviation) : "held", unit);
+void write_number(Page& page, const std::string& name, double value, double deviation,
+                  const char* unit) {
+  page.row({name, fmt::format("{:.6g}", value),
+            deviation > 0 ? fmt::format("{:.2g}", deviation) : "held", unit});
 }
 
 void write_lens(Page& page, const std::string& device, const Lens& lens,
@@ -124,7 +110,7 @@ void write_lens(Page& page, const std::string& device, const Lens& lens,
                                     "k5", "k6", "s1", "s2", "s3", "s4"};
   const Eigen::Matrix3d& K = lens.intrinsic;
   const auto row = [&](const char* name, double value, double its_deviation, const char* unit) {
-    write_number(page, fmt::format("{} {}", device, name).c_str(), value, its_deviation, unit);
+    write_number(page, fmt::format("{} {}", device, name), value, its_deviation, unit);
   };
   row("fx", K(0, 0), deviation.focal.x(), "px");
   row("fy", K(1, 1), deviation.focal.y(), "px");
@@ -140,77 +126,63 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
   const BundleDeviation& deviation = calibration.deviation;
   const Eigen::AngleAxisd turn(scanner.rotation);
   const Eigen::Vector3d angles = turn.angle() * turn.axis() / degree;
-  page.gap();
-  page.line("## Parameters");
-  page.gap();
-  page.line(
+  page.heading("Parameters");
+  page.paragraph(
       "The standard deviation is the larger of two: what the noise of corners that err "
       "independently would do, and how calibrations without one of the poses scatter.");
-  page.gap();
-  page.line("| parameter | value | standard deviation | unit |");
-  page.line("| --- | --- | --- | --- |");
+  page.table({"parameter", "value", "standard deviation", "unit"});
   write_lens(page, "camera", scanner.camera, deviation.camera,
              calibration.camera_lens.coefficients);
   write_lens(page, "projector", scanner.projector, deviation.projector,
              calibration.projector_lens.coefficients);
-  static constexpr std::array turns{"rotation about x", "rotation about y", "rotation about z"};
-  static constexpr std::array ways{"translation x", "translation y", "translation z"};
   for (int i = 0; i < 3; ++i) {
-    write_number(page, turns[static_cast<std::size_t>(i)], angles[i],
+    write_number(page, fmt::format("rotation about {}", "xyz"[i]), angles[i],
                  deviation.rotation[i] / degree, "degrees");
   }
   for (int i = 0; i < 3; ++i) {
-    write_number(page, ways[static_cast<std::size_t>(i)], scanner.translation[i],
+    write_number(page, fmt::format("translation {}", "xyz"[i]), scanner.translation[i],
                  deviation.translation[i], "mm");
   }
-  page.gap();
-  page.line("Baseline: {:.3f} mm.", scanner.translation.norm());
+  page.paragraph("Baseline: {:.3f} mm.", scanner.translation.norm());
 }
 
 void write_lens_models(Page& page, const GeometryCalibration& calibration) {
   const LensChoice &camera = calibration.camera_lens, &projector = calibration.projector_lens;
-  page.gap();
-  page.line("## Lens models");
-  page.gap();
-  page.line("Camera: {}. Projector: {}.", name_of_lens_model(camera.coefficients),
-            name_of_lens_model(projector.coefficients));
+  page.heading("Lens models");
+  page.paragraph("Camera: {}. Projector: {}.", name_of_lens_model(camera.coefficients),
+                 name_of_lens_model(projector.coefficients));
   if (camera.scores.empty() && projector.scores.empty()) return;
-  page.gap();
-  page.line(
+  page.paragraph(
       "RMS error, in standard deviations, of how both devices see poses that were left out, over "
       "all poses in turn. Chosen is the simplest model that is not clearly worse than the "
       "best.");
-  page.gap();
-  page.line("| model | camera | projector |");
-  page.line("| --- | --- | --- |");
+  page.table({"model", "camera", "projector"});
   const auto score = [](const LensChoice& choice, int model) {
     const auto found = std::ranges::find(choice.scores, model, &LensModelScore::coefficients);
     return found != choice.scores.end() ? fmt::format("{:.4f}", found->error) : std::string("-");
   };
   for (const int model : lens_models) {
-    page.line("| {} | {} | {} |", name_of_lens_model(model), score(camera, model),
-              score(projector, model));
+    page.row(
+        {std::string(name_of_lens_model(model)), score(camera, model), score(projector, model)});
   }
 }
 
 void write_field(Page& page, const GeometryCalibration& calibration) {
-  page.gap();
-  page.line("## Field of view and residuals");
-  page.gap();
-  page.line(
+  page.heading("Field of view and residuals");
+  page.paragraph(
       "The boards covered {:.0f} % of the camera's picture and {:.0f} % of the projector's; "
       "they were at most {:.0f} degrees apart.",
       100 * calibration.covered_camera, 100 * calibration.covered_projector,
       calibration.largest_tilt / degree);
-  page.line(
+  page.paragraph(
       "Arrows go from where a corner was seen against where it is predicted, enlarged; they "
       "should look random. A pattern common to all poses is a lens model too simple, one "
       "pose with long arrows a board that moved.");
   for (const char* device : {"camera", "projector"}) {
-    page.gap();
-    page.line("![residuals of the {0} over its picture](residuals_{0}.png)", device);
-    page.gap();
-    page.line("![residuals of the {0}, x against y](scatter_{0}.png)", device);
+    page.picture(fmt::format("residuals of the {} over its picture", device),
+                 fmt::format("residuals_{}.png", device));
+    page.picture(fmt::format("residuals of the {}, x against y", device),
+                 fmt::format("scatter_{}.png", device));
   }
 }
 
@@ -293,10 +265,8 @@ std::string text_of(const CalibrationReport& report) {
 
 void write_calibration_report(const fs::path& folder, const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
-  Page page;
-  page.line("# Calibration of a camera and a projector");
-  page.gap();
-  page.line(
+  Page page("Calibration of a camera and a projector");
+  page.paragraph(
       "{} poses of a {} of {}x{}, {:g} mm apart. RMS: camera {:.3f} px, projector {:.3f} px, "
       "stereo {:.3f} px.",
       calibration.poses.size(), name_of(report.board.kind), report.board.columns, report.board.rows,

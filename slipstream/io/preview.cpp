@@ -89,8 +89,11 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
   return page;
 }
 
-std::vector<std::uint8_t> page_png(cv::Mat picture, const ValueRange& range,
-                                   const std::string& unit, const ColourMap& colours) {
+void write_preview(const fs::path& path, cv::Mat picture, const ValueRange& range,
+                   const std::string& unit, const ColourMap& colours) {
+  if (lower_case_extension(path) != ".png") {
+    throw Error(fmt::format("{}: previews are PNG files; use the ending .png", path.string()));
+  }
   constexpr int longest_side = 1000;
   const int side = std::max(picture.cols, picture.rows);
   if (side > longest_side) {
@@ -99,13 +102,6 @@ std::vector<std::uint8_t> page_png(cv::Mat picture, const ValueRange& range,
   }
   std::vector<std::uint8_t> bytes;
   cv::imencode(".png", with_scale(picture, range, unit, colours), bytes);
-  return bytes;
-}
-
-void write_preview(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-  if (lower_case_extension(path) != ".png") {
-    throw Error(fmt::format("{}: previews are PNG files; use the ending .png", path.string()));
-  }
   write_file(path, bytes);
 }
 
@@ -125,20 +121,16 @@ void write_depth_preview(const fs::path& path, const Cloud& cloud) {
   const ColourMap colours = depth_colours();
   cv::Mat picture = coloured(depth, range, colours);
   shade(picture, cloud);
-  write_preview(path, page_png(std::move(picture), range, "depth, mm", colours));
+  write_preview(path, std::move(picture), range, "depth, mm", colours);
 }
 
-std::vector<std::uint8_t> map_png(const Image<double>& map, const std::string& unit) {
+void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
   const ValueRange range = robust_range(map);
   const ColourMap colours = map_colours();
   cv::Mat picture = coloured(map, range, colours);
   const int times = smallest_height / std::max({map.width(), map.height(), 1});
   if (times > 1) cv::resize(picture, picture, {}, times, times, cv::INTER_NEAREST);
-  return page_png(std::move(picture), range, unit, colours);
-}
-
-void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
-  write_preview(path, map_png(map, unit));
+  write_preview(path, std::move(picture), range, unit, colours);
 }
 
 }  // namespace slipstream

@@ -19,16 +19,12 @@ struct ValueRange {
 /// do not take all the colours. [0, 1] where nothing is finite.
 ValueRange robust_range(const Image<double>& map);
 
-/// The bytes of a PNG for people: a map in colours with its scale, unshaded. `unit` is printed over
-/// the scale. Sides longer than 1000 pixels are reduced, small maps enlarged.
-std::vector<std::uint8_t> map_png(const Image<double>& map, const std::string& unit);
-
 /// A PNG for people: depth in colours, shaded by the surface's slope so that its form shows, with a
 /// scale in millimetres beside it. Pixels without a point are dark grey. Sides longer than 1000
 /// pixels are reduced.
 void write_depth_preview(const std::filesystem::path& path, const Cloud& cloud);
 
-/// map_png in a file.
+/// The same of a map, unshaded, with `unit` printed over the scale; small maps are enlarged.
 void write_map_preview(const std::filesystem::path& path, const Image<double>& map,
                        const std::string& unit);
 

@@ -20,6 +20,14 @@ void require_valid(const PatternLight& light) {
   }
 }
 
+PatternSet pattern_alone(const PatternSet& patterns, int n) {
+  PatternSet alone = patterns;
+  alone.count = 1;
+  alone.shape = [shape = patterns.shape, n](int, double y) { return shape(n, y); };
+  alone.exposures = {patterns.exposure(n)};
+  return alone;
+}
+
 PatternSet with_marker(PatternSet patterns, double shape) {
   const int marker = patterns.count++;
   patterns.shape = [patterned = patterns.shape, marker, shape](int n, double y) {

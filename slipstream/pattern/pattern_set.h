@@ -43,6 +43,9 @@ struct PatternSet {
   }
 };
 
+/// Pattern n of the set alone, exposed as it was there.
+PatternSet pattern_alone(const PatternSet& patterns, int n);
+
 /// The set with one more pattern after the last, dark (`shape` 0) or bright (1) all over: when the
 /// set is shown again and again it marks where a cycle ends.
 PatternSet with_marker(PatternSet patterns, double shape = 0);

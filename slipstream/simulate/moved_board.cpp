@@ -18,28 +18,13 @@ Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d
   return pose;
 }
 
-/// The sets with the set's own number of each pattern, in the order in which they are shown.
-struct ShownPattern {
-  const PatternSet* set;
-  int number;
-};
-
-std::vector<ShownPattern> cycle_of(const std::vector<PatternSet>& sets) {
-  std::vector<ShownPattern> cycle;
+/// Each pattern alone, in the order in which they are shown.
+std::vector<PatternSet> cycle_of(const std::vector<PatternSet>& sets) {
+  std::vector<PatternSet> cycle;
   for (const PatternSet& set : sets) {
-    for (int n = 0; n < set.count; ++n) cycle.push_back({&set, n});
+    for (int n = 0; n < set.count; ++n) cycle.push_back(pattern_alone(set, n));
   }
   return cycle;
-}
-
-PatternSet alone(const ShownPattern& pattern) {
-  PatternSet one = *pattern.set;
-  one.count = 1;
-  one.exposures = {pattern.set->exposure(pattern.number)};
-  one.shape = [shape = pattern.set->shape, n = pattern.number](int, double y) {
-    return shape(n, y);
-  };
-  return one;
 }
 
 }  // namespace
@@ -50,7 +35,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
   if (poses.empty() || sets.empty() || still_cycles < 1) {
     throw Error("a board that is moved needs a pose, a set of patterns and a cycle at least");
   }
-  const std::vector<ShownPattern> cycle = cycle_of(sets);
+  const std::vector<PatternSet> cycle = cycle_of(sets);
   Photometry photometry = world.photometry;
   photometry.rays = 1;  // what is printed on a sheet has soft edges of its own
   Reel reel;
@@ -72,7 +57,7 @@ Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen:
       const double share = static_cast<double>(k + 1) / static_cast<double>(cycle.size() + 1);
       sheet.pose = between(poses[p], poses[(p + 1) % poses.size()], share);
       reel.order.push_back(reel.frames.size());
-      expose(alone(cycle[k]));
+      expose(cycle[k]);
     }
     rendered();
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 namespace slipstream {
 
 /// How sharp a device's picture is.
@@ -10,7 +12,9 @@ struct Sharpness {
   double defocus = 0;
 
   /// Pixels, at `distance` times the working distance.
-  [[nodiscard]] double at(double distance) const;
+  [[nodiscard]] double at(double distance) const {
+    return std::hypot(blur, defocus * (distance - 1));
+  }
   friend bool operator==(const Sharpness&, const Sharpness&) = default;
 };
 

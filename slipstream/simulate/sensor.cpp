@@ -15,20 +15,15 @@ namespace {
 constexpr std::uint64_t of_offsets = 0xfffff0, of_sensitivities = 0xfffff1, of_rows = 0x800000;
 
 template <class Pixel>
-Image<Pixel> quantised(const Image<double>& exposure, int bits) {
+std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures, int bits) {
   const double full_scale = (1 << bits) - 1;
-  Image<Pixel> frame(exposure.size());
-  std::transform(exposure.begin(), exposure.end(), frame.begin(), [&](double intensity) {
-    return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
-  });
-  return frame;
-}
-
-template <class Pixel>
-std::vector<Image<Pixel>> all_quantised(const std::vector<Image<double>>& exposures, int bits) {
   std::vector<Image<Pixel>> frames;
-  for (const Image<double>& exposure : exposures)
-    frames.push_back(quantised<Pixel>(exposure, bits));
+  for (const Image<double>& exposure : exposures) {
+    Image<Pixel>& frame = frames.emplace_back(exposure.size());
+    std::transform(exposure.begin(), exposure.end(), frame.begin(), [&](double intensity) {
+      return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
+    });
+  }
   return frames;
 }
 
@@ -63,8 +58,8 @@ void add_noise(Image<double>& frame, int n, const Photometry& photometry) {
 
 FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits) {
   if (!bits) return FrameSet(std::move(exposures));
-  if (*bits == 8) return FrameSet(all_quantised<std::uint8_t>(exposures, 8));
-  return {all_quantised<std::uint16_t>(exposures, *bits), *bits};
+  if (*bits == 8) return FrameSet(quantised<std::uint8_t>(exposures, 8));
+  return {quantised<std::uint16_t>(exposures, *bits), *bits};
 }
 
 }  // namespace slipstream

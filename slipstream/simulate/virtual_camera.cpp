@@ -24,17 +24,6 @@ Scene scene_at(Scene scene, double motions) {
   return scene;
 }
 
-/// The one pattern that a frame of the loop shows.
-PatternSet pattern_at(const PatternSet& patterns, int frame) {
-  PatternSet one = patterns;
-  one.count = 1;
-  one.shape = [shape = patterns.shape, n = frame % patterns.count](int, double y) {
-    return shape(n, y);
-  };
-  one.exposures = {patterns.exposure(frame % patterns.count)};
-  return one;
-}
-
 }  // namespace
 
 Frame first_frame(const FrameSet& exposed) {
@@ -59,7 +48,7 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
   std::vector<Frame> frames(static_cast<std::size_t>(count));
   std::optional<VirtualScan> seen;
   const auto expose = [&](int n) {
-    const PatternSet pattern = pattern_at(patterns, n);
+    const PatternSet pattern = pattern_alone(patterns, n % patterns.count);
     Photometry light = photometry;
     light.seed += static_cast<std::uint64_t>(n);
     Frame& frame = frames[static_cast<std::size_t>(n)];

@@ -7,31 +7,23 @@
 
 namespace slipstream {
 
-PhotometricCalibration photometric_truth(const Photometry& photometry) {
-  double variance = photometry.noise_variance;
-  if (photometry.bits) {
-    const double step = 255.0 / ((1 << *photometry.bits) - 1);
-    variance += quantisation_variance * step * step;
-  }
-  const Physics& physics = photometry.physics;
-  PhotometricCalibration truth{.ambient = photometry.ambient};
-  if (physics.full_well > 0) {
-    truth.noise_gain = 255 / physics.full_well;
-    variance += std::pow(truth.noise_gain * physics.read_noise, 2) + truth.noise_gain * 127.5;
-  }
-  variance += physics.row_noise * physics.row_noise;
-  if (variance > 0) truth.noise_variance = variance;
-  return truth;
-}
-
 Scanner as_calibrated(const VirtualWorld& world) {
   Scanner scanner = world.scanner;
-  const PhotometricCalibration truth = photometric_truth(world.photometry);
-  scanner.photometry.ambient = truth.ambient;
-  scanner.photometry.noise_variance = truth.noise_variance;
+  PhotometricCalibration& known = scanner.photometry;
+  const Photometry& light = world.photometry;
+  const Physics& physics = light.physics;
+  const double step = light.bits ? 255.0 / ((1 << *light.bits) - 1) : 0;
+  double variance = light.noise_variance + quantisation_variance * step * step;
+  known.ambient = light.ambient;
+  known.noise_gain = 0;
+  if (physics.full_well > 0) {
+    known.noise_gain = 255 / physics.full_well;
+    variance += std::pow(known.noise_gain * physics.read_noise, 2) + known.noise_gain * 127.5;
+  }
+  variance += physics.row_noise * physics.row_noise;
+  known.noise_variance = variance > 0 ? std::optional(variance) : std::nullopt;
   const double depth = working_volume(scanner).centre.z();
   scanner.calibrated_depths = {0.75 * depth, 1.25 * depth};
-  scanner.photometry.noise_gain = truth.noise_gain;
   return scanner;
 }
 

@@ -13,10 +13,8 @@ struct VirtualWorld {
   Photometry photometry{};
 };
 
-/// What a calibration of light and sensor would find, rounding included.
-PhotometricCalibration photometric_truth(const Photometry& photometry);
-
-/// The world's scanner with that, and the depths that boards before it cover.
+/// The world's scanner with what a calibration of light and sensor would find, rounding included,
+/// and the depths that boards before it cover.
 Scanner as_calibrated(const VirtualWorld& world);
 
 }  // namespace slipstream

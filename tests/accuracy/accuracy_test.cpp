@@ -183,19 +183,19 @@ TEST(Rehearsal, MeasuresWhatACalibrationIsOff) {
   EXPECT_NEAR(figure(found, "dimension") / *test.artefacts.distance, 0.002, 1e-5);
 }
 
-TEST(AccuracyReport, IsOnePageWithItsPictures) {
+TEST(AccuracyReport, IsAPageBesideItsPictures) {
   Artefacts artefacts = bar;
-  artefacts.spheres = {"<bar & 1>"};
+  artefacts.spheres = {"bar 1"};
   const Accuracy found =
       measure_accuracy(artefacts, [](const std::string&) { return cast_cloud(bar_scene()); });
   const TemporaryFolder folder;
-  write_accuracy_report(folder.path() / "report.html", "a bar", found, 400);
-  std::ifstream file(folder.path() / "report.html");
+  write_accuracy_report(folder.path() / "report", "a bar", found, 400);
+  std::ifstream file(folder.path() / "report/report.md");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_NE(text.find("sphere-spacing error"), std::string::npos);
-  EXPECT_NE(text.find("&#60;bar &#38; 1&#62;"), std::string::npos);
-  EXPECT_EQ(text.find("<bar"), std::string::npos);
-  EXPECT_NE(text.find("data:image/png;base64,iVBORw0KGgo"), std::string::npos);
+  EXPECT_NE(text.find("| bar 1 |"), std::string::npos);
+  EXPECT_NE(text.find("![deviations: bar 1](sphere.png)"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "report/sphere.png"));
 }
 
 }  // namespace

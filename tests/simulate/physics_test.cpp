@@ -237,7 +237,9 @@ TEST(Physics, MotionSmearsAndTheShutterRolls) {
 
 TEST(Physics, TheTruthOfNoiseIsALine) {
   const PhotometricCalibration truth =
-      photometric_truth({.bits = 8, .physics = {.full_well = 5000, .read_noise = 10}});
+      as_calibrated({.scanner = scanner(),
+                     .photometry = {.bits = 8, .physics = {.full_well = 5000, .read_noise = 10}}})
+          .photometry;
   const double gain = 255.0 / 5000;
   EXPECT_DOUBLE_EQ(truth.noise_gain, gain);
   EXPECT_NEAR(*truth.noise_variance, gain * 127.5 + gain * gain * 100 + 1.0 / 12, 1e-9);

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "slipstream/capture/mean_frames.h"
 #include "slipstream/gamma/precompensation.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/phase/phase_decoder.h"
-#include "slipstream/simulate/averaged_scan.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/strategy/phase_measuring.h"
 #include "slipstream/strategy/strategy.h"
@@ -42,7 +42,13 @@ Photometry BoardExperiment::photometry(double gamma, double ambient) const {
 }
 
 FrameSet BoardExperiment::averaged(int steps, double gamma, double ambient, int count) const {
-  return take_averaged(scan_, patterns(steps), photometry(gamma, ambient), count);
+  return averaged(patterns(steps), photometry(gamma, ambient), count);
+}
+
+FrameSet BoardExperiment::averaged(const PatternSet& shown, Photometry light, int count) const {
+  MeanFrames frames;
+  for (; count > 0; --count, ++light.seed) frames.add(take_again(scan_, shown, light));
+  return frames.mean();
 }
 
 FrameSet BoardExperiment::precompensated(int steps, double gamma, double ambient,
@@ -51,7 +57,7 @@ FrameSet BoardExperiment::precompensated(int steps, double gamma, double ambient
   shown.shape = [exact = shown.shape](int n, double y) {
     return std::round(255 * exact(n, y)) / 255;
   };
-  return take_averaged(scan_, shown, photometry(gamma, ambient), repetitions);
+  return averaged(shown, photometry(gamma, ambient), repetitions);
 }
 
 FrameSet BoardExperiment::once(int steps, double gamma, double ambient) const {

@@ -48,6 +48,8 @@ class BoardExperiment {
                                            const PhaseCorrections& corrections);
 
  private:
+  /// Each scan has noise of its own.
+  [[nodiscard]] FrameSet averaged(const PatternSet& shown, Photometry light, int count) const;
   [[nodiscard]] Photometry photometry(double gamma, double ambient) const;
 
   std::uint64_t seed_;

@@ -85,11 +85,15 @@ void add_patterns(CLI::App& program, Command& chosen) {
       command.add("--precompensate", flags.precompensate,
                   "a gamma, or a scanner file that holds one: its inverse is applied to the "
                   "pictures, so that the projector's light is as meant");
+  for (CLI::Option* const grey : {bits, precompensate}) {
+    grey->excludes(command.app.get_option("--binary"));
+  }
   command
       .add("--uniform", flags.uniform,
            "so many uniform pictures from black to white instead, to measure gamma with")
       ->default_str("")
       ->excludes(bits)
+      ->excludes(command.app.get_option("--binary"))
       ->excludes(precompensate);
   command.app.footer(
       "Example:\n  slipstream patterns patterns --strategy dual-frequency --steps 3 --high 16 "

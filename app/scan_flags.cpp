@@ -74,7 +74,11 @@ void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
 }  // namespace
 
 void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
-  add_sequence_flags({subcommand, "What the patterns are"}, flags);
+  const FlagGroup group{subcommand, "What the patterns are"};
+  add_sequence_flags(group, flags);
+  group.add("--binary", flags.binary,
+            "in pixels that are dark or bright alone, whose mean is the pattern: for a DMD that "
+            "shows a bit at a time");
   const Sequence usual = default_sequence({1024, 1024}, {});
   subcommand.get_option("--strategy")->default_str(usual.strategy.name());
   subcommand.get_option("--axis")->default_str(std::string(name_of(usual.axis)));
@@ -100,7 +104,8 @@ SequenceChanges changes_from(const ScanFlags& flags) {
                           .settings = flags.settings,
                           .alpha_p = flags.alpha_p,
                           .beta_p = flags.beta_p,
-                          .marker = flags.marker};
+                          .marker = flags.marker,
+                          .binary = flags.binary};
   if (flags.exposures) changes.exposures = exposures_from(*flags.exposures);
   if (flags.axis) changes.axis = axis_named(*flags.axis);
   if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");

@@ -23,16 +23,17 @@ struct ScanFlags {
   std::optional<std::string> exposures;  ///< "1,4,16"
   std::optional<std::string> order;      ///< of frames: "2,0,1"
   bool marker = false;
+  bool binary = false;
 };
 
 /// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p,
-/// --beta-p and --exposures.
+/// --beta-p, --exposures and --binary.
 void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// Adds --marker, for what shows patterns again and again, or sees them.
 void add_marker_flag(CLI::App& subcommand, ScanFlags& flags);
 
-/// Adds those of add_pattern_flags and --order, for what reads scans.
+/// Adds those of add_pattern_flags but --binary, and --order, for what reads scans.
 void add_scan_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// What they say, by the library's words. Throws Error for an axis or a size that is none.

@@ -62,7 +62,7 @@ struct ReadScan {
 };
 
 ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSettings& settings) {
-  const auto& [strategy, axis, light, projector, marker, exposures] = scan.sequence;
+  const auto& [strategy, axis, light, projector, marker, exposures, binary] = scan.sequence;
   PhaseCorrections corrections;
   if (settings.response) {
     corrections = phase_corrections(settings.response->response, step_counts(strategy));

@@ -11,7 +11,8 @@ PatternSet changed(const PatternSet& patterns, const Change& change) {
           .light = {.alpha_p = 255, .beta_p = 0},
           .shape = [patterns, change](int n,
                                       double y) { return change(patterns.intensity(n, y) / 255); },
-          .exposures = patterns.exposures};
+          .exposures = patterns.exposures,
+          .binary = patterns.binary};
 }
 
 }  // namespace

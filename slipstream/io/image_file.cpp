@@ -63,11 +63,12 @@ cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) 
 }
 
 /// As a file of that ending; empty where such a file does not hold such pixels.
-std::vector<std::uint8_t> encoded(const std::string& extension, const cv::Mat& mat) {
+std::vector<std::uint8_t> encoded(const std::string& extension, const cv::Mat& mat,
+                                  const std::vector<int>& settings = {}) {
   const QuietOpenCv quiet;
   std::vector<std::uint8_t> bytes;
   try {
-    if (!cv::imencode(extension, mat, bytes)) bytes.clear();
+    if (!cv::imencode(extension, mat, bytes, settings)) bytes.clear();
   } catch (const cv::Exception&) {
     bytes.clear();
   }
@@ -175,6 +176,10 @@ void write_image(const fs::path& path, const Image<std::uint8_t>& image) {
 
 void write_image(const fs::path& path, const Image<std::uint16_t>& image) {
   write_mat(path, mat_of(image));
+}
+
+void write_one_bit_image(const fs::path& path, const Image<std::uint8_t>& image) {
+  write_file(path, encoded(".png", mat_of(image), {cv::IMWRITE_PNG_BILEVEL, 1}));
 }
 
 void write_image(const fs::path& path, const Image<Colour>& image) {

@@ -38,6 +38,8 @@ void write_image(const std::filesystem::path& path, const Image<std::uint8_t>& i
 void write_image(const std::filesystem::path& path, const Image<std::uint16_t>& image);
 /// The same for colours; PGM has none.
 void write_image(const std::filesystem::path& path, const Image<Colour>& image);
+/// As PNG of one bit a pixel, whatever the ending: 0 is dark, any other level bright.
+void write_one_bit_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
 
 /// A grey picture as the bytes of a PNG file.
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);

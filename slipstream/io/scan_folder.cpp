@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <initializer_list>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -119,11 +120,10 @@ YamlMap parse(const std::string& text, const std::string& name) {
 }
 
 Strategy read_strategy(const YamlMap& map) {
+  const std::set<std::string> others{"name", "axis", "alpha_p", "beta_p", "marker", "binary"};
   StrategySettings settings;
   for (const std::string& key : map.keys()) {
-    if (key != "name" && key != "axis" && key != "alpha_p" && key != "beta_p" && key != "marker") {
-      settings[key] = map.number(key);
-    }
+    if (!others.contains(key)) settings[key] = map.number(key);
   }
   return make_strategy(map.value<std::string>("name", "the name of a strategy"), settings);
 }
@@ -147,7 +147,8 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   scan.sequence = {.strategy = read_strategy(strategy),
                    .axis = axis_named(strategy.value_or<std::string>("axis", "x", "x or y")),
                    .light = read_light(strategy),
-                   .marker = strategy.value_or("marker", false, "true or false")};
+                   .marker = strategy.value_or("marker", false, "true or false"),
+                   .binary = strategy.value_or("binary", false, "true or false")};
   if (map.has("projector")) {
     const YamlMap projector = map.map("projector");
     projector.require_known_keys({"width", "height"});
@@ -238,7 +239,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
-  const auto& [strategy, axis, light, projector, marker, exposures] = scan.sequence;
+  const auto& [strategy, axis, light, projector, marker, exposures, binary] = scan.sequence;
   yaml << YAML::Key << "name" << YAML::Value << strategy.name();
   for (const auto& [name, value] : strategy.settings()) {
     yaml << YAML::Key << name << YAML::Value << value;
@@ -247,6 +248,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   yaml << YAML::Key << "alpha_p" << YAML::Value << light.alpha_p;
   yaml << YAML::Key << "beta_p" << YAML::Value << light.beta_p;
   if (marker) yaml << YAML::Key << "marker" << YAML::Value << true;
+  if (binary) yaml << YAML::Key << "binary" << YAML::Value << true;
   yaml << YAML::EndMap;
   if (exposures != Sequence{}.exposures) {
     yaml << YAML::Key << "exposures" << YAML::Value << YAML::Flow << exposures;

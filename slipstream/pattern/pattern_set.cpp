@@ -1,14 +1,31 @@
 #include "slipstream/pattern/pattern_set.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/pattern/one_bit.h"
 
 namespace slipstream {
+namespace {
+
+/// The intensities of pattern n at the pixels' centres, along the rows whatever its axis.
+Image<double> levels_along_rows(const PatternSet& patterns, int n, Size size) {
+  Image<double> levels(size);
+  for (int column = 0; column < size.width; ++column) {
+    levels(column, 0) = patterns.intensity(n, coordinate_of_pixel(column, size.width));
+  }
+  for (int row = 1; row < size.height; ++row) {
+    std::copy(levels.row(0), levels.row(1), levels.row(row));
+  }
+  return levels;
+}
+
+}  // namespace
 
 void require_valid(const PatternLight& light) {
   const bool in_range =
@@ -49,19 +66,15 @@ Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size proj
   }
 
   const double scale = ((1 << bits) - 1) / 255.0;
-  const int length = length_along(patterns.axis, projector);
-  std::vector<std::uint16_t> profile(static_cast<std::size_t>(length));
-  for (int i = 0; i < length; ++i) {
-    const double intensity = patterns.intensity(n, coordinate_of_pixel(i, length));
-    profile[static_cast<std::size_t>(i)] =
-        static_cast<std::uint16_t>(std::lround(scale * intensity));
-  }
-
+  const bool along_rows = patterns.axis == Axis::x;
+  Image<double> levels = levels_along_rows(
+      patterns, n, along_rows ? projector : Size{projector.height, projector.width});
+  if (patterns.binary) levels = one_bit(std::move(levels));
   Image<std::uint16_t> picture(projector);
   for (int row = 0; row < projector.height; ++row) {
     for (int column = 0; column < projector.width; ++column) {
-      const int index = patterns.axis == Axis::x ? column : row;
-      picture(column, row) = profile[static_cast<std::size_t>(index)];
+      const double level = along_rows ? levels(column, row) : levels(row, column);
+      picture(column, row) = static_cast<std::uint16_t>(std::lround(scale * level));
     }
   }
   return picture;

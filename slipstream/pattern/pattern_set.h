@@ -32,6 +32,9 @@ struct PatternSet {
   std::function<double(int n, double y)> shape;
   /// How long the camera looks at each pattern, relative to its usual exposure; 1 where not said.
   std::vector<double> exposures{};
+  /// Shown by pixels that are dark (0) or bright (255) alone, whose mean is the intensity: for a
+  /// DMD that shows a bit at a time.
+  bool binary = false;
 
   [[nodiscard]] double exposure(int n) const {
     const auto index = static_cast<std::size_t>(n);
@@ -51,8 +54,9 @@ PatternSet pattern_alone(const PatternSet& patterns, int n);
 PatternSet with_marker(PatternSet patterns, double shape = 0);
 
 /// Pattern n as the picture to send to a projector of that size, rounded to the nearest grey level
-/// of `bits` (8 to 16). The value of a pixel is the intensity at its centre. Throws Error when the
-/// projector has no pixels, n is not in the set or bits are out of range.
+/// of `bits` (8 to 16). The value of a pixel is the intensity at its centre; of a binary set it is
+/// 0 or full scale: see one_bit. Throws Error when the projector has no pixels, n is not in the set
+/// or bits are out of range.
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector,
                                     int bits = 8);
 

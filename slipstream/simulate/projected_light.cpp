@@ -1,9 +1,14 @@
 #include "slipstream/simulate/projected_light.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "slipstream/pattern/pattern_in_8_bits.h"
 
 namespace slipstream {
 namespace {
@@ -88,6 +93,51 @@ class BlurredPattern {
   std::vector<Profile> profiles_;
 };
 
+/// How much of a Gaussian lies over each pixel of a row, from pixel `first` on.
+struct PixelShares {
+  int first = 0;
+  std::vector<double> shares{};
+};
+
+PixelShares shares_about(double place, double deviation, int length) {
+  if (deviation == 0) {
+    return {std::clamp(static_cast<int>(std::lround(place)), 0, length - 1), {1}};
+  }
+  const int first = std::max(static_cast<int>(std::lround(place - 4 * deviation)), 0);
+  const int last = std::min(static_cast<int>(std::lround(place + 4 * deviation)), length - 1);
+  const auto up_to = [&](double edge) {
+    return std::erf((edge - place) / (std::numbers::sqrt2 * deviation)) / 2;
+  };
+  PixelShares result{.first = first};
+  for (double i = first, before = up_to(first - 0.5); i <= last; ++i) {
+    const double after = up_to(i + 0.5);
+    result.shares.push_back(after - before);
+    before = after;
+  }
+  return result;
+}
+
+/// At a place of a picture, even over each pixel; dark beyond its edges.
+double blurred_at(const Image<double>& picture, const Eigen::Vector2d& place, double deviation) {
+  const PixelShares across = shares_about(place.x(), deviation, picture.width());
+  const PixelShares down = shares_about(place.y(), deviation, picture.height());
+  double sum = 0;
+  for (std::size_t i = 0; i < down.shares.size(); ++i) {
+    const double* const row = picture.row(down.first + static_cast<int>(i)) + across.first;
+    sum +=
+        down.shares[i] * std::inner_product(across.shares.begin(), across.shares.end(), row, 0.0);
+  }
+  return sum;
+}
+
+/// `light_under`: what is there under a blur.
+template <class LightUnder>
+double spread_light(const LitSample& sample, const LightUnder& light_under) {
+  const double sharp = light_under(sample.blur);
+  if (sample.spread == 0) return sharp;
+  return (sharp + light_under(std::hypot(sample.blur, sample.spread))) / 2;
+}
+
 double widest_blur(const SeenScene& seen) {
   double widest = 0;
   for (const auto& row : seen.samples) {
@@ -105,8 +155,24 @@ double responded(double intensity, const Photometry& photometry) {
   return 255 * light_at(photometry.response, intensity / 255);  // (4.2)
 }
 
+ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry) {
+  std::array<double, 256> light_of{};
+  for (std::size_t level = 0; level < light_of.size(); ++level) {
+    light_of[level] = responded(static_cast<double>(level), photometry);
+  }
+  Image<double> light(picture.size());
+  std::transform(picture.begin(), picture.end(), light.begin(),
+                 [&](std::uint8_t level) { return light_of[level]; });
+  return [light = std::move(light)](const LitSample& sample) {
+    return spread_light(sample, [&](double blur) { return blurred_at(light, sample.pixel, blur); });
+  };
+}
+
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen) {
+  if (patterns.binary) {
+    return light_of_picture(in_8_bits(render_pattern(patterns, n, projector)), photometry);
+  }
   const double widest = widest_blur(seen);
   if (!photometry.physics.projector_pixels && widest == 0) {
     return [=](const LitSample& sample) {
@@ -119,9 +185,7 @@ ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector
   return [=, axis = patterns.axis, pattern = std::move(pattern)](const LitSample& sample) {
     const double pixel = axis == Axis::x ? sample.pixel.x() : sample.pixel.y();
     const double place = (pixel + 0.5) * places;
-    const double sharp = pattern.at(place, sample.blur);
-    if (sample.spread == 0) return sharp;
-    return (sharp + pattern.at(place, std::hypot(sample.blur, sample.spread))) / 2;
+    return spread_light(sample, [&](double blur) { return pattern.at(place, blur); });
   };
 }
 

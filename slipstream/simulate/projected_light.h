@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+
+#include "slipstream/image/image.h"
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/simulate/seen_scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -9,8 +12,11 @@ namespace slipstream {
 /// The light that answers a pattern's intensity: grey levels both, Eq. (4.2).
 double responded(double intensity, const Photometry& photometry);
 
+/// The light of a picture that fills the projector's field: even over each pixel, blurred.
+ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry);
+
 /// The light of pattern n from a projector of that size, for the samples of `seen`: exact, or where
-/// physics say so by pixels of 256 levels, blurred.
+/// physics say so by pixels of 256 levels, blurred; of binary patterns that of their pictures.
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen);
 

@@ -65,11 +65,14 @@ Arrival VirtualRig::next(Frame& frame, std::chrono::milliseconds) {
     move(scene_);
     seen_ = look(scanner_, scene_, photometry_, 0);
   }
-  const ProjectedLight light = [&](const LitSample& sample) {
+  ProjectedLight light = [&](const LitSample& sample) {
     if (!on_show_) return 0.0;
     const double level = level_at(patterns_[*on_show_], sample.pixel.x(), sample.pixel.y());
     return responded(level, photometry_);
   };
+  if (on_show_ && photometry_.physics.projector_pixels) {
+    light = light_of_picture(patterns_[*on_show_], photometry_);
+  }
   std::vector<Image<double>> exposures;
   const int number = static_cast<int>(taken_);
   exposures.push_back(exposed(seen_, photometry_, number, 1, light));

@@ -23,7 +23,8 @@ namespace slipstream {
 ///   rig.show(n);
 ///   rig.next(frame, timeout);  // the scene under pattern n, with noise of its own
 ///
-/// Between the projector's pixels the light goes from one to the other evenly, whatever its blur.
+/// Where physics do not say that the projector has pixels, the light goes from the centre of one to
+/// the next evenly, whatever its blur.
 /// Bodies go on by their `motion` from each frame to the next, still while a frame is exposed.
 class VirtualRig : public PatternSink, public FrameSource {
  public:

@@ -47,8 +47,8 @@ struct VirtualScan {
 /// pixel's centre or as many as the photometry says: I = alpha (I^p + beta) + beta + w, Eq. (3.2),
 /// I^p = 0 in the projector's shadow and outside its field; the light is as many times as
 /// much as the pattern's exposure says. Unless the photometry's physics say otherwise patterns are
-/// exact: not sampled by projector pixels nor quantised. Throws Error where the scanner or the
-/// photometry is not valid.
+/// exact: not sampled by projector pixels nor quantised; binary ones are their pictures. Throws
+/// Error where the scanner or the photometry is not valid.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                       const Photometry& photometry = {});
 

@@ -30,6 +30,7 @@ PatternSet pattern_set(const Sequence& sequence) {
                               exposure);
   }
   patterns.count = frame_count(sequence);
+  patterns.binary = sequence.binary;
   return sequence.marker ? with_marker(std::move(patterns)) : patterns;
 }
 

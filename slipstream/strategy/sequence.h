@@ -21,6 +21,7 @@ struct Sequence {
   /// Relative exposures of the camera, in any unit: all patterns are shown again for each, exposure
   /// by exposure. Several are merged to one set of frames: see merged_exposures.
   std::vector<double> exposures{1};
+  bool binary = false;  ///< shown a bit at a time, see PatternSet; the frames hold the same
 
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };

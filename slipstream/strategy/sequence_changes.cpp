@@ -20,6 +20,7 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
   sequence.exposures = changes.exposures.value_or(known.exposures);
   require_mergeable(sequence);
   sequence.marker = known.marker || changes.marker;
+  sequence.binary = known.binary || changes.binary;
   return sequence;
 }
 

@@ -19,6 +19,7 @@ struct SequenceChanges {
   std::optional<Size> projector{};
   std::optional<std::vector<double>> exposures{};
   bool marker = false;  ///< a marker ends each cycle, whatever was known
+  bool binary = false;  ///< shown a bit at a time, whatever was known
 };
 
 /// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is

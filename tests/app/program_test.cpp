@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/mount.h>
 
 #include "slipstream/io/file.h"
@@ -198,6 +199,30 @@ TEST_F(Program, WritesPatterns) {
   EXPECT_EQ(entries_in(path("patterns")), 5);
 }
 
+TEST_F(Program, WritesPatternsOfOneBit) {
+  const ProgramRun run = run_program({"patterns", path("patterns"), "--binary", "--strategy", "pmp",
+                                      "--steps", "4", "--projector", "64x48"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string file = contents(path("patterns/pattern_01.png"));
+  EXPECT_EQ(file.at(24), 1) << "bits of a pixel, as a PNG file says them";
+  EXPECT_EQ(file.at(25), 0) << "grey";
+  const Image<std::uint16_t> pattern = read_grey_image(path("patterns/pattern_01.png"));
+  for (const std::uint16_t level : pattern) EXPECT_TRUE(level == 0 || level == 255) << level;
+}
+
+TEST_F(Program, SimulatesPatternsOfOneBit) {
+  const ProgramRun run = run_program({"simulate", path("binary"), "--binary", "--scene", "sphere",
+                                      "--world", "bench", "--camera", "160x120"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(contents(path("binary/scan.yaml")).find("binary: true"), std::string::npos);
+  const ProgramRun cloud =
+      run_program({"reconstruct", path("binary"), "-o", path("cloud.ply"), "--json"});
+  ASSERT_EQ(cloud.exit_code, 0) << cloud.err;
+  const nlohmann::json scan = nlohmann::json::parse(cloud.out)["scans"][0];
+  EXPECT_GT(scan["points"], 4000);
+  EXPECT_LT(scan["rms_mm"], 2);
+}
+
 TEST_F(Program, HasHelpWithExamples) {
   for (const char* command : {"patterns", "simulate", "reconstruct"}) {
     const ProgramRun run = run_program({command, "--help"});
@@ -346,6 +371,9 @@ TEST_F(Program, BadFlags) {
       {"patterns", path("new"), "--pattern-bits", "4"},
       {"patterns", path("new"), "--uniform", "8", "--pattern-bits", "10"},
       {"patterns", path("new"), "--uniform", "8", "--precompensate", "2.2"},
+      {"patterns", path("new"), "--binary", "--pattern-bits", "10"},
+      {"patterns", path("new"), "--binary", "--precompensate", "2.2"},
+      {"patterns", path("new"), "--binary", "--uniform", "8"},
       {"patterns", path("new"), "--axis", "z"},
       {"patterns", path("new"), "--high", "nan"},
       {"calibrate"},

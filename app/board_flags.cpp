@@ -1,12 +1,11 @@
 #include "app/board_flags.h"
 
-#include <charconv>
-
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
 #include "app/scan_flags.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 
 namespace slipstream::app {
 
@@ -50,18 +49,8 @@ CalibrationBoard board_from(const BoardFlags& flags) {
 }
 
 std::vector<double> lengths_from(const std::string& text, const std::string& flag) {
-  std::vector<double> lengths;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (lengths.size() < 2) {
-    double length = 0;
-    const auto [rest, failure] = std::from_chars(at, end, length);
-    if (failure != std::errc()) break;
-    lengths.push_back(length);
-    if (rest == end) return lengths;
-    if (*rest != 'x') break;
-    at = rest + 1;
-  }
+  std::vector<double> lengths = numbers_in<double>(text, 'x');
+  if (lengths.size() == 1 || lengths.size() == 2) return lengths;
   throw Error(
       fmt::format("{} '{}' is not a length; give mm, as 10.2, or two, as 10.2x10.1", flag, text));
 }

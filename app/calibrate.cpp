@@ -1,4 +1,4 @@
-#include "app/calibrate.h"
+#include "app/commands.h"
 
 namespace slipstream::app {
 

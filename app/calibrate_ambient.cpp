@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "app/calibrate.h"
 #include "app/calibration_files.h"
+#include "app/commands.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/plot_file.h"
 #include "slipstream/noise/reflectivity.h"

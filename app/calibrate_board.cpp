@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/board_flags.h"
-#include "app/calibrate.h"
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/error/error.h"

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "app/calibrate.h"
 #include "app/calibration_files.h"
+#include "app/commands.h"
 #include "app/scan_flags.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/image_file.h"

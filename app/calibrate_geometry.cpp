@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "app/calibrate.h"
+#include "app/commands.h"
 #include "app/finding_output.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "app/calibrate.h"
 #include "app/calibration_files.h"
+#include "app/commands.h"
 #include "slipstream/error/error.h"
 #include "slipstream/photometry/noise_calibration.h"
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "app/board_captures.h"
-#include "app/calibrate.h"
+#include "app/commands.h"
 #include "app/finding_output.h"
 #include "slipstream/calibrate/verification.h"
 #include "slipstream/error/error.h"

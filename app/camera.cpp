@@ -1,4 +1,3 @@
-#include "app/camera_serve.h"
 #include "app/commands.h"
 #include "slipstream/camera/open_camera.h"
 

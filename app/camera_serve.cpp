@@ -1,5 +1,3 @@
-#include "app/camera_serve.h"
-
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -10,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "app/commands.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
 #include "app/simulate_boards.h"

@@ -53,4 +53,13 @@ void add_record(CLI::App& program, Command& chosen);
 void add_capture(CLI::App& program, Command& chosen);
 void add_camera(CLI::App& program, Command& chosen);
 
+/// Each adds a subcommand to `slipstream camera` or `slipstream calibrate`.
+void add_camera_serve(CLI::App& camera, Command& chosen);  // with SLIPSTREAM_CAMERAS
+void add_calibrate_board(CLI::App& calibrate, Command& chosen);
+void add_calibrate_geometry(CLI::App& calibrate, Command& chosen);
+void add_calibrate_verify(CLI::App& calibrate, Command& chosen);
+void add_calibrate_ambient(CLI::App& calibrate, Command& chosen);
+void add_calibrate_gamma(CLI::App& calibrate, Command& chosen);
+void add_calibrate_noise(CLI::App& calibrate, Command& chosen);
+
 }  // namespace slipstream::app

@@ -115,8 +115,7 @@ LinePlot plot_of(const std::vector<Row>& rows) {
       plot.lines.push_back({.label = label, .x = {}, .y = {}});
     }
     PlotLine& line = plot.lines.back();
-    line.x.push_back(static_cast<double>(line.x.size() + 1));
-    line.y.push_back(row.compared.errors.rms);
+    line.add(static_cast<double>(line.x.size() + 1), row.compared.errors.rms);
   }
   return plot;
 }

@@ -39,14 +39,14 @@ DesignGoal goal_from(const DesignFlags& flags) {
 }
 
 Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
-  PlotLine noise{fmt::format("PCMP, {} % unwrapped", 100 * goal.success), {}, {}};
-  PlotLine unit{"PMP of unit frequency", {}, {}};
+  PlotLine noise{fmt::format("PCMP, {} % unwrapped", 100 * goal.success)};
+  PlotLine unit{"PMP of unit frequency"};
   for (const Design& design : designs) {
-    noise.x.push_back(design.strategy.f_h());
-    noise.y.push_back(design.coordinate_sigma);
-    unit.x.push_back(design.strategy.f_h());
-    unit.y.push_back(std::sqrt(coordinate_variance(
-        phase_variance(goal.steps, goal.alpha, design.light.alpha_p, goal.noise_variance), 1)));
+    noise.add(design.strategy.f_h(), design.coordinate_sigma);
+    unit.add(
+        design.strategy.f_h(),
+        std::sqrt(coordinate_variance(
+            phase_variance(goal.steps, goal.alpha, design.light.alpha_p, goal.noise_variance), 1)));
   }
   return LinePlot{fmt::format("Noise of the coordinate, {} steps", goal.steps),
                   "f_h",

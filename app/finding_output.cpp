@@ -1,5 +1,7 @@
 #include "app/finding_output.h"
 
+#include <algorithm>
+
 namespace slipstream::app {
 
 nlohmann::json json_of(const Finding& finding) {
@@ -20,6 +22,32 @@ nlohmann::json json_of(const std::vector<Finding>& findings) {
 
 void warn_of(const std::vector<Finding>& findings, Output& output) {
   for (const Finding& finding : findings) output.warn(text_of(finding));
+}
+
+void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
+               Output& output) {
+  for (const LiveFinding& now : findings) {
+    const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
+      return other.begin == now.begin && other.finding.what == now.finding.what;
+    });
+    if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
+    if (now.end && (before == told.end() || !before->end)) {
+      output.say("frames: {}: this has ended, {} frames after it began", now.finding.what,
+                 *now.end - now.begin);
+    }
+  }
+  told = findings;
+}
+
+nlohmann::json json_of(const std::vector<LiveFinding>& findings) {
+  nlohmann::json listed = nlohmann::json::array();
+  for (const auto& [finding, begin, end] : findings) {
+    nlohmann::json told = app::json_of(finding);
+    told["begin"] = begin;
+    told["end"] = end ? nlohmann::json(*end) : nlohmann::json();
+    listed.push_back(std::move(told));
+  }
+  return listed;
 }
 
 }  // namespace slipstream::app

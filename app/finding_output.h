@@ -4,6 +4,7 @@
 
 #include "app/output.h"
 #include "slipstream/check/finding.h"
+#include "slipstream/live/finding_log.h"
 
 namespace slipstream::app {
 
@@ -14,5 +15,14 @@ nlohmann::json json_of(const std::vector<Finding>& findings);
 
 /// A warning for each.
 void warn_of(const std::vector<Finding>& findings, Output& output);
+
+/// Warns of each finding that has begun since `told`, and says which of them have ended; they are
+/// told then.
+void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
+               Output& output);
+
+/// As a finding of a scan, with `begin` and `end`: sequence of the frames at which it was first
+/// told and first gone; null where it lasts.
+nlohmann::json json_of(const std::vector<LiveFinding>& findings);
 
 }  // namespace slipstream::app

@@ -9,7 +9,7 @@
 
 #include "app/clean_flags.h"
 #include "app/commands.h"
-#include "app/live_findings.h"
+#include "app/finding_output.h"
 #include "app/live_session.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"

@@ -1,6 +1,5 @@
 #include "slipstream/cloud/measure.h"
 
-#include <charconv>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "app/cloud_input.h"
 #include "app/commands.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 
 namespace slipstream::app {
 namespace {
@@ -37,14 +37,11 @@ struct Pixel {
 };
 
 Pixel pixel_from(const std::string& text) {
-  Pixel pixel;
-  const char* const end = text.data() + text.size();
-  const auto [middle, bad_column] = std::from_chars(text.data(), end, pixel.column);
-  const auto [rest, bad_row] = std::from_chars(middle == end ? end : middle + 1, end, pixel.row);
-  if (bad_column != std::errc() || *middle != ',' || bad_row != std::errc() || rest != end) {
+  const std::vector<int> numbers = numbers_in<int>(text, ',');
+  if (numbers.size() != 2) {
     throw Error(fmt::format("'{}' is no pixel; give column and row, as 320,240", text));
   }
-  return pixel;
+  return {numbers[0], numbers[1]};
 }
 
 MeasuredPoint point_of(const Measuring& in, const std::string& text) {

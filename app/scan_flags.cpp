@@ -1,15 +1,14 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
-#include <charconv>
 #include <string_view>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 #include "slipstream/image/size_text.h"
 #include "slipstream/strategy/registry.h"
 
@@ -22,25 +21,8 @@ std::string flag_of(std::string setting) {
   return "--" + setting;
 }
 
-/// The numbers of "2,0,1"; none where it is anything else.
-template <class Number>
-std::vector<Number> numbers_of(std::string_view text) {
-  std::vector<Number> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    Number number = 0;
-    const auto [after, error] = std::from_chars(at, end, number);
-    if (error != std::errc()) return {};
-    numbers.push_back(number);
-    if (after == end) return numbers;
-    if (*after != ',') return {};
-    at = after + 1;
-  }
-}
-
 std::vector<double> exposures_from(const std::string& text) {
-  std::vector<double> exposures = numbers_of<double>(text);
+  std::vector<double> exposures = numbers_in<double>(text, ',');
   if (exposures.empty()) {
     throw Error(
         fmt::format("--exposures {} are no numbers with commas between, as 1,4,16 are", text));
@@ -49,7 +31,7 @@ std::vector<double> exposures_from(const std::string& text) {
 }
 
 std::vector<int> order_from(const std::string& text) {
-  std::vector<int> order = numbers_of<int>(text);
+  std::vector<int> order = numbers_in<int>(text, ',');
   if (order.empty()) {
     throw Error(
         fmt::format("--order {} is no order; give numbers with commas between, as 2,0,1", text));

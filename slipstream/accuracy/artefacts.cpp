@@ -1,6 +1,5 @@
 #include "slipstream/accuracy/artefacts.h"
 
-#include <charconv>
 #include <map>
 
 #include <fmt/format.h>
@@ -8,7 +7,7 @@
 
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
+#include "slipstream/error/number_text.h"
 #include "slipstream/io/rig_file.h"
 
 namespace slipstream {
@@ -17,13 +16,11 @@ namespace {
 
 double length_from(const std::string& text) {
   constexpr double longest = 1e6;
-  double length = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), length);
-  if (failed != std::errc() || end != text.data() + text.size() || !(length > 0) ||
-      length > longest) {
+  const auto length = number_in<double>(text);
+  if (!length || !(*length > 0) || *length > longest) {
     throw Error(fmt::format("'{}' is no length, 0 to {:g} mm", text, longest));
   }
-  return length;
+  return *length;
 }
 
 double one_length_from(const std::vector<std::string>& values) {
@@ -72,13 +69,8 @@ std::string fault_of(const Artefacts& artefacts) {
 }  // namespace
 
 Artefacts read_artefacts(const fs::path& file) {
-  const std::vector<std::uint8_t> bytes = read_file(file);
-  return artefacts_from({bytes.begin(), bytes.end()}, file);
-}
-
-Artefacts artefacts_from(const std::string& text, const fs::path& file) {
   Artefacts artefacts;
-  for (const RigSetting& setting : rig_from(text, file.string())) {
+  for (const RigSetting& setting : read_rig(file)) {
     try {
       take(setting, file.parent_path(), artefacts);
     } catch (const Error& error) {

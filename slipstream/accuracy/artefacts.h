@@ -28,8 +28,4 @@ struct Artefacts {
 /// Throws Error, naming the file and the line, for a file that is no such map.
 Artefacts read_artefacts(const std::filesystem::path& file);
 
-/// The same of such a file's text; `file` is what a message calls it, and what paths are relative
-/// to.
-Artefacts artefacts_from(const std::string& text, const std::filesystem::path& file);
-
 }  // namespace slipstream

@@ -6,13 +6,11 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/calibrate/coverage.h"
-#include "slipstream/error/error.h"
 #include "slipstream/image/quantile.h"
-#include "slipstream/io/file.h"
+#include "slipstream/io/drawing.h"
 #include "slipstream/io/mat.h"
 
 namespace slipstream {
@@ -28,18 +26,6 @@ cv::Scalar colour_of_pose(std::size_t pose) {
       cv::Scalar(40, 39, 214),   cv::Scalar(189, 103, 148), cv::Scalar(75, 86, 140),
       cv::Scalar(194, 119, 227), cv::Scalar(127, 127, 127)};
   return colours[pose % colours.size()];
-}
-
-void draw_text(cv::Mat& picture, const std::string& text, cv::Point at) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
-}
-
-void write_png(const std::filesystem::path& path, const cv::Mat& picture) {
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", picture, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9})) {
-    throw WorldError(fmt::format("{}: cannot be encoded", path.string()));
-  }
-  write_file(path, bytes);
 }
 
 /// 1, 2 or 5 times a power of ten, not above `value`.
@@ -110,7 +96,8 @@ void write_residual_map(const std::filesystem::path& path, const std::vector<Boa
   const double unit = round_below(2 * arrow / enlarged);
   const int length = cvRound(unit * enlarged), y = height + legend / 2;
   cv::line(picture, {12, y}, {12 + length, y}, ink, 2);
-  draw_text(picture, fmt::format("{:g} px; shade: how many boards", unit), {24 + length, y + 5});
+  draw_text(picture, fmt::format("{:g} px; shade: how many boards", unit), {24 + length, y + 5},
+            0.45, ink);
   write_png(path, picture);
 }
 
@@ -137,9 +124,9 @@ void write_residual_scatter(const std::filesystem::path& path, const std::vector
     const int y = 20 + 18 * static_cast<int>(v);
     if (y > side - 30) continue;
     cv::circle(picture, {side + 14, y - 4}, 4, colour_of_pose(v), cv::FILLED, cv::LINE_AA);
-    draw_text(picture, views[v].name, {side + 26, y});
+    draw_text(picture, views[v].name, {side + 26, y}, 0.45, ink);
   }
-  draw_text(picture, fmt::format("ring: {:g} px", ring), {side + 10, side - 10});
+  draw_text(picture, fmt::format("ring: {:g} px", ring), {side + 10, side - 10}, 0.45, ink);
   write_png(path, picture);
 }
 

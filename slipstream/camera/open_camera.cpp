@@ -1,6 +1,5 @@
 #include "slipstream/camera/open_camera.h"
 
-#include <charconv>
 #include <cstddef>
 #include <string_view>
 #include <utility>
@@ -10,19 +9,18 @@
 #include "slipstream/camera/genicam.h"
 #include "slipstream/camera/v4l2_source.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 
 namespace slipstream {
 namespace {
 
 std::unique_ptr<FrameSource> open_v4l2_camera(const std::string& text,
                                               const CameraSettings& settings) {
-  int number = -1;
-  const char* const end = text.data() + text.size();
-  const auto [rest, bad] = std::from_chars(text.data(), end, number);
-  if (bad != std::errc() || rest != end || number < 0) {
+  const auto number = number_in<int>(text);
+  if (!number || *number < 0) {
     throw Error(fmt::format("source v4l2:{}: a number is wanted, as v4l2:0 for /dev/video0", text));
   }
-  return std::make_unique<V4l2Source>(number, settings);
+  return std::make_unique<V4l2Source>(*number, settings);
 }
 
 }  // namespace

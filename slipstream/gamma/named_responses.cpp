@@ -1,11 +1,11 @@
 #include "slipstream/gamma/named_responses.h"
 
-#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 
 namespace slipstream {
 namespace {
@@ -43,14 +43,8 @@ std::optional<ResponseCurve> curve_named(std::string_view name) {
   constexpr std::string_view logistic = "logistic:";
   if (name == "srgb") return srgb_curve();
   if (!name.starts_with(logistic)) return std::nullopt;
-  double slope = 0, centre = 0;
-  const char* const end = name.data() + name.size();
-  const auto [colon, bad_slope] = std::from_chars(name.data() + logistic.size(), end, slope);
-  const bool has_centre = bad_slope == std::errc() && colon != end && *colon == ':';
-  if (has_centre) {
-    const auto [rest, bad_centre] = std::from_chars(colon + 1, end, centre);
-    if (bad_centre == std::errc() && rest == end) return logistic_curve(slope, centre);
-  }
+  const auto numbers = numbers_in<double>(name.substr(logistic.size()), ':');
+  if (numbers.size() == 2) return logistic_curve(numbers[0], numbers[1]);
   throw Error(fmt::format("{}: two numbers are wanted, as in logistic:9:0.45", name));
 }
 

@@ -10,7 +10,4 @@ namespace slipstream {
 /// grey levels, because the pictures are rounded to the projector's after it.
 PatternSet precompensated(const PatternSet& patterns, const Response& response);
 
-/// The light that a projector of that response makes of `patterns`, as a pattern set of its own.
-PatternSet through(const PatternSet& patterns, const Response& response);
-
 }  // namespace slipstream

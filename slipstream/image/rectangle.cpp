@@ -1,7 +1,6 @@
 #include "slipstream/image/rectangle.h"
 
-#include <charconv>
-
+#include "slipstream/error/number_text.h"
 #include "slipstream/image/size_text.h"
 
 namespace slipstream {
@@ -10,14 +9,10 @@ std::optional<Rectangle> rectangle_of_text(std::string_view text) {
   const std::size_t plus = text.find('+');
   const std::optional<Size> size = size_of_text(text.substr(0, plus));
   if (!size) return std::nullopt;
-  Rectangle rectangle{.size = *size};
-  if (plus == std::string_view::npos) return rectangle;
-  const char* const end = text.data() + text.size();
-  const auto [middle, bad_x] = std::from_chars(text.data() + plus + 1, end, rectangle.x);
-  if (bad_x != std::errc() || middle == end || *middle != '+') return std::nullopt;
-  const auto [rest, bad_y] = std::from_chars(middle + 1, end, rectangle.y);
-  const bool good = bad_y == std::errc() && rest == end && rectangle.x >= 0 && rectangle.y >= 0;
-  return good ? std::optional(rectangle) : std::nullopt;
+  if (plus == std::string_view::npos) return Rectangle{.size = *size};
+  const std::vector<int> place = numbers_in<int>(text.substr(plus + 1), '+');
+  if (place.size() != 2 || place[0] < 0 || place[1] < 0) return std::nullopt;
+  return Rectangle{place[0], place[1], *size};
 }
 
 }  // namespace slipstream

@@ -159,17 +159,6 @@ LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
   return loaded;
 }
 
-Image<std::uint16_t> read_grey_image(const fs::path& path) {
-  std::vector<std::string> warnings;
-  const cv::Mat mat = read_grey_mat(path, warnings);
-  if (mat.depth() != CV_8U && mat.depth() != CV_16U) {
-    throw Error(fmt::format("{}: a grey picture of 8 or 16 bits is wanted", path.string()));
-  }
-  cv::Mat wide;
-  mat.convertTo(wide, CV_16U);
-  return image_from<std::uint16_t>(wide);
-}
-
 void write_image(const fs::path& path, const Image<std::uint8_t>& image) {
   write_mat(path, mat_of(image));
 }

@@ -26,9 +26,6 @@ struct LoadedFrames {
 /// Throws Error, naming the file, when one is missing, truncated, of another size or kind.
 LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
 
-/// Reads a grey picture of 8 or 16 bits as it is, without scaling.
-Image<std::uint16_t> read_grey_image(const std::filesystem::path& path);
-
 /// Throws Error unless colours can be written to a file of that ending: png, tif, tiff, bmp.
 void require_colour_ending(const std::filesystem::path& path);
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 
 namespace slipstream {
 
@@ -24,12 +24,8 @@ std::vector<std::string_view> words_of(std::string_view line) {
 }
 
 std::size_t count_from(std::string_view text) {
-  std::size_t count = 0;
-  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (failure != std::errc() || end != text.data() + text.size()) {
-    throw Error(fmt::format("'{}' is no number of elements", text.substr(0, 20)));
-  }
-  return count;
+  if (const auto count = number_in<std::size_t>(text)) return *count;
+  throw Error(fmt::format("'{}' is no number of elements", text.substr(0, 20)));
 }
 
 std::string_view NumberReader::line() {
@@ -56,13 +52,10 @@ double NumberReader::ascii_number() {
   if (start == std::string_view::npos) throw Error("it is truncated");
   text_.remove_prefix(start);
   const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
-  double number = 0;
-  const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), number);
-  if (failure != std::errc() || end != word.data() + word.size()) {
-    throw Error(fmt::format("'{}' is not a number", word.substr(0, 20)));
-  }
+  const auto number = number_in<double>(word);
+  if (!number) throw Error(fmt::format("'{}' is not a number", word.substr(0, 20)));
   text_.remove_prefix(word.size());
-  return number;
+  return *number;
 }
 
 double NumberReader::number(NumberType type) {

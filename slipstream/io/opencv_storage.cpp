@@ -1,6 +1,5 @@
 #include "slipstream/io/opencv_storage.h"
 
-#include <charconv>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
@@ -30,10 +30,7 @@ std::optional<double> number_from(std::string_view text) {
   if (text.ends_with(".Inf") || text.ends_with(".inf")) {
     return std::numeric_limits<double>::infinity();
   }
-  double number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [rest, failure] = std::from_chars(text.data(), end, number);
-  return failure == std::errc() && rest == end ? std::optional(number) : std::nullopt;
+  return number_in<double>(text);
 }
 
 /// A matrix of those texts; without rows where one is no number or there are not rows x columns.
@@ -206,6 +203,11 @@ Entries read_opencv_storage(const fs::path& path) {
   return opencv_entries(text_in(path), path.string());
 }
 
+std::string new_storage(const Entries& entries, bool xml) {
+  return xml ? with_xml_entries("<opencv_storage/>", entries)
+             : with_yaml_entries("%YAML:1.0\n---\n", entries);
+}
+
 std::string with_entries(const std::string& text, const Entries& entries, const std::string& name) {
   const Entries before = opencv_entries(text, name);
   std::string changed =
@@ -237,10 +239,8 @@ void write_entries(const std::optional<fs::path>& from, const fs::path& to,
     throw Error(fmt::format("{}: {} is {}; give the output the same ending", to.string(),
                             from->string(), xml ? "YAML" : "XML"));
   }
-  std::string text = "<?xml version=\"1.0\"?>\n<opencv_storage>\n</opencv_storage>\n";
-  if (!xml) text = fmt::format("%YAML:1.0\n---\n{}: 0\n", entries.begin()->first);
-  if (from) text = text_in(*from);
-  write_file(to, with_entries(text, entries, from.value_or(to).string()));
+  write_file(
+      to, from ? with_entries(text_in(*from), entries, from->string()) : new_storage(entries, xml));
 }
 
 }  // namespace slipstream

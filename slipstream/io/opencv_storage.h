@@ -29,6 +29,9 @@ std::map<std::string, StoredMatrix> read_opencv_storage(const std::filesystem::p
 std::map<std::string, StoredMatrix> opencv_entries(const std::string& text,
                                                    const std::string& name);
 
+/// The text of a FileStorage file with those entries that are not empty.
+std::string new_storage(const std::map<std::string, StoredMatrix>& entries, bool xml);
+
 /// The text of a FileStorage file (YAML or XML) with those entries in place of any of their names
 /// and all else as it was. An empty entry is taken away. Throws Error, calling it `name`,
 /// when the text is no such file or is laid out so that an entry cannot be replaced.

@@ -1,6 +1,5 @@
 #include "slipstream/io/photometric_file.h"
 
-#include <charconv>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 #include "slipstream/gamma/named_responses.h"
 
 namespace slipstream {
@@ -98,11 +98,9 @@ void write_photometric_calibration(const std::optional<fs::path>& from, const fs
 }
 
 Response response_named(const std::string& text, const std::string& name) {
-  double gamma = 0;
-  const auto [rest, failure] = std::from_chars(text.data(), text.data() + text.size(), gamma);
-  if (failure == std::errc() && rest == text.data() + text.size()) {
-    require_gamma(gamma, name);
-    return PowerLaw{gamma};
+  if (const auto gamma = number_in<double>(text)) {
+    require_gamma(*gamma, name);
+    return PowerLaw{*gamma};
   }
   if (auto curve = curve_named(text)) return *std::move(curve);
   const auto measured = read_photometric_calibration(text).response;

@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/file.h"
+#include "slipstream/io/drawing.h"
 #include "slipstream/io/preview.h"
 
 namespace slipstream {
@@ -32,10 +32,6 @@ constexpr int width = 800, height = 520;
 constexpr int legend_line = 18;  // below the page, where it hides no curve
 constexpr int left = 100, right = width - 30, top = 50, bottom = height - 70;
 
-void write_text(cv::Mat& page, const std::string& text, cv::Point at, double size) {
-  cv::putText(page, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
 int text_width(const std::string& text, double size) {
   int baseline = 0;
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &baseline).width;
@@ -53,7 +49,7 @@ class Page {
       const int at = x_place(mark);
       cv::line(page_, {at, top}, {at, bottom}, grid);
       const std::string text = fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
-      write_text(page_, text, {at - text_width(text, 0.42) / 2, bottom + 20}, 0.42);
+      draw_text(page_, text, {at - text_width(text, 0.42) / 2, bottom + 20}, 0.42, ink);
     }
     for (const double mark : y_.marks) {
       const int at = y_mark_place(mark);
@@ -61,7 +57,7 @@ class Page {
       const std::string text = y_scale == PlotScale::logarithmic
                                    ? fmt::format("1e{:.0f}", mark)
                                    : fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
-      write_text(page_, text, {left - 8 - text_width(text, 0.42), at + 4}, 0.42);
+      draw_text(page_, text, {left - 8 - text_width(text, 0.42), at + 4}, 0.42, ink);
     }
     cv::rectangle(page_, {left, top}, {right, bottom}, ink);
   }
@@ -77,15 +73,15 @@ class Page {
   }
 
   void label(const std::string& title, const std::string& x, const std::string& y) {
-    write_text(page_, title, {left, 22}, 0.5);
-    write_text(page_, y, {8, top - 10}, 0.42);
-    write_text(page_, x, {(left + right - text_width(x, 0.45)) / 2, height - 18}, 0.45);
+    draw_text(page_, title, {left, 22}, 0.5, ink);
+    draw_text(page_, y, {8, top - 10}, 0.42, ink);
+    draw_text(page_, x, {(left + right - text_width(x, 0.45)) / 2, height - 18}, 0.45, ink);
   }
 
   void explain(int line, const std::string& label, const cv::Scalar& colour) {
     const int at = height + line * legend_line;
     cv::line(page_, {left, at - 4}, {left + 25, at - 4}, colour, 2, cv::LINE_AA);
-    write_text(page_, label, {left + 32, at}, 0.42);
+    draw_text(page_, label, {left + 32, at}, 0.42, ink);
   }
 
   [[nodiscard]] cv::Mat& picture() { return page_; }
@@ -171,12 +167,6 @@ cv::Mat drawn(const BarPlot& plot) {
   return page.picture();
 }
 
-void save(const fs::path& path, const cv::Mat& picture) {
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", picture, bytes);
-  write_file(path, bytes);
-}
-
 }  // namespace
 
 void write_plot(const fs::path& path, const Plot& plot) {
@@ -184,9 +174,9 @@ void write_plot(const fs::path& path, const Plot& plot) {
     throw Error(fmt::format("{}: plots are PNG files; use the ending .png", path.string()));
   }
   if (const auto* lines = std::get_if<LinePlot>(&plot)) {
-    save(path, drawn(*lines));
+    write_png(path, drawn(*lines));
   } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {
-    save(path, drawn(*bars));
+    write_png(path, drawn(*bars));
   } else if (const auto* heat = std::get_if<HeatPlot>(&plot)) {
     write_map_preview(path, heat->values, heat->unit);
   } else {

@@ -13,7 +13,7 @@
 #include "slipstream/image/colour_map.h"
 #include "slipstream/image/converted.h"
 #include "slipstream/image/quantile.h"
-#include "slipstream/io/file.h"
+#include "slipstream/io/drawing.h"
 #include "slipstream/io/mat.h"
 #include "slipstream/plot/plot.h"
 
@@ -58,10 +58,6 @@ void shade(cv::Mat& picture, const Cloud& cloud) {
   }
 }
 
-void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double size) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
 /// The picture with a bar of its colours at its right, labelled at round values.
 cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::string& unit,
                    const ColourMap& colours) {
@@ -77,14 +73,14 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
   };
   for (int y = 0; y < ramp.height(); ++y) std::fill_n(ramp.row(y), bar_width, value_at(y));
   coloured(ramp, range, colours).copyTo(page(cv::Rect(left, top, bar_width, bottom - top)));
-  draw_text(page, unit, {left, top - 14}, 0.5);
+  draw_text(page, unit, {left, top - 14}, 0.5, ink);
 
   for (const double mark : marks_between(range.low, range.high, 8)) {
     const double share = (mark - range.low) / (range.high - range.low);
     const int y = top + static_cast<int>(std::lround(share * (bottom - top - 1)));
     const int right = left + bar_width;
     cv::line(page, {right, y}, {right + 5, y}, ink);
-    draw_text(page, fmt::format("{:g}", mark), {right + 9, y + 4}, 0.42);
+    draw_text(page, fmt::format("{:g}", mark), {right + 9, y + 4}, 0.42, ink);
   }
   return page;
 }
@@ -100,9 +96,7 @@ void write_preview(const fs::path& path, cv::Mat picture, const ValueRange& rang
     const double scale = static_cast<double>(longest_side) / side;
     cv::resize(picture, picture, {}, scale, scale, cv::INTER_AREA);
   }
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", with_scale(picture, range, unit, colours), bytes);
-  write_file(path, bytes);
+  write_png(path, with_scale(picture, range, unit, colours));
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
@@ -127,45 +127,40 @@ Eigen::Matrix3d matrix3(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
 }
 
-cv::Mat mat_of(const Eigen::Matrix3d& matrix) {
-  return (cv::Mat_<double>(3, 3) << matrix(0, 0), matrix(0, 1), matrix(0, 2), matrix(1, 0),
-          matrix(1, 1), matrix(1, 2), matrix(2, 0), matrix(2, 1), matrix(2, 2));
-}
-
-cv::Mat mat_of(const Distortion& distortion) {
-  return cv::Mat(1, static_cast<int>(distortion.coefficients.size()), CV_64F,
-                 const_cast<double*>(distortion.coefficients.data()))
-      .clone();
+std::map<std::string, StoredMatrix> entries_of(const Scanner& scanner) {
+  std::map<std::string, StoredMatrix> entries = entries_of(scanner.photometry);
+  const auto put = [&](std::string_view name, const auto& matrix) {
+    StoredMatrix& entry = entries[std::string(name)];
+    entry = {static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols())};
+    for (const auto& row : matrix.rowwise()) {
+      entry.numbers.insert(entry.numbers.end(), row.begin(), row.end());
+    }
+  };
+  const auto put_lens = [&](const Lens& lens, std::string_view matrix, std::string_view distortion,
+                            std::string_view width, std::string_view height) {
+    const auto& k = lens.distortion.coefficients;
+    put(matrix, lens.intrinsic);
+    put(distortion, Eigen::Map<const Eigen::RowVectorXd>(k.data(), k.size()));
+    put(width, Eigen::Matrix<double, 1, 1>(lens.size.width));
+    put(height, Eigen::Matrix<double, 1, 1>(lens.size.height));
+  };
+  const Layout& names = layouts.front();
+  put_lens(scanner.camera, names.camera_matrix, names.camera_distortion, names.camera_width,
+           names.camera_height);
+  put_lens(scanner.projector, names.projector_matrix, names.projector_distortion,
+           names.projector_width, names.projector_height);
+  put(names.rotation, scanner.rotation);
+  put(names.translation, scanner.translation);
+  if (const auto& depths = scanner.calibrated_depths) {
+    put(depths_entry, Eigen::RowVector2d(depths->nearest, depths->farthest));
+  }
+  if (!scanner.measured.empty()) entries[measured_entry] = {.text = scanner.measured};
+  return entries;
 }
 
 /// The text of a file of that path.
 std::string text_of(const fs::path& path, const Scanner& scanner) {
-  const Layout& names = layouts.front();
-  const bool xml = lower_case_extension(path) == ".xml";
-  cv::FileStorage storage(xml ? ".xml" : ".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
-  const auto write_lens = [&](const Lens& lens, std::string_view matrix,
-                              std::string_view distortion, std::string_view width,
-                              std::string_view height) {
-    storage.write(std::string(width), lens.size.width);
-    storage.write(std::string(height), lens.size.height);
-    storage.write(std::string(matrix), mat_of(lens.intrinsic));
-    storage.write(std::string(distortion), mat_of(lens.distortion));
-  };
-  write_lens(scanner.camera, names.camera_matrix, names.camera_distortion, names.camera_width,
-             names.camera_height);
-  write_lens(scanner.projector, names.projector_matrix, names.projector_distortion,
-             names.projector_width, names.projector_height);
-  storage.write(std::string(names.rotation), mat_of(scanner.rotation));
-  storage.write(std::string(names.translation),
-                cv::Mat((cv::Mat_<double>(3, 1) << scanner.translation.x(), scanner.translation.y(),
-                         scanner.translation.z())));
-  std::map<std::string, StoredMatrix> more = entries_of(scanner.photometry);
-  if (const auto& depths = scanner.calibrated_depths) {
-    more[depths_entry] = {1, 2, {depths->nearest, depths->farthest}};
-  }
-  if (!scanner.measured.empty()) more[measured_entry] = {.text = scanner.measured};
-  std::erase_if(more, [](const auto& entry) { return entry.second.empty(); });
-  return with_entries(storage.releaseAndGetString(), more, path.string());
+  return new_storage(entries_of(scanner), lower_case_extension(path) == ".xml");
 }
 
 bool names_geometry(std::string_view entry) {

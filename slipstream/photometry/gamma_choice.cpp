@@ -1,12 +1,12 @@
 #include "slipstream/photometry/gamma_choice.h"
 
-#include <charconv>
 #include <string_view>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 
 namespace slipstream {
 namespace {
@@ -68,14 +68,13 @@ GammaChoice choose_gamma(const std::string& how,
   }
   if (how == "scanner" && of_scanner) return corrected_for(*of_scanner, "scanner file");
   if (how == "scanner" || how == "none") return {};
-  double gamma = 0;
-  const auto [rest, failure] = std::from_chars(how.data(), how.data() + how.size(), gamma);
-  if (failure != std::errc() || rest != how.data() + how.size()) {
+  const auto gamma = number_in<double>(how);
+  if (!gamma) {
     throw Error(
         fmt::format("--gamma {} is not known; it is scanner, blind, none or a number", how));
   }
-  require_gamma(gamma, "--gamma");
-  return corrected_for({PowerLaw{gamma}, gamma, 0}, "given");
+  require_gamma(*gamma, "--gamma");
+  return corrected_for({PowerLaw{*gamma}, *gamma, 0}, "given");
 }
 
 GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredResponse>& of_scanner,

@@ -12,8 +12,13 @@ namespace slipstream {
 /// A line through points; where a value is not finite the line is broken.
 struct PlotLine {
   std::string label;  ///< in the legend; none where empty
-  std::vector<double> x;
-  std::vector<double> y;
+  std::vector<double> x{};
+  std::vector<double> y{};
+
+  void add(double at_x, double at_y) {
+    x.push_back(at_x);
+    y.push_back(at_y);
+  }
 };
 
 enum class PlotScale { linear, logarithmic };

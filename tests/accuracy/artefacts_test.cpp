@@ -1,5 +1,6 @@
 #include "slipstream/accuracy/artefacts.h"
 
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -8,28 +9,39 @@
 
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
+#include "tests/io/temporary_folder.h"
 
 namespace slipstream {
 namespace {
 
+class ArtefactsFile : public TemporaryFolder {
+ public:
+  [[nodiscard]] Artefacts read(const std::string& text) const {
+    std::ofstream(path() / "a.yaml") << text;
+    return read_artefacts(path() / "a.yaml");
+  }
+  [[nodiscard]] std::string beside(const char* name) const { return path() / name; }
+};
+
 TEST(Artefacts, AreReadWithPathsRelativeToTheFile) {
-  const Artefacts read = artefacts_from(
+  const ArtefactsFile file;
+  const Artefacts read = file.read(
       "diameters: [40.002, 40.001]  # mm\ndistance: 100.005\nspheres: [bar1, /data/bar2]\n"
-      "planes: plane1\nrepeated: [a, b]\ndiagonal: 380\n",
-      "tests/artefacts.yaml");
+      "planes: plane1\nrepeated: [a, b]\ndiagonal: 380\n");
   EXPECT_EQ(read.diameters, (std::vector<double>{40.002, 40.001}));
   EXPECT_EQ(read.distance, 100.005);
-  EXPECT_EQ(read.spheres, (std::vector<std::string>{"tests/bar1", "/data/bar2"}));
-  EXPECT_EQ(read.planes, std::vector<std::string>{"tests/plane1"});
-  EXPECT_EQ(read.repeated, (std::vector<std::string>{"tests/a", "tests/b"}));
+  EXPECT_EQ(read.spheres, (std::vector<std::string>{file.beside("bar1"), "/data/bar2"}));
+  EXPECT_EQ(read.planes, std::vector<std::string>{file.beside("plane1")});
+  EXPECT_EQ(read.repeated, (std::vector<std::string>{file.beside("a"), file.beside("b")}));
   EXPECT_EQ(read.diagonal, 380);
 }
 
 TEST(Artefacts, AreRefusedInOneLineWhereTheyAreNone) {
-  const auto expect_refused = [](const std::string& text,
-                                 std::initializer_list<std::string> parts) {
+  const ArtefactsFile file;
+  const auto expect_refused = [&](const std::string& text,
+                                  std::initializer_list<std::string> parts) {
     SCOPED_TRACE(text);
-    expect_error([&] { (void)artefacts_from(text, "a.yaml"); }, parts);
+    expect_error([&] { (void)file.read(text); }, parts);
   };
   expect_refused("", {"a.yaml"});
   expect_refused("{}", {"a.yaml", "no scans"});
@@ -52,15 +64,16 @@ RC_GTEST_PROP(Artefacts, AreReadOrRefusedOfAnyText, ()) {
                                        "[",         "]",        "{",       "}",      ", ",
                                        "40",        "-1",       "1e9",     "'",      "\xff"};
   const auto text = *rc::gen::container<std::vector<std::string>>(rc::gen::elementOf(words));
+  const ArtefactsFile file;
   std::string joined;
   for (const std::string& word : text) joined += word;
   try {
-    const Artefacts read = artefacts_from(joined, "a.yaml");
+    const Artefacts read = file.read(joined);
     RC_ASSERT(read.diameters.size() <= 2U);
     for (const double diameter : read.diameters) RC_ASSERT(diameter > 0);
     RC_ASSERT(!read.spheres.empty() || !read.planes.empty() || read.repeated.size() > 1);
   } catch (const Error& error) {
-    RC_ASSERT(std::string(error.what()).starts_with("a.yaml: "));
+    RC_ASSERT(std::string(error.what()).starts_with(file.beside("a.yaml")));
     RC_ASSERT(std::string(error.what()).find('\n') == std::string::npos);
   }
 }

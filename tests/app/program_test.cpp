@@ -12,6 +12,7 @@
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scanner_file.h"
+#include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"
 

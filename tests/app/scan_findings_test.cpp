@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "app/finding_output.h"
-#include "app/live_findings.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {

@@ -56,46 +56,5 @@ TEST(Harmonics, AddUpToTheLight) {
   });
 }
 
-TEST(HarmonicRatios, AreThoseOfTheResponsesFourierSeries) {
-  for (const double gamma : {1.3, 2.2, 3.18, 7.73}) {
-    const HarmonicRatios recurrence = harmonic_ratios(gamma, 8);
-    const HarmonicRatios sampled = harmonic_ratios(Response(PowerLaw{gamma}), 8);
-    for (std::size_t m = 0; m <= 8; ++m) EXPECT_NEAR(recurrence[m], sampled[m], 1e-9);
-  }
-}
-
-TEST(HarmonicRatios, OfAMeasuredCurveAreNearThoseOfItsPowerLaw) {
-  std::vector<double> values, intensities;
-  for (int i = 0; i <= 32; ++i) {
-    values.push_back(i / 32.0);
-    intensities.push_back(std::pow(i / 32.0, 2.2));
-  }
-  const HarmonicRatios measured = harmonic_ratios(Response(response_curve(values, intensities)), 6);
-  const HarmonicRatios exact = harmonic_ratios(2.2, 6);
-  for (std::size_t m = 0; m <= 6; ++m) EXPECT_NEAR(measured[m], exact[m], 2e-5);
-}
-
-TEST(HighestHarmonic, KeepsTheWantedAccuracy) {
-  for (const int steps : {3, 4, 5, 6, 9}) {
-    for (const double gamma : {0.5, 0.8, 1.4, 2.21, 3.18, 4.42, 6.36, 10.36}) {
-      for (const double accuracy : {1e-2, 1e-4}) {
-        const int highest = highest_harmonic(gamma, steps, accuracy);
-        const HarmonicRatios G = harmonic_ratios(gamma, highest);
-        double worst = 0;
-        for (int i = 0; i < 100; ++i) {
-          const double phi = 2 * pi * i / (99.0 * steps);
-          worst = std::max(worst, std::abs(phase_error(G, steps, phi) -
-                                           phase_error(Response(PowerLaw{gamma}), steps, phi)));
-        }
-        EXPECT_LE(worst, accuracy) << "N " << steps << ", gamma " << gamma << ", M " << highest;
-      }
-    }
-  }
-}
-
-TEST(HighestHarmonic, IsGammaWhereGammaIsWhole) {
-  EXPECT_EQ(highest_harmonic(4, 3, 1e-9), 4);
-}
-
 }  // namespace
 }  // namespace slipstream

@@ -8,6 +8,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/image_file.h"
 #include "tests/io/expect_error.h"
+#include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {

@@ -14,6 +14,7 @@
 #include "slipstream/io/mesh_file.h"
 #include "slipstream/io/stored_cloud.h"
 #include "tests/io/expect_error.h"
+#include "tests/io/grey_image.h"
 #include "tests/io/sheet_cloud.h"
 #include "tests/io/temporary_folder.h"
 

@@ -11,6 +11,7 @@
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/strategy/registry.h"
+#include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {

@@ -50,10 +50,9 @@ PhaseCorrections correction_for(int steps, double gamma) {
 
 /// The middle row of a map of errors, over the column.
 PlotLine middle_row(std::string label, const Image<double>& errors) {
-  PlotLine line{std::move(label), {}, {}};
+  PlotLine line{std::move(label)};
   for (int column = 0; column < errors.width(); ++column) {
-    line.x.push_back(column);
-    line.y.push_back(errors(column, errors.height() / 2));
+    line.add(column, errors(column, errors.height() / 2));
   }
   return line;
 }
@@ -71,13 +70,10 @@ void add_surface_plots(const BoardExperiment& board, const Image<double>& measur
                        const Image<double>& calibrated, const std::string& figure,
                        Reproduction& result) {
   Cloud before = board.surface(measured), after = board.surface(calibrated);
-  result.plots.push_back(
-      {figure + "-above", LinePlot{"Middle row of the surface from above",
-                                   "X, mm",
-                                   "Z, mm",
-                                   PlotScale::linear,
-                                   {middle_row_from_above("measured", before),
-                                    middle_row_from_above("gamma known", after)}}});
+  result.draw(
+      figure + "-above", "Middle row of the surface from above", "X, mm", "Z, mm",
+      PlotScale::linear,
+      {middle_row_from_above("measured", before), middle_row_from_above("gamma known", after)});
   result.plots.push_back({figure + "-uncorrected", ReliefPlot{std::move(before)}});
   result.plots.push_back({figure + "-corrected", ReliefPlot{std::move(after)}});
 }
@@ -105,7 +101,7 @@ void add_correction_cells(const BoardExperiment& board, const Published& paper, 
       {"N", double(steps)}, {"gamma", gamma}, {"textured", double(textured)}};
   const auto printed = [&](std::optional<double> value) { return textured ? std::nullopt : value; };
   const auto add = [&](const char* quantity, std::optional<double> paper_says, double ours) {
-    result.cells.push_back({quantity, parameters, paper_says, ours, {}});
+    result.add(quantity, parameters, paper_says, ours);
   };
   const bool paper_fish = textured && steps == 3;
   add("RMS error before, rad / f", printed(before_printed), before);
@@ -126,15 +122,12 @@ void add_correction_cells(const BoardExperiment& board, const Published& paper, 
                       result);
   }
   if (textured) return;
-  result.plots.push_back(
-      {fmt::format("figure-{}", figure),
-       LinePlot{fmt::format("Error of the middle row, N = {}, gamma = {}", steps, gamma),
-                "column",
-                "rad / f",
-                PlotScale::linear,
-                {middle_row("measured", board.error(measured)),
-                 middle_row("gamma known", board.error(calibrated)),
-                 middle_row("without calibration", board.error(blind))}}});
+  result.draw(fmt::format("figure-{}", figure),
+              fmt::format("Error of the middle row, N = {}, gamma = {}", steps, gamma), "column",
+              "rad / f", PlotScale::linear,
+              {middle_row("measured", board.error(measured)),
+               middle_row("gamma known", board.error(calibrated)),
+               middle_row("without calibration", board.error(blind))});
 }
 
 /// Gamma of the projector from 20 steps, on this surface.
@@ -170,38 +163,25 @@ Reproduction section_45(std::uint64_t seed) {
     const bool first = gamma == 2.21;
     const double on_white = calibrated_gamma(white, gamma, first ? &result : nullptr).gamma;
     const double on_texture = calibrated_gamma(textured, gamma, nullptr).gamma;
-    result.cells.push_back({"gamma calibrated on the white board",
-                            {{"gamma", gamma}},
-                            first ? std::optional(2.2123) : std::nullopt,
-                            on_white,
-                            {}});
-    result.cells.push_back({"gamma calibrated on the textured object",
-                            {{"gamma", gamma}},
-                            first ? std::optional(2.2079) : std::nullopt,
-                            on_texture,
-                            {}});
+    const auto published = [&](double gamma_there) {
+      return first ? std::optional(gamma_there) : std::nullopt;
+    };
+    result.add("gamma calibrated on the white board", {{"gamma", gamma}}, published(2.2123),
+               on_white);
+    result.add("gamma calibrated on the textured object", {{"gamma", gamma}}, published(2.2079),
+               on_texture);
   }
-
   // What people do instead, on the white board.
   const Parameters parameters{{"gamma", 2.21}};
   const FrameSet six = white.averaged(6, 2.21, 5);
   const Image<std::uint8_t> lit = well_lit(pixel_harmonics(six, 0, 6), six);
-  result.cells.push_back({"RMS error, double three-step (6 frames), rad / f",
-                          parameters,
-                          {},
-                          white.rms_error(double_three_step_phase(six, 0), lit),
-                          {}});
-  result.cells.push_back({"RMS error, 6 steps (6 frames), rad / f",
-                          parameters,
-                          {},
-                          white.rms_error(six, {}, lit),
-                          {}});
+  result.add("RMS error, double three-step (6 frames), rad / f", parameters, {},
+             white.rms_error(double_three_step_phase(six, 0), lit));
+  result.add("RMS error, 6 steps (6 frames), rad / f", parameters, {},
+             white.rms_error(six, {}, lit));
   const FrameSet inverse = white.precompensated(3, 2.21, 5, PowerLaw{2.21});
-  result.cells.push_back({"RMS error, 3 precompensated 8-bit patterns, rad / f",
-                          parameters,
-                          {},
-                          white.rms_error(inverse, {}, lit),
-                          {}});
+  result.add("RMS error, 3 precompensated 8-bit patterns, rad / f", parameters, {},
+             white.rms_error(inverse, {}, lit));
   result.notes.emplace_back(
       "The virtual scanner, 8-bit frames, sigma_w^2 = 1.55, averaged over 48 scans, f = 8; all lit "
       "pixels of the board, where the paper has one row of a real board.");
@@ -243,16 +223,12 @@ Reproduction section_44(std::uint64_t seed) {
     matched.at(i) = rms_depth_error(match(frames, take_again(second_scan, patterns, other)).cloud,
                                     first_scan.depth);
     const Parameters parameters{{"N", 3}, {"gamma", gamma}};
-    result.cells.push_back({"RMS depth error, two cameras, mm", parameters, {}, matched.at(i), {}});
-    result.cells.push_back({"RMS depth error, one camera, mm",
-                            parameters,
-                            {},
-                            rms_depth_error(one_camera(frames).cloud, first_scan.depth),
-                            {}});
+    result.add("RMS depth error, two cameras, mm", parameters, {}, matched.at(i));
+    result.add("RMS depth error, one camera, mm", parameters, {},
+               rms_depth_error(one_camera(frames).cloud, first_scan.depth));
     ++i;
   }
-  result.cells.push_back(
-      {"two cameras, gamma 2.2 over gamma 1", {{"N", 3}}, {}, matched[1] / matched[0], {}});
+  result.add("two cameras, gamma 2.2 over gamma 1", {{"N", 3}}, {}, matched[1] / matched[0]);
   result.notes.emplace_back(
       "The virtual board, 640x480, dual-frequency with f = 32 (3 steps) and 1 (6 steps), one scan; "
       "depth from planes of 11 x 11 pixels. The paper gives no number.");

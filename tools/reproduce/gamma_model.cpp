@@ -22,10 +22,10 @@ constexpr double paper_gamma = 3.18;
 /// A line of y over evenly spaced x.
 template <class Function>
 PlotLine line_of(std::string label, double low, double high, int pieces, const Function& y) {
-  PlotLine line{std::move(label), {}, {}};
+  PlotLine line{std::move(label)};
   for (int i = 0; i <= pieces; ++i) {
-    line.x.push_back(low + (high - low) * i / pieces);
-    line.y.push_back(y(line.x.back()));
+    const double x = low + (high - low) * i / pieces;
+    line.add(x, y(x));
   }
   return line;
 }
@@ -60,130 +60,115 @@ Reproduction table_41(std::uint64_t /*seed*/) {
   const Response response = PowerLaw{paper_gamma};
   const double table = rms_left_by(phase_correction(response, 3), response);
   Reproduction result;
-  result.cells.push_back({"RMS phase error before correction, rad",
-                          {{"N", 3}, {"gamma", 3.18}},
-                          0.3033,
-                          rms_phase_error(response, 3),
-                          {}});
+  result.add("RMS phase error before correction, rad", {{"N", 3}, {"gamma", 3.18}}, 0.3033,
+             rms_phase_error(response, 3));
   for (const auto& [highest, published] :
        {std::pair{2, 0.004}, {4, 3.7e-4}, {5, 2.9e-5}, {7, 6.2e-6}, {8, 1.8e-6}}) {
     const HarmonicRatios G = harmonic_ratios(paper_gamma, highest);
     const double rms = rms_over_circle(
         [&](double phi) { return true_phase(G, 3, distorted_phase(response, 3, phi)) - phi; });
-    result.cells.push_back({"RMS phase error after correction, rad",
-                            {{"N", 3}, {"gamma", 3.18}, {"highest harmonic", highest}},
-                            published,
-                            rms,
-                            table});
+    result.add("RMS phase error after correction, rad",
+               {{"N", 3}, {"gamma", 3.18}, {"highest harmonic", highest}}, published, rms, table);
   }
   result.notes.emplace_back("Improved is the table that slipstream corrects with: all harmonics.");
   return result;
 }
 
 Reproduction figure_41(std::uint64_t /*seed*/) {
-  LinePlot plot{"B_k, Eq. (4.9), alpha alpha_p = 1", "gamma", "B_k", PlotScale::linear, {}};
+  std::vector<PlotLine> lines;
   for (int k = 1; k <= 4; ++k) {
-    plot.lines.push_back(line_of(fmt::format("B_{}", k), 1, 5, 200,
-                                 [&](double gamma) { return harmonic(gamma, k); }));
+    lines.push_back(line_of(fmt::format("B_{}", k), 1, 5, 200,
+                            [&](double gamma) { return harmonic(gamma, k); }));
   }
-  return {{}, {{"figure-4.1", plot}}, {}};
+  Reproduction result;
+  result.draw("figure-4.1", "B_k, Eq. (4.9), alpha alpha_p = 1", "gamma", "B_k", PlotScale::linear,
+              lines);
+  return result;
 }
 
 Reproduction figure_42(std::uint64_t /*seed*/) {
-  LinePlot plot{"Ratios of neighbouring harmonics, Eq. (4.14)",
-                "gamma",
-                "B_k+1 / B_k",
-                PlotScale::linear,
-                {}};
+  std::vector<PlotLine> lines;
   for (int k = 1; k <= 4; ++k) {
-    plot.lines.push_back(line_of(fmt::format("B_{} / B_{}", k + 1, k), 1, 5, 200,
-                                 [&](double gamma) { return (gamma - k) / (gamma + k + 1); }));
+    lines.push_back(line_of(fmt::format("B_{} / B_{}", k + 1, k), 1, 5, 200,
+                            [&](double gamma) { return (gamma - k) / (gamma + k + 1); }));
   }
-  return {{}, {{"figure-4.2", plot}}, {}};
+  Reproduction result;
+  result.draw("figure-4.2", "Ratios of neighbouring harmonics, Eq. (4.14)", "gamma", "B_k+1 / B_k",
+              PlotScale::linear, lines);
+  return result;
 }
 
 Reproduction figure_43(std::uint64_t /*seed*/) {
-  LinePlot plot{"Harmonics at gamma = 3.18", "k", "|B_k|", PlotScale::logarithmic, {}};
-  plot.lines.push_back(line_of("", 1, 10, 9, [](double k) {
-    return std::abs(harmonic(paper_gamma, static_cast<int>(std::lround(k))));
-  }));
-  return {{}, {{"figure-4.3", plot}}, {}};
+  Reproduction result;
+  result.draw("figure-4.3", "Harmonics at gamma = 3.18", "k", "|B_k|", PlotScale::logarithmic,
+              {line_of("", 1, 10, 9, [](double k) {
+                return std::abs(harmonic(paper_gamma, static_cast<int>(std::lround(k))));
+              })});
+  return result;
 }
 
 Reproduction figure_44(std::uint64_t /*seed*/) {
-  LinePlot plot{"Phase error at gamma = 3.18, Eq. (4.45)",
-                "phi, rad",
-                "phi - measured phase, rad",
-                PlotScale::linear,
-                {}};
+  const Response response = PowerLaw{paper_gamma};
+  std::vector<PlotLine> lines;
   Reproduction result;
   for (int steps = 3; steps <= 6; ++steps) {
-    const Response response = PowerLaw{paper_gamma};
-    plot.lines.push_back(line_of(fmt::format("N = {}", steps), 0, 2 * pi, 600,
-                                 [&](double phi) { return phase_error(response, steps, phi); }));
-    result.cells.push_back({"RMS phase error, rad",
-                            {{"N", double(steps)}, {"gamma", paper_gamma}},
-                            steps == 3 ? std::optional(0.3033) : std::nullopt,
-                            rms_phase_error(response, steps),
-                            rms_left_by(phase_correction(response, steps), response)});
+    lines.push_back(line_of(fmt::format("N = {}", steps), 0, 2 * pi, 600,
+                            [&](double phi) { return phase_error(response, steps, phi); }));
+    result.add("RMS phase error, rad", {{"N", double(steps)}, {"gamma", paper_gamma}},
+               steps == 3 ? std::optional(0.3033) : std::nullopt, rms_phase_error(response, steps),
+               rms_left_by(phase_correction(response, steps), response));
   }
-  result.plots.push_back({"figure-4.4", plot});
+  result.draw("figure-4.4", "Phase error at gamma = 3.18, Eq. (4.45)", "phi, rad",
+              "phi - measured phase, rad", PlotScale::linear, lines);
   return result;
 }
 
 Reproduction figure_45(std::uint64_t /*seed*/) {
-  LinePlot plot{"RMS phase error at gamma = 3.18", "N", "rad", PlotScale::logarithmic, {}};
-  plot.lines.push_back(line_of("", 3, 40, 37, [](double steps) {
-    return rms_phase_error(PowerLaw{paper_gamma}, static_cast<int>(std::lround(steps)));
-  }));
-  return {{}, {{"figure-4.5", plot}}, {}};
+  Reproduction result;
+  result.draw("figure-4.5", "RMS phase error at gamma = 3.18", "N", "rad", PlotScale::logarithmic,
+              {line_of("", 3, 40, 37, [](double steps) {
+                return rms_phase_error(PowerLaw{paper_gamma}, static_cast<int>(std::lround(steps)));
+              })});
+  return result;
 }
 
 Reproduction figure_46(std::uint64_t /*seed*/) {
-  LinePlot plot{"RMS phase error against gamma", "gamma", "rad", PlotScale::logarithmic, {}};
+  std::vector<PlotLine> lines;
   for (int steps = 3; steps <= 6; ++steps) {
-    plot.lines.push_back(
-        line_of(fmt::format("N = {}", steps), 1.005, 5.005, 400,
-                [&](double gamma) { return rms_phase_error(PowerLaw{gamma}, steps); }));
+    lines.push_back(line_of(fmt::format("N = {}", steps), 1.005, 5.005, 400,
+                            [&](double gamma) { return rms_phase_error(PowerLaw{gamma}, steps); }));
   }
-  return {{},
-          {{"figure-4.6", plot}},
-          {"The error vanishes at whole gamma up to N - 2; the plot passes beside those points."}};
+  Reproduction result;
+  result.draw("figure-4.6", "RMS phase error against gamma", "gamma", "rad", PlotScale::logarithmic,
+              lines);
+  result.notes.emplace_back(
+      "The error vanishes at whole gamma up to N - 2; the plot passes beside those points.");
+  return result;
 }
 
 Reproduction figure_47(std::uint64_t /*seed*/) {
   const Response response = PowerLaw{paper_gamma};
-  PlotLine means{"computed", {}, {}}, errors{"", {}, {}};
+  PlotLine means{"computed"}, errors{""};
   Reproduction result;
   for (int steps = 5; steps <= 40; ++steps) {
     double mean = 0;
-    const auto gamma_at = [&](double phi) {
-      const MeasuredHarmonics measured = measured_harmonics(response, steps, phi);
-      return gamma_from_harmonics(std::abs(measured.fundamental), std::abs(measured.second));
-    };
     const double rms = rms_over_circle([&](double phi) {
-      const double gamma = gamma_at(phi);
+      const MeasuredHarmonics measured = measured_harmonics(response, steps, phi);
+      const double gamma =
+          gamma_from_harmonics(std::abs(measured.fundamental), std::abs(measured.second));
       mean += gamma / circle_samples;
       return gamma - paper_gamma;
     });
-    means.x.push_back(steps);
-    means.y.push_back(mean);
-    errors.x.push_back(steps);
-    errors.y.push_back(rms);
+    means.add(steps, mean);
+    errors.add(steps, rms);
     if (steps <= 8 || steps == 10 || steps == 12 || steps == 16 || steps == 20) {
-      result.cells.push_back({"RMS error of gamma by Eq. (4.55)",
-                              {{"N", double(steps)}, {"gamma", paper_gamma}},
-                              {},
-                              rms,
-                              {}});
+      result.add("RMS error of gamma by Eq. (4.55)", {{"N", double(steps)}, {"gamma", paper_gamma}},
+                 {}, rms);
     }
   }
-  result.plots.push_back(
-      {"figure-4.7-gamma",
-       LinePlot{"Gamma by Eq. (4.55)", "N", "gamma", PlotScale::linear, {means}}});
-  result.plots.push_back(
-      {"figure-4.7-error",
-       LinePlot{"RMS error of gamma by Eq. (4.55)", "N", "", PlotScale::logarithmic, {errors}}});
+  result.draw("figure-4.7-gamma", "Gamma by Eq. (4.55)", "N", "gamma", PlotScale::linear, {means});
+  result.draw("figure-4.7-error", "RMS error of gamma by Eq. (4.55)", "N", "",
+              PlotScale::logarithmic, {errors});
   result.notes.emplace_back("The figure is printed without numbers.");
   return result;
 }
@@ -210,28 +195,21 @@ Reproduction blind_figure(const std::string& name, int steps, double gamma) {
   Reproduction result;
   const std::vector<std::pair<std::string, double>> parameters{{"N", double(steps)},
                                                                {"gamma", gamma}};
-  result.cells.push_back({"gamma found without calibration", parameters, gamma, found.gamma, {}});
-  result.cells.push_back(
-      {"RMS phase error before, rad", parameters, {}, rms_phase_error(response, steps), {}});
-  result.cells.push_back({"RMS phase error after, rad", parameters, {}, rms_over_circle(left), {}});
-  result.plots.push_back(
-      {name + "-phase",
-       LinePlot{fmt::format("Phase, N = {}, gamma = {}", steps, gamma),
-                "phi, rad",
-                "rad",
-                PlotScale::linear,
-                {line_of("measured", 0.001, 2 * pi - 0.001, 600,
-                         [&](double phi) { return measured_in_circle(response, steps, phi); }),
-                 line_of("corrected", 0.001, 2 * pi - 0.001, 600, corrected)}}});
-  result.plots.push_back(
-      {name + "-error",
-       LinePlot{fmt::format("Phase error, N = {}, gamma = {}", steps, gamma),
-                "phi, rad",
-                "rad",
-                PlotScale::linear,
-                {line_of("measured", 0, 2 * pi, 600,
-                         [&](double phi) { return -phase_error(response, steps, phi); }),
-                 line_of("corrected", 0.001, 2 * pi - 0.001, 600, left)}}});
+  result.add("gamma found without calibration", parameters, gamma, found.gamma);
+  result.add("RMS phase error before, rad", parameters, {}, rms_phase_error(response, steps));
+  result.add("RMS phase error after, rad", parameters, {}, rms_over_circle(left));
+  const auto line = [](const char* label, double from, const auto& y) {
+    return line_of(label, from, 2 * pi - from, 600, y);
+  };
+  result.draw(name + "-phase", fmt::format("Phase, N = {}, gamma = {}", steps, gamma), "phi, rad",
+              "rad", PlotScale::linear,
+              {line("measured", 0.001,
+                    [&](double phi) { return measured_in_circle(response, steps, phi); }),
+               line("corrected", 0.001, corrected)});
+  result.draw(name + "-error", fmt::format("Phase error, N = {}, gamma = {}", steps, gamma),
+              "phi, rad", "rad", PlotScale::linear,
+              {line("measured", 0, [&](double phi) { return -phase_error(response, steps, phi); }),
+               line("corrected", 0.001, left)});
   return result;
 }
 

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "slipstream/noise/noise_measurement.h"
 #include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/predicted_variance.h"
@@ -43,26 +45,19 @@ FrameSet frames_of(const Strategy& strategy, const PatternLight& light, const No
 template <class Measure>
 Reproduction ten_measurements(const char* figure, const char* equation, double published,
                               std::uint64_t seed, const Measure& measure) {
-  PlotLine line{"", {}, {}};
+  PlotLine line;
   double sum = 0;
   for (int run = 1; run <= 10; ++run) {
     const double variance = measure(seed * 1000 + 2 * static_cast<std::uint64_t>(run));
-    line.x.push_back(run);
-    line.y.push_back(variance);
+    line.add(run, variance);
     sum += variance;
   }
   Reproduction result;
-  result.cells.push_back({std::string("sigma_w^2 by ") + equation + ", mean of 10 measurements",
-                          {{"sigma_w^2", 2.0}},
-                          published,
-                          sum / 10,
-                          {}});
-  result.plots.push_back({std::string("figure-") + figure,
-                          LinePlot{std::string("Noise variance measured by Eq. ") + equation,
-                                   "measurement",
-                                   "sigma_w^2",
-                                   PlotScale::linear,
-                                   {std::move(line)}}});
+  result.add(fmt::format("sigma_w^2 by {}, mean of 10 measurements", equation),
+             {{"sigma_w^2", 2.0}}, published, sum / 10);
+  result.draw(fmt::format("figure-{}", figure),
+              fmt::format("Noise variance measured by Eq. {}", equation), "measurement",
+              "sigma_w^2", PlotScale::linear, {line});
   return result;
 }
 
@@ -94,8 +89,7 @@ Reproduction figure_38(std::uint64_t seed) {
 
 /// Of N = 3, alpha_p = 255, sigma_w^2 = 2: what 3-step PMP makes of noise at each reflectivity.
 struct NoiseOfPmp {
-  PlotLine reflectivity{"measured", {}, {}};
-  PlotLine phase{"measured", {}, {}};
+  PlotLine reflectivity{"measured"}, phase{"measured"};
 };
 
 NoiseOfPmp noise_of_pmp(std::uint64_t seed) {
@@ -112,89 +106,61 @@ NoiseOfPmp noise_of_pmp(std::uint64_t seed) {
                    maps.wrapped_phase.begin(), [](double phi, double coordinate) {
                      return std::remainder(phi - 2 * pi * coordinate, 2 * pi);
                    });
-    noise.reflectivity.x.push_back(alpha);
-    noise.reflectivity.y.push_back(variance_of(maps.modulation) * 4 / (255.0 * 255.0));  // (3.6)
-    noise.phase.x.push_back(alpha);
-    noise.phase.y.push_back(variance_of(maps.wrapped_phase));
+    noise.reflectivity.add(alpha, variance_of(maps.modulation) * 4 / (255.0 * 255.0));  // (3.6)
+    noise.phase.add(alpha, variance_of(maps.wrapped_phase));
   }
   return noise;
 }
 
-/// The line of what is predicted at the same places.
+/// What was measured beside what an equation predicts at the same reflectivities.
 template <class Predict>
-PlotLine predicted_beside(const PlotLine& measured, const char* label, const Predict& predict) {
-  PlotLine line{label, measured.x, {}};
-  for (const double x : line.x) line.y.push_back(predict(x));
-  return line;
-}
-
-Reproduction compared(const char* quantity, const char* parameter, const PlotLine& measured,
-                      const PlotLine& predicted, NamedPlot plot) {
+Reproduction compared(const char* figure, const char* quantity, const char* unit,
+                      const PlotLine& measured, const char* equation, const Predict& predict) {
   Reproduction result;
+  PlotLine predicted{equation};
   for (std::size_t i = 0; i < measured.x.size(); ++i) {
-    if (!std::isfinite(predicted.y[i])) continue;
-    result.cells.push_back(
-        {quantity, {{parameter, measured.x[i]}}, predicted.y[i], measured.y[i], {}});
+    const double alpha = measured.x[i];
+    predicted.add(alpha, predict(alpha));
+    if (!std::isfinite(predicted.y.back())) continue;
+    result.add(fmt::format("variance of the {}", quantity), {{"alpha", alpha}}, predicted.y.back(),
+               measured.y[i]);
   }
   result.notes.emplace_back("Published: the equation; recomputed: simulated pixels.");
-  result.plots.push_back(std::move(plot));
+  result.draw(fmt::format("figure-{}", figure),
+              fmt::format("Variance of the {}, N = 3, sigma_w^2 = 2", quantity), "reflectivity",
+              unit, PlotScale::logarithmic, {measured, predicted});
   return result;
 }
 
 Reproduction figure_32(std::uint64_t seed) {
-  const PlotLine measured = noise_of_pmp(seed).reflectivity;
-  const PlotLine predicted = predicted_beside(
-      measured, "Eq. (3.27)", [](double) { return reflectivity_variance(3, 255, 2); });
-  return compared("variance of the reflectivity", "alpha", measured, predicted,
-                  {"figure-3.2", LinePlot{"Variance of the reflectivity, N = 3, sigma_w^2 = 2",
-                                          "reflectivity",
-                                          "variance",
-                                          PlotScale::logarithmic,
-                                          {measured, predicted}}});
+  return compared("3.2", "reflectivity", "variance", noise_of_pmp(seed).reflectivity, "Eq. (3.27)",
+                  [](double) { return reflectivity_variance(3, 255, 2); });
 }
 
 Reproduction figure_33(std::uint64_t seed) {
-  const PlotLine measured = noise_of_pmp(seed).phase;
-  const PlotLine predicted = predicted_beside(
-      measured, "Eq. (3.38)", [](double alpha) { return phase_variance(3, alpha, 255, 2); });
-  return compared("variance of the phase, rad^2", "alpha", measured, predicted,
-                  {"figure-3.3", LinePlot{"Variance of the phase, N = 3, sigma_w^2 = 2",
-                                          "reflectivity",
-                                          "rad^2",
-                                          PlotScale::logarithmic,
-                                          {measured, predicted}}});
+  return compared("3.3", "phase, rad^2", "rad^2", noise_of_pmp(seed).phase, "Eq. (3.38)",
+                  [](double alpha) { return phase_variance(3, alpha, 255, 2); });
 }
 
 /// Normalised variance of the reference over c_1, averaged over the field; `variance` of (c_1, y).
 template <class Variance>
 Reproduction best_share(const char* figure, const char* title, const Variance& variance) {
-  PlotLine line{"mean over the field", {}, {}};
+  PlotLine line{"mean over the field"};
   for (int i = 5; i <= 95; ++i) {
     const double c1 = i / 100.0;
     constexpr int places = 100;
     double sum = 0;
     for (int place = 0; place < places; ++place) sum += variance(c1, (place + 0.5) / places);
-    line.x.push_back(c1);
-    line.y.push_back(sum / places);
+    line.add(c1, sum / places);
   }
-  const auto least = std::min_element(line.y.begin(), line.y.end()) - line.y.begin();
+  const auto least =
+      static_cast<std::size_t>(std::min_element(line.y.begin(), line.y.end()) - line.y.begin());
   Reproduction result;
-  result.cells.push_back({"c_1 of the least variance",
-                          {{"alpha_p", 200.0}},
-                          0.5,
-                          line.x[static_cast<std::size_t>(least)],
-                          {}});
-  result.cells.push_back({"least variance over sigma_w^2",
-                          {{"alpha_p", 200.0}},
-                          {},
-                          line.y[static_cast<std::size_t>(least)],
-                          {}});
+  result.add("c_1 of the least variance", {{"alpha_p", 200.0}}, 0.5, line.x[least]);
+  result.add("least variance over sigma_w^2", {{"alpha_p", 200.0}}, {}, line.y[least]);
   result.notes.emplace_back("alpha = 0.5, beta = -7, beta_p = 55.");
-  result.plots.push_back({std::string("figure-") + figure, LinePlot{title,
-                                                                    "c_1",
-                                                                    "variance of R over sigma_w^2",
-                                                                    PlotScale::logarithmic,
-                                                                    {std::move(line)}}});
+  result.draw(fmt::format("figure-{}", figure), title, "c_1", "variance of R over sigma_w^2",
+              PlotScale::logarithmic, {line});
   return result;
 }
 
@@ -229,7 +195,7 @@ Modulations modulations(double c1, std::uint64_t seed) {
 }
 
 Reproduction figure_310(std::uint64_t seed) {
-  PlotLine first{"alpha_1", {}, {}}, second{"alpha_2", {}, {}}, weighted{"weighted", {}, {}};
+  PlotLine first{"alpha_1"}, second{"alpha_2"}, weighted{"weighted"};
   Reproduction result;
   for (int i = 20; i <= 80; i += 5) {
     const double c1 = i / 100.0, c2 = 1 - c1;
@@ -242,9 +208,8 @@ Reproduction figure_310(std::uint64_t seed) {
     }
     const auto add = [&](PlotLine& line, const char* quantity, const Image<double>& values,
                          double predicted) {
-      line.x.push_back(c1);
-      line.y.push_back(variance_of(values));
-      result.cells.push_back({quantity, {{"c_1", c1}}, predicted, line.y.back(), {}});
+      line.add(c1, variance_of(values));
+      result.add(quantity, {{"c_1", c1}}, predicted, line.y.back());
     };
     add(first, "variance of alpha_1, (3.95)", alpha_1, reflectivity_variance(5, 200, 1.6, c1));
     add(second, "variance of alpha_2, (3.96)", alpha_2, reflectivity_variance(5, 200, 1.6, c2));
@@ -252,30 +217,23 @@ Reproduction figure_310(std::uint64_t seed) {
         weighted_reflectivity_variance(5, 200, 1.6));
   }
   result.notes.emplace_back("Published: the equation; recomputed: simulated pixels.");
-  result.plots.push_back({"figure-3.10", LinePlot{"Variance of the reflectivity, 5-pattern PCMP",
-                                                  "c_1",
-                                                  "variance",
-                                                  PlotScale::logarithmic,
-                                                  {first, second, weighted}}});
+  result.draw("figure-3.10", "Variance of the reflectivity, 5-pattern PCMP", "c_1", "variance",
+              PlotScale::logarithmic, {first, second, weighted});
   return result;
 }
 
 Reproduction figure_311(std::uint64_t seed) {
-  PlotLine line{"", {}, {}};
+  PlotLine line;
   Reproduction result;
   for (int i = 50; i <= 80; i += 5) {
     const double c1 = i / 100.0;
     const auto [B_1, B_2] = modulations(c1, seed * 1000 + static_cast<std::uint64_t>(i));
-    line.x.push_back(c1);
-    line.y.push_back(noise_from_modulations(B_1, B_2, 5, c1, everywhere()).variance);
-    result.cells.push_back({"sigma_w^2 by (3.99)", {{"c_1", c1}}, 1.6, line.y.back(), {}});
+    line.add(c1, noise_from_modulations(B_1, B_2, 5, c1, everywhere()).variance);
+    result.add("sigma_w^2 by (3.99)", {{"c_1", c1}}, 1.6, line.y.back());
   }
   result.notes.emplace_back("Published: the variance of the noise put in.");
-  result.plots.push_back({"figure-3.11", LinePlot{"Noise variance from one 5-pattern PCMP scan",
-                                                  "c_1",
-                                                  "sigma_w^2",
-                                                  PlotScale::linear,
-                                                  {std::move(line)}}});
+  result.draw("figure-3.11", "Noise variance from one 5-pattern PCMP scan", "c_1", "sigma_w^2",
+              PlotScale::linear, {line});
   return result;
 }
 

@@ -33,6 +33,18 @@ struct Reproduction {
   std::vector<ReproducedCell> cells;
   std::vector<NamedPlot> plots;
   std::vector<std::string> notes;  ///< what a reader of the numbers should know, a sentence each
+
+  void add(std::string quantity, std::vector<std::pair<std::string, double>> parameters,
+           std::optional<double> published, std::optional<double> recomputed,
+           std::optional<double> improved = std::nullopt) {
+    cells.push_back({std::move(quantity), std::move(parameters), published, recomputed, improved});
+  }
+  /// A plot of lines.
+  void draw(std::string name, std::string title, std::string x, std::string y, PlotScale scale,
+            std::vector<PlotLine> lines) {
+    plots.push_back({std::move(name), LinePlot{std::move(title), std::move(x), std::move(y), scale,
+                                               std::move(lines)}});
+  }
 };
 
 /// Something that can be recomputed.

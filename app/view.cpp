@@ -8,11 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "app/clean_flags.h"
+#include "app/cloud_input.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
-#include "app/scan_findings.h"
-#include "app/scan_input.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
@@ -29,36 +27,28 @@ namespace {
 
 struct ViewPathFlags {
   std::string path;
-  ScanInputFlags input;
-  CleanFlags clean;
-  bool anyway = false;
+  CloudInputFlags cloud;
   std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
   const CLI::App* command = nullptr;
   ViewFlags view;
 };
 
 view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
-  Scan scan = load(flags.path, flags.input, false, output);
-  ReconstructSettings settings;
-  set_clean(settings, flags.clean);
-  EngineSetup setup = setup_for(scan, settings);
-  const std::optional<MeasuredResponse> of_scanner = setup.scanner.photometry.response;
-  choose_response(scan, flags.input);
-  require_reconstructible(setup);
-  CheckedScan checked = check_and_repair(scan);
-  refuse_or_warn(checked, flags.path, flags.anyway, output);
-  const auto response_by = [&](const std::string& how) {
-    return choose_gamma(how, of_scanner, setup.sequence.strategy.layout(), scan.frames).response;
-  };
-  const auto given = response_by(flags.input.gamma), blind = response_by("blind");
-  setup.scanner.photometry.response = given;
+  CloudInputFlags asked = flags.cloud;
+  set_clean(asked.settings, asked.clean);
+  Scan scan = load(flags.path, asked.input, false, output);
+  const SoundScan sound = sound_scan(scan, flags.path, asked, output);
+  const EngineSetup& setup = sound.setup;
+  const auto given = sound.gamma.response;
+  const auto blind =
+      choose_gamma("blind", given, setup.sequence.strategy.layout(), scan.frames).response;
   view::ViewSource source = view::still_source(std::move(scan.frames), setup);
-  source.findings = checked.findings;
+  source.findings = sound.checked.findings;
   source.gammas = {
-      {fmt::format("of the {}", flags.input.gamma == "scanner" ? "scanner" : "flag"), given},
+      {fmt::format("of the {}", asked.input.gamma == "scanner" ? "scanner" : "flag"), given},
       {"none", std::nullopt},
       {"from the frames", blind}};
-  source.save = [view = flags.view, remarks = doubts(checked.findings)](
+  source.save = [view = flags.view, remarks = doubts(sound.checked.findings)](
                     const view::ShownCloud& cloud, const EngineSetup& used) {
     return save_in_new_folder(cloud, used, view, remarks);
   };
@@ -120,11 +110,11 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   source.openable = [beside = flags.path.empty() ? fs::current_path() : beside] {
     return viewable_in(beside);
   };
-  source.open = [view = flags.view, clean = flags.clean, &output](const std::string& path) {
+  source.open = [view = flags.view, clean = flags.cloud.clean, &output](const std::string& path) {
     ViewPathFlags other;
     other.path = path;
     other.view = view;
-    other.clean = clean;
+    other.cloud.clean = clean;
     return source_of(other, output);
   };
   view::run_viewer(source, {.view = view_settings_from(flags.view), .size = size_from(flags.view)});
@@ -141,9 +131,9 @@ void add_view(CLI::App& program, Command& chosen) {
       "in the window without");
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
-  add_scan_input_flags(command.app, flags.input);
-  add_clean_flags(command.app, flags.clean);
-  add_anyway_flag(command.app, flags.anyway);
+  add_scan_input_flags(command.app, flags.cloud.input);
+  add_clean_flags(command.app, flags.cloud.clean);
+  add_anyway_flag(command.app, flags.cloud.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
   flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());

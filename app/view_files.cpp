@@ -3,6 +3,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/view/view_settings.h"
@@ -41,7 +42,14 @@ std::string save_in_new_folder(const view::ShownCloud& shown, const EngineSetup&
   Engine(setup).cloud_and_maps(shown.frames, cloud, maps);
   make_folder(folder);
   if (!shown.frames.merged()) save_scan(folder, shown.frames, sequence, setup.scanner);
-  save_results(folder, cloud, maps, remarks);
+  write_results({.cloud = folder / "cloud.ply",
+                 .depth = folder / "depth.tiff",
+                 .coordinate = folder / "coordinate.tiff",
+                 .phase = folder / "phase.tiff",
+                 .modulation = folder / "modulation.tiff",
+                 .mean = folder / "mean.tiff",
+                 .preview = folder / "preview.png"},
+                cloud, maps, {.remarks = remarks});
   return folder.string();
 }
 

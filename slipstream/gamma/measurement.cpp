@@ -14,25 +14,15 @@
 namespace slipstream {
 namespace {
 
-/// The lowest point of a function with one valley between two places (golden section).
+/// The lowest point of a function with one valley between two places.
 template <class Function>
 double lowest_between(const Function& f, double low, double high) {
-  const double golden = (std::sqrt(5.0) - 1) / 2;
-  double left = high - golden * (high - low), right = low + golden * (high - low);
-  double f_left = f(left), f_right = f(right);
   while (high - low > 1e-9) {
-    if (f_left < f_right) {
-      high = right;
-      right = left;
-      f_right = f_left;
-      left = high - golden * (high - low);
-      f_left = f(left);
+    const double third = (high - low) / 3;
+    if (f(low + third) < f(high - third)) {
+      high -= third;
     } else {
-      low = left;
-      left = right;
-      f_left = f_right;
-      right = low + golden * (high - low);
-      f_right = f(right);
+      low += third;
     }
   }
   return std::midpoint(low, high);

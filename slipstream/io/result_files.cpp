@@ -1,5 +1,6 @@
 #include "slipstream/io/result_files.h"
 
+#include <array>
 #include <set>
 #include <string_view>
 
@@ -15,6 +16,16 @@ namespace {
 
 constexpr std::string_view placeholder = "{name}";
 
+constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 8> all_files{
+    {{"cloud", &ResultFiles::cloud},
+     {"mesh", &ResultFiles::mesh},
+     {"depth", &ResultFiles::depth},
+     {"coordinate", &ResultFiles::coordinate},
+     {"phase", &ResultFiles::phase},
+     {"modulation", &ResultFiles::modulation},
+     {"mean", &ResultFiles::mean},
+     {"preview", &ResultFiles::preview}}};
+
 void write_map_if_asked(const std::string& path, const Image<float>& map) {
   if (!path.empty()) write_map(path, map);
 }
@@ -22,12 +33,10 @@ void write_map_if_asked(const std::string& path, const Image<float>& map) {
 }  // namespace
 
 std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
-  std::vector<std::pair<const char*, std::string>> asked{
-      {"cloud", cloud}, {"mesh", mesh},
-      {"depth", depth}, {"coordinate", coordinate},
-      {"phase", phase}, {"modulation", modulation},
-      {"mean", mean},   {"preview", preview}};
-  std::erase_if(asked, [](const auto& file) { return file.second.empty(); });
+  std::vector<std::pair<const char*, std::string>> asked;
+  for (const auto& [name, path] : all_files) {
+    if (!(this->*path).empty()) asked.emplace_back(name, this->*path);
+  }
   return asked;
 }
 
@@ -40,12 +49,11 @@ ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path&
   const std::string name =
       (std::filesystem::is_directory(whole) ? whole.filename() : whole.stem()).string();
   ResultFiles filled = files;
-  for (std::string* const path :
-       {&filled.cloud, &filled.mesh, &filled.depth, &filled.coordinate, &filled.phase,
-        &filled.modulation, &filled.mean, &filled.preview}) {
-    for (std::size_t at = path->find(placeholder); at != std::string::npos;
-         at = path->find(placeholder, at + name.size())) {
-      path->replace(at, placeholder.size(), name);
+  for (const auto& [kind, member] : all_files) {
+    std::string& path = filled.*member;
+    for (std::size_t at = path.find(placeholder); at != std::string::npos;
+         at = path.find(placeholder, at + name.size())) {
+      path.replace(at, placeholder.size(), name);
     }
   }
   return filled;

@@ -11,10 +11,8 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/preview.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
@@ -141,17 +139,6 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   }
   write_scan_files(path / "scan.yaml", files);
   return files;
-}
-
-void save_results(const fs::path& folder, const Cloud& cloud, const Maps& maps,
-                  const std::vector<std::string>& remarks) {
-  write_cloud(folder / "cloud.ply", cloud, {.remarks = remarks});
-  write_map(folder / "depth.tiff", cloud.z);
-  write_map(folder / "coordinate.tiff", maps.coordinate);
-  write_map(folder / "phase.tiff", maps.wrapped_phase);
-  write_map(folder / "modulation.tiff", maps.modulation);
-  write_map(folder / "mean.tiff", maps.mean);
-  write_depth_preview(folder / "preview.png", cloud);
 }
 
 fs::path path_named_by_time(const fs::path& parent, std::string_view what,

@@ -38,11 +38,6 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt);
 
-/// Writes what was made of a scan beside it: cloud.ply, depth.tiff, coordinate.tiff, phase.tiff,
-/// modulation.tiff, mean.tiff and preview.png. `remarks`: see CloudExtras.
-void save_results(const std::filesystem::path& folder, const Cloud& cloud, const Maps& maps,
-                  const std::vector<std::string>& remarks = {});
-
 /// A path in `parent` that is not there yet, named by the time: "WHAT-20260131-142530ENDING", with
 /// -2, -3 and so on before the ending where there is one already.
 std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,

@@ -12,6 +12,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/image/quantile.h"
 #include "slipstream/noise/predicted_variance.h"
+#include "slipstream/phase/phase_decoder.h"
 
 namespace slipstream {
 namespace {
@@ -32,13 +33,12 @@ struct LitPixels {
 
 /// B of the weakest band.
 Image<double> modulation(const FrameViews& frames, const Layout& layout) {
+  const PhaseDecoder decode(PhaseMethod::equation, {});
   Image<double> least(frames.size(), std::numeric_limits<double>::infinity());
   for (const Band& band : layout.bands) {
-    const Image<double> C = weighted_sum(frames, band.cosine);
-    const Image<double> S = weighted_sum(frames, band.sine);
-    for (std::size_t i = 0; i < least.pixel_count(); ++i) {
-      least.begin()[i] = std::min(least.begin()[i], std::hypot(C.begin()[i], S.begin()[i]));
-    }
+    const Image<double> B = decode(frames, band).modulation;
+    std::transform(least.begin(), least.end(), B.begin(), least.begin(),
+                   [](double one, double other) { return std::min(one, other); });
   }
   return least;
 }

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "slipstream/error/error.h"
+#include "slipstream/phase/phase_decoder.h"
 
 namespace slipstream {
 namespace {
@@ -39,14 +40,6 @@ class Estimates {
   std::size_t pixels_ = 0;
   int count_ = 0;
 };
-
-Image<double> modulation_of(const FrameViews& frames, const Band& band) {
-  Image<double> C = weighted_sum(frames, band.cosine);
-  const Image<double> S = weighted_sum(frames, band.sine);
-  std::transform(C.begin(), C.end(), S.begin(), C.begin(),
-                 [](double c, double s) { return std::hypot(c, s); });
-  return C;
-}
 
 Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
   if (a.size() != b.size()) {
@@ -100,11 +93,13 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy_(scan.sequence.strategy) {
   if (!run)
     throw Error(strategy_.name() + ": no run of phase steps in it, by which noise is measured");
   steps_ = run->steps;
-  mean_ = in_8_bits(weighted_sum(frames, band.mean));
+  const PhaseDecoder decode(PhaseMethod::equation, {});
+  const PhaseMaps maps = decode(frames, band);
+  mean_ = in_8_bits(maps.mean);
   if (steps_ == 4 && !layout.cue) {
     b_cos_ = in_8_bits(weighted_sum(frames.part(run->first, 4), half_phase_weights()));
   }
-  const Image<double> modulation = in_8_bits(modulation_of(frames, band));
+  const Image<double> modulation = in_8_bits(maps.modulation);
   measured_ = unclipped_mask(frames);
   std::transform(measured_.begin(), measured_.end(), modulation.begin(), measured_.begin(),
                  [](std::uint8_t good, double B) {
@@ -112,7 +107,7 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy_(scan.sequence.strategy) {
                  });
   if (layout.unwrapping == Unwrapping::vote && !layout.cue) {
     modulations_[0] = modulation;
-    modulations_[1] = in_8_bits(modulation_of(frames, layout.bands[1]));
+    modulations_[1] = in_8_bits(decode(frames, layout.bands[1]).modulation);
   }
 }
 

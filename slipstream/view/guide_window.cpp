@@ -1,8 +1,6 @@
 #include "slipstream/view/guide_window.h"
 
 #include <algorithm>
-#include <bit>
-#include <cstdint>
 #include <utility>
 
 #include <GLFW/glfw3.h>
@@ -12,6 +10,7 @@
 #include "slipstream/opengl/off_screen.h"
 #include "slipstream/opengl/picture_texture.h"
 #include "slipstream/view/gui.h"
+#include "slipstream/view/overlay.h"
 
 namespace slipstream::view {
 namespace {
@@ -23,16 +22,6 @@ Screen readable(Screen screen) {
   const float grown = static_cast<float>(screen.framebuffer.height) / usual_height;
   screen.content_scale = std::max(screen.content_scale, grown);
   return screen;
-}
-
-/// As large as fits into the room, in its middle.
-void draw_picture(const opengl::PictureTexture& texture, ImVec2 room) {
-  const auto width = static_cast<float>(texture.size().width);
-  const auto height = static_cast<float>(texture.size().height);
-  const float scale = std::min(room.x / width, room.y / height);
-  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + std::max(0.0F, (room.x - scale * width) / 2));
-  ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{texture.number()}),
-               {scale * width, scale * height});
 }
 
 void draw_text(const Guide& guide) {
@@ -51,13 +40,14 @@ void draw(const Guide& guide, const opengl::PictureTexture& texture, const Scree
   ImGui::SetNextWindowPos({0, 0});
   ImGui::SetNextWindowSize(
       {static_cast<float>(screen.window.width), static_cast<float>(screen.window.height)});
-  ImGui::Begin(
-      "guide", nullptr,
-      ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  ImGui::Begin("guide", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
   const float lines = 3 + static_cast<float>(guide.lines.size());
-  ImVec2 room = ImGui::GetContentRegionAvail();
-  room.y -= lines * ImGui::GetTextLineHeightWithSpacing();
-  draw_picture(texture, room);
+  const ImVec2 at = ImGui::GetCursorPos(), room = ImGui::GetContentRegionAvail();
+  const float height = room.y - lines * ImGui::GetTextLineHeightWithSpacing();
+  draw_picture(texture, {at.x, at.y, room.x, height});
+  ImGui::SetCursorPosY(at.y + height);
   draw_text(guide);
   ImGui::End();
 }

@@ -42,8 +42,9 @@ std::vector<int> order_from(const std::string& text) {
 void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
   group.add("--strategy", flags.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
   for (const SettingDescription& setting : strategy_settings()) {
-    group.add(flag_of(setting.name), flags.settings[setting.name],
-              fmt::format("{} [{}]", setting.help, setting.strategies));
+    CLI::Option* const option = group.add(flag_of(setting.name), flags.settings[setting.name],
+                                          fmt::format("{} [{}]", setting.help, setting.strategies));
+    if (setting.is_switch) option->expected(0, 1)->default_str("true");
   }
   group.add("--axis", flags.axis, "x: the pattern varies along projector columns; y: rows");
   group.add("--projector", flags.projector, "projector pixels, as 1824x1140");

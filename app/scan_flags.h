@@ -15,7 +15,7 @@ namespace slipstream::app {
 /// The flags that say what patterns a scan is made of, as far as they were given.
 struct ScanFlags {
   std::optional<std::string> strategy;
-  std::map<std::string, std::optional<double>> settings;  ///< by the setting's name
+  std::map<std::string, std::optional<std::string>> settings;  ///< by the setting's name
   std::optional<std::string> axis;
   std::optional<std::string> projector;  ///< "1824x1140"
   std::optional<double> alpha_p;

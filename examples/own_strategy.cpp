@@ -12,8 +12,8 @@
 
 using namespace slipstream;
 
-struct TwoPlusOne {
-  static constexpr std::string_view name = "two-plus-one";
+struct QuarterPhase {
+  static constexpr std::string_view name = "quarter-phase";
   double frequency = 1;
 
   template <class Self, class Visit>
@@ -21,7 +21,7 @@ struct TwoPlusOne {
     visit("frequency", "periods across the projector field", self.frequency);
   }
   void require_valid() const {
-    if (!(frequency > 0 && frequency <= 1)) throw Error("two-plus-one: at most one period");
+    if (!(frequency > 0 && frequency <= 1)) throw Error("quarter-phase: at most one period");
   }
   [[nodiscard]] double shape(int n, double y) const {
     const double phase = 2 * std::numbers::pi * frequency * y;
@@ -37,7 +37,7 @@ struct TwoPlusOne {
 
 int main() {
   const Scanner scanner = example_scanner({640, 480});
-  const Sequence sequence{.strategy = TwoPlusOne{}};
+  const Sequence sequence{.strategy = QuarterPhase{}};
   const VirtualScan scan = take_scan(scanner, scene_named("sphere", scanner), pattern_set(sequence),
                                      {.ambient = 5, .noise_variance = 1.55, .bits = 8});
   Engine engine(scanner, sequence);

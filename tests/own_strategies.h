@@ -12,8 +12,8 @@
 namespace slipstream {
 
 /// A cosine, a sine and the mean itself, one frame each: no run of steps.
-struct TwoPlusOne {
-  static constexpr std::string_view name = "two-plus-one";
+struct CosineSineMean {
+  static constexpr std::string_view name = "cosine-sine-mean";
 
   template <class Self, class Visit>
   static void for_each_setting(Self&, const Visit&) {}
@@ -56,7 +56,8 @@ struct ThreeFrequencies {
 };
 
 inline std::vector<Strategy> own_strategies() {
-  return {TwoPlusOne{}, ThreeFrequencies{}, ThreeFrequencies{.first = 36, .second = 1, .third = 6}};
+  return {CosineSineMean{}, ThreeFrequencies{},
+          ThreeFrequencies{.first = 36, .second = 1, .third = 6}};
 }
 
 }  // namespace slipstream

@@ -60,6 +60,17 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     }
     corrected_steps_[b] = run->steps;
   }
+  switch (layout_.unwrapping) {
+    case Unwrapping::beats:
+    case Unwrapping::likelihood:
+    case Unwrapping::code:
+    case Unwrapping::code_alone:
+      chain_ = {slipstream::measuring_band_index(layout_)};
+      alone_.emplace(layout_, length_along(sequence.axis, sequence.projector));
+      break;
+    default:
+      break;
+  }
   // A cue in the DC channel says nothing where the room's light is not known.
   if (layout_.cue && (photometry.ambient || !needs_ambient_light(layout_))) {
     CueSettings settings{.light = sequence.light};
@@ -84,11 +95,25 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
     reading.modulation[b] = std::hypot(C, S);
     reading.phase[b] = wrapped_angle(S, C);
     if (const int steps = corrected_steps_[b]; steps != 0) {
-      reading.phase[b] = corrected_phase(corrections_.at(steps), reading.phase[b]);
+      const Shifts shifts = step_run(layout_.bands[b])->shifts;
+      const double shifted = unshifted_phase({}, shifted_phase(shifts, reading.phase[b]));
+      reading.phase[b] = unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted));
     }
   }
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
+  if (alone_) reading.coordinate = coordinate_of(reading, levels, order);
   explain(levels, order, reading);
+}
+
+double FrameModel::coordinate_of(const SampleReading& reading, const float* levels,
+                                 const FrameOrder& order) const {
+  int stripe = 0;
+  if (layout_.code) {
+    std::vector<double> I;
+    for (const int frame : order) I.push_back(levels[frame]);
+    stripe = read_code(*layout_.code, I, 255).stripe;
+  }
+  return (*alone_)(reading.phase, reading.modulation, stripe).y;
 }
 
 double FrameModel::shown_range(int n, const ScanSamples& samples) const {

@@ -11,6 +11,7 @@
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/phase/phase_correction.h"
 #include "slipstream/strategy/sequence.h"
+#include "slipstream/unwrap/band_unwrapper.h"
 #include "slipstream/unwrap/cue_evidence.h"
 
 namespace slipstream {
@@ -37,12 +38,15 @@ class FrameModel {
   FrameModel(const Sequence& sequence, const PhotometricCalibration& photometry);
 
   [[nodiscard]] const Layout& layout() const { return layout_; }
-  /// Indices of the bands, from few periods to many.
+  /// Indices of the bands that are compared, from few periods to many: with beats, likelihood or a
+  /// code the measuring one alone.
   [[nodiscard]] const std::vector<std::size_t>& bands() const { return chain_; }
   [[nodiscard]] std::size_t measuring_band() const { return chain_.back(); }
   [[nodiscard]] double fewest_periods() const { return layout_.bands[chain_.front()].periods; }
   /// Whether frames give a coordinate with what is known.
-  [[nodiscard]] bool has_coordinate() const { return has_real_cue() || fewest_periods() <= 1; }
+  [[nodiscard]] bool has_coordinate() const {
+    return has_real_cue() || alone_.has_value() || fewest_periods() <= 1;
+  }
   /// Whether there is a cue that is a number of its own and no band, and can be read.
   [[nodiscard]] bool has_real_cue() const { return cue_.has_value(); }
   /// How many numbers the frames have more than patterns of that shape can give them.
@@ -70,6 +74,8 @@ class FrameModel {
 
  private:
   void unwrap(SampleReading& reading, double cue) const;
+  [[nodiscard]] double coordinate_of(const SampleReading& reading, const float* levels,
+                                     const FrameOrder& order) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
   [[nodiscard]] double light(int n, double y) const;
 
@@ -80,7 +86,8 @@ class FrameModel {
   std::vector<int> corrected_steps_;  ///< N of each band that is corrected, else 0
   std::vector<std::size_t> chain_;
   std::optional<CueEvidence> cue_;
-  Eigen::MatrixXd complement_;  ///< rows: a basis of what no pattern of that shape makes
+  std::optional<BandUnwrapper> alone_;  ///< what gives the coordinate where the chain does not
+  Eigen::MatrixXd complement_;          ///< rows: a basis of what no pattern of that shape makes
 };
 
 }  // namespace slipstream

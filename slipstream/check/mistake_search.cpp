@@ -116,7 +116,7 @@ class Search {
     const Strategy& strategy = scan_.sequence.strategy;
     const double said = strategy.layout().bands[band].periods;
     for (const auto& [name, value] : strategy.settings()) {
-      if (value != said) continue;
+      if (value != SettingValue(said)) continue;
       StrategySettings settings = strategy.settings();
       settings[name] = periods;
       try {

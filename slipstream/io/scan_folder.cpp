@@ -123,7 +123,8 @@ Strategy read_strategy(const YamlMap& map) {
   const std::set<std::string> others{"name", "axis", "alpha_p", "beta_p", "marker", "binary"};
   StrategySettings settings;
   for (const std::string& key : map.keys()) {
-    if (!others.contains(key)) settings[key] = map.number(key);
+    if (others.contains(key)) continue;
+    settings[key] = map.value<std::string>(key, "a number, numbers with commas or a word");
   }
   return make_strategy(map.value<std::string>("name", "the name of a strategy"), settings);
 }
@@ -242,7 +243,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   const auto& [strategy, axis, light, projector, marker, exposures, binary] = scan.sequence;
   yaml << YAML::Key << "name" << YAML::Value << strategy.name();
   for (const auto& [name, value] : strategy.settings()) {
-    yaml << YAML::Key << name << YAML::Value << value;
+    yaml << YAML::Key << name << YAML::Value << value.text();
   }
   yaml << YAML::Key << "axis" << YAML::Value << std::string(name_of(axis));
   yaml << YAML::Key << "alpha_p" << YAML::Value << light.alpha_p;

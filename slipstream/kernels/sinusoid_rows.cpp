@@ -96,12 +96,21 @@ HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& l
 template <int N, std::size_t count>
 HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>& U,
                                 const Several<count>& V) {
+  Several<count> turn;
   if constexpr (N != 0) {
     using Fold = std::conditional_t<N == 4, FoldOfFour, FoldOfThree>;
-    return folded_turns<Fold, count>(stage.folded, V, U);
+    turn = folded_turns<Fold, count>(stage.folded, V, U);
   } else {
-    return corrected_turns<count>(stage, V, U);
+    turn = corrected_turns<count>(stage, V, U);
   }
+  if (stage.direction == 1 && stage.offset == 0) return turn;
+  const FloatTag d;
+  const Floats direction = hn::Set(d, stage.direction), offset = hn::Set(d, stage.offset);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    turn[k] = hn::MulAdd(direction, turn[k], offset);
+    turn[k] = hn::Sub(turn[k], hn::Floor(turn[k]));
+  });
+  return turn;
 }
 
 /// Of the frames of one row: their sums, and which are saturated.
@@ -246,6 +255,16 @@ void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float*
   });
 }
 
+void PlaceNear(float periods, int width, const float* turn, const float* near, float* coordinate) {
+  const FloatTag d;
+  const Floats f = hn::Set(d, periods), period = hn::Set(d, 1 / periods);
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Floats part = hn::LoadU(d, turn + i);
+    const Floats k = hn::Round(hn::MulSub(hn::LoadU(d, near + i), f, part));
+    hn::StoreU(hn::Mul(hn::Add(part, k), period), d, coordinate + i);
+  });
+}
+
 void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
                std::int32_t hidden, const UnwrappedRow& row) {
   const FloatTag d;
@@ -253,6 +272,7 @@ void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, cons
   const FieldPlacer in_field(stage.coordinate);
   const Floats ratio = hn::Set(d, stage.ratio);
   const Floats largest_doubt = hn::Set(d, stage.largest_doubt);
+  const Floats open = hn::Set(d, stage.open), doubt_scale = hn::Set(d, stage.doubt_scale);
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
     const Ints known = hn::LoadU(di, row.flags + i);
@@ -263,7 +283,8 @@ void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, cons
     const Floats periods = hn::MulSub(hn::LoadU(d, low_turn + i), ratio, high);
     const Floats k = hn::Round(periods);  // (1.17)
     const Floats y = in_field(hn::Add(high, k));
-    const Floats apart = hn::Abs(hn::Sub(periods, k));
+    const Floats apart =
+        hn::Mul(hn::Max(hn::Sub(hn::Abs(hn::Sub(periods, k)), open), hn::Zero(d)), doubt_scale);
     if (row.doubt != nullptr) {
       const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
       hn::StoreU(hn::Max(apart, before), d, row.doubt + i);
@@ -297,6 +318,7 @@ namespace slipstream {
 HWY_EXPORT(DecodeRow8);
 HWY_EXPORT(DecodeRow16);
 HWY_EXPORT(PlaceRow);
+HWY_EXPORT(PlaceNear);
 HWY_EXPORT(UnwrapRow);
 HWY_EXPORT(PhaseRow);
 
@@ -312,6 +334,10 @@ void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
 
 void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
   HWY_DYNAMIC_DISPATCH(PlaceRow)(stage, width, turn, coordinate);
+}
+
+void place_near(float periods, int width, const float* turn, const float* near, float* coordinate) {
+  HWY_DYNAMIC_DISPATCH(PlaceNear)(periods, width, turn, near, coordinate);
 }
 
 void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,

@@ -47,6 +47,10 @@ struct SinusoidStage {
   std::vector<float> correction{};
   std::vector<float> correction_rise{};
   float segments = 0;
+  /// From the turn so found to that of the band: direction 1 or -1, then offset; as found where
+  /// neither is set.
+  float direction = 1;
+  float offset = 0;
 };
 
 /// What depends on the camera's bits and on the settings.
@@ -90,6 +94,8 @@ struct CoordinateStage {
 struct UnwrapStage {
   float ratio = 16;  ///< f_h / f_l
   float largest_doubt = 0.25F;
+  float open = 0;              ///< of the doubt: so much means none
+  float doubt_scale = 1;       ///< of what is left of it
   CoordinateStage coordinate;  ///< of f_h
 };
 
@@ -107,6 +113,9 @@ struct UnwrappedRow {
 /// with one of the flags `hidden` is NaN, so that it confirms no neighbour.
 void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
                 std::int32_t hidden, const UnwrappedRow& row);
+
+/// The coordinates next to `near` at which a band of so many periods has those turns.
+void place_near(float periods, int width, const float* turn, const float* near, float* coordinate);
 
 /// Wrapped phase in [0, 2 pi) from turns.
 void phase_row(int width, const float* turn, float* phase);

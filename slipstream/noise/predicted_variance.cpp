@@ -1,9 +1,11 @@
 #include "slipstream/noise/predicted_variance.h"
 
+#include <cstddef>
 #include <numeric>
 #include <vector>
 
 #include "slipstream/noise/phase_noise.h"
+#include "slipstream/pattern/unwrapping_chain.h"
 
 namespace slipstream {
 namespace {
@@ -19,7 +21,7 @@ double sum_of_squares(const std::vector<double>& weights) {
 }  // namespace
 
 double component_variance(const Band& band, double noise_variance) {
-  return (sum_of_squares(band.cosine) + sum_of_squares(band.sine)) / 2 * noise_variance;
+  return component_noise(band) * noise_variance;
 }
 
 double cue_variance(const Cue& cue, double noise_variance) {
@@ -31,8 +33,15 @@ double phase_variance(const Band& band, double modulation, double noise_variance
 }
 
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {
-  const Band& band = measuring_band(layout);
-  return coordinate_variance(phase_variance(band, modulation, noise_variance), band.periods);
+  if (layout.unwrapping == Unwrapping::code_alone) return 1 / (12 * square(layout.code->stripes));
+  const std::vector<double> weights = band_weights(layout);
+  double variance = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const Band& band = layout.bands[i];
+    variance += square(weights[i]) *
+                coordinate_variance(phase_variance(band, modulation, noise_variance), band.periods);
+  }
+  return variance;
 }
 
 double reflectivity_variance(int steps, double alpha_p, double noise_variance, double share) {

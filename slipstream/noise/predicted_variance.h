@@ -21,8 +21,9 @@ double cue_variance(const Cue& cue, double noise_variance);
 /// (3.101).
 double phase_variance(const Band& band, double modulation, double noise_variance);
 
-/// Of y, fields^2, at a modulation of B grey levels of the measuring band, where the fringe order
-/// is right: Eqs. (3.40), (3.63).
+/// Of y, fields^2, at a modulation of B grey levels in all bands, where the fringe order is right:
+/// Eqs. (3.40), (3.63), several bands as band_weights has it. Of a code alone that of a stripe's
+/// width.
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance);
 
 /// Of X and Y, and so of the reflectivity (3.36): Eq. (3.27); with c_1 or c_2 as `share`, (3.95)

@@ -8,8 +8,10 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/pattern/unwrapping_chain.h"
 
 namespace slipstream {
 namespace {
@@ -67,19 +69,43 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   require_weights(band.mean, frames, 1, name, "a mean");
 }
 
+std::string periods_text(const Layout& layout) {
+  std::vector<double> periods;
+  for (const Band& band : layout.bands) periods.push_back(band.periods);
+  return fmt::format("{:g}", fmt::join(periods, ", "));
+}
+
 void require_hierarchy(const Layout& layout, std::string_view name) {
   if (least_periods(layout) > 1) {
     throw Error(
         fmt::format("{}: no band has at most 1 period, from which the others are unwrapped", name));
   }
-  double before = 0;
-  for (const std::size_t i : coarse_to_fine(layout)) {
-    const double ratio = before == 0 ? 1 : layout.bands[i].periods / before;
-    if (!is_near(ratio, std::round(ratio))) {
-      throw Error(fmt::format("{}: {} periods are no whole multiple of {}", name,
-                              layout.bands[i].periods, before));
-    }
-    before = layout.bands[i].periods;
+}
+
+void require_beats(const Layout& layout, std::string_view name) {
+  if (unwrapping_chain(layout).empty()) {
+    throw Error(fmt::format("{}: no sum or difference of {} periods has at most 1", name,
+                            periods_text(layout)));
+  }
+}
+
+void require_unlike(const Layout& layout, std::string_view name) {
+  constexpr double least_margin = 1e-6;
+  if (unwrapping_margin(layout) < least_margin) {
+    throw Error(
+        fmt::format("{}: {} periods repeat within the field; in projector pixels the lengths of "
+                    "the periods must have no common multiple below that of the field",
+                    name, periods_text(layout)));
+  }
+}
+
+void require_code(const Layout& layout, std::string_view name) {
+  if (!layout.code) throw Error(fmt::format("{}: no code to unwrap by", name));
+  require_valid(*layout.code, layout.frames, name);
+  const double f = measuring_band(layout).periods;
+  if (layout.unwrapping == Unwrapping::code && layout.code->stripes < f - rounding) {
+    throw Error(fmt::format("{}: a code of {} stripes is too short for {} periods", name,
+                            layout.code->stripes, f));
   }
 }
 
@@ -106,12 +132,22 @@ void require_cue(const Layout& layout, std::string_view name) {
   }
 }
 
-std::vector<double> channel_weights(int steps, int channel, double (*wave)(double)) {
+std::vector<double> channel_weights(int steps, int channel, double (*wave)(double),
+                                    const Shifts& shifts = {}) {
+  const double direction = shifts.backwards ? -1 : 1;
   std::vector<double> weights;
   for (int n = 0; n < steps; ++n) {
-    weights.push_back(2.0 / steps * wave(2 * pi * channel * n / steps));
+    weights.push_back(2.0 / steps * wave(direction * 2 * pi * channel * n / steps - shifts.origin));
   }
   return weights;
+}
+
+double cosine_of(double angle) {
+  return std::cos(angle);
+}
+
+double sine_of(double angle) {
+  return std::sin(angle);
 }
 
 /// With zeros for the frames before and after.
@@ -178,16 +214,29 @@ void require_valid(const Layout& layout, std::string_view name) {
                             layout.frames, layout.bands.size()));
   }
   for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
-  if (layout.unwrapping == Unwrapping::hierarchical) require_hierarchy(layout, name);
-  if (layout.unwrapping == Unwrapping::vote) require_cue(layout, name);
+  switch (layout.unwrapping) {
+    case Unwrapping::none:
+      return;
+    case Unwrapping::hierarchical:
+      return require_hierarchy(layout, name);
+    case Unwrapping::vote:
+      return require_cue(layout, name);
+    case Unwrapping::beats:
+      return require_beats(layout, name);
+    case Unwrapping::likelihood:
+      return require_unlike(layout, name);
+    case Unwrapping::code:
+    case Unwrapping::code_alone:
+      return require_code(layout, name);
+  }
 }
 
 std::vector<double> channel_cosines(int steps, int channel) {
-  return channel_weights(steps, channel, [](double angle) { return std::cos(angle); });
+  return channel_weights(steps, channel, cosine_of);
 }
 
 std::vector<double> channel_sines(int steps, int channel) {
-  return channel_weights(steps, channel, [](double angle) { return std::sin(angle); });
+  return channel_weights(steps, channel, sine_of);
 }
 
 std::vector<double> mean_weights(int steps) {
@@ -198,18 +247,18 @@ std::vector<double> half_phase_weights() {
   return {0.25, -0.25, 0.25, -0.25};
 }
 
-Band phase_shifted_band(int frames, int first, int steps, double periods, int channel,
-                        double share) {
+Band phase_shifted_band(int frames, int first, int steps, double periods, int channel, double share,
+                        const Shifts& shifts) {
   return {.periods = periods,
           .share = share,
-          .cosine = placed(channel_cosines(steps, channel), frames, first),
-          .sine = placed(channel_sines(steps, channel), frames, first),
+          .cosine = placed(channel_weights(steps, channel, cosine_of, shifts), frames, first),
+          .sine = placed(channel_weights(steps, channel, sine_of, shifts), frames, first),
           .mean = placed(mean_weights(steps), frames, first)};
 }
 
 bool is_channel(const Band& band, const StepRun& run, int channel) {
   const Band wanted = phase_shifted_band(static_cast<int>(band.mean.size()), run.first, run.steps,
-                                         band.periods, channel);
+                                         band.periods, channel, 1, run.shifts);
   return are_near(band.cosine, wanted.cosine) && are_near(band.sine, wanted.sine) &&
          are_near(band.mean, wanted.mean);
 }
@@ -218,9 +267,22 @@ std::optional<StepRun> step_run(const Band& band) {
   const auto has_weight = [](double weight) { return weight != 0; };
   const auto first = std::find_if(band.mean.begin(), band.mean.end(), has_weight);
   const auto end = std::find_if_not(first, band.mean.end(), has_weight);
-  const StepRun run{static_cast<int>(first - band.mean.begin()), static_cast<int>(end - first)};
-  if (run.steps < 3 || !is_channel(band, run, 1)) return std::nullopt;
-  return run;
+  StepRun run{static_cast<int>(first - band.mean.begin()), static_cast<int>(end - first)};
+  if (run.steps < 3) return std::nullopt;
+  const auto at_start = static_cast<std::size_t>(run.first);
+  const double origin = std::atan2(-band.sine[at_start], band.cosine[at_start]);
+  if (!is_near(origin, 0)) run.shifts.origin = origin;
+  if (is_channel(band, run, 1)) return run;
+  run.shifts.backwards = true;
+  if (is_channel(band, run, 1)) return run;
+  return std::nullopt;
+}
+
+double component_noise(const Band& band) {
+  const auto squares = [](const std::vector<double>& weights) {
+    return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
+  };
+  return (squares(band.cosine) + squares(band.sine)) / 2;
 }
 
 std::vector<int> step_counts(const Layout& layout) {
@@ -247,11 +309,6 @@ std::size_t measuring_band_index(const Layout& layout) {
 
 const Band& measuring_band(const Layout& layout) {
   return layout.bands[measuring_band_index(layout)];
-}
-
-double least_periods(const Layout& layout) {
-  if (layout.unwrapping == Unwrapping::vote) return 1;
-  return layout.bands[coarse_to_fine(layout).front()].periods;
 }
 
 bool has_coordinate(const Layout& layout) {

@@ -5,6 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "slipstream/pattern/code.h"
+#include "slipstream/pattern/sinusoid.h"
+
 namespace slipstream {
 
 /// A sinusoid in the frames of a scan, as one complex number for each pixel: C + i S =
@@ -69,6 +72,10 @@ enum class Unwrapping {
   hierarchical,  ///< each band, from few periods to many, is unwrapped by the one before: Eq.
                  ///< (1.17)
   vote,          ///< the cue, or a second band in the same frames, and the neighbours: Section 3.2
+  beats,         ///< hierarchical, by whole sums and differences of the bands' phases (heterodyne)
+  likelihood,    ///< the coordinate under which all bands together are likeliest
+  code,          ///< the code names the period of the measuring band: Eq. (1.18)
+  code_alone,    ///< the middle of the code's stripe
 };
 
 /// What the frames of a scan hold: all that decoding, prediction and calibration must know of a
@@ -78,7 +85,8 @@ struct Layout {
   /// At least one. With Unwrapping::vote the first one measures, and a second one of one period is
   /// its cue; else the order is free.
   std::vector<Band> bands{};
-  std::optional<Cue> cue{};  ///< with Unwrapping::vote, where there is one band
+  std::optional<Cue> cue{};    ///< with Unwrapping::vote, where there is one band
+  std::optional<Code> code{};  ///< with Unwrapping::code and code_alone
   Unwrapping unwrapping = Unwrapping::none;
 
   friend bool operator==(const Layout&, const Layout&) = default;
@@ -87,14 +95,15 @@ struct Layout {
 /// Throws Error, beginning with `name`, unless there are bands, each with a weight for each frame,
 /// finite, without response to constant light in C and S and with a response of 1 in the mean;
 /// periods and shares are in range, and the unwrapping has what it needs: hierarchical one band of
-/// at most one period and whole ratios from band to band, vote a cue or a second band.
+/// at most one period, beats and likelihood bands that together repeat nowhere in the field, vote a
+/// cue or a second band, code one whose stripes are no wider than a period.
 void require_valid(const Layout& layout, std::string_view name);
 
 /// The band of N phase-shifted sinusoids, from frame `first` of `frames` on: 2/N cos(2 pi m n / N),
 /// 2/N sin(2 pi m n / N) and 1/N, m the phase channel: 1 for Eqs. (1.5), (1.6), 2 for (3.85),
-/// (3.86).
+/// (3.86); turned as `shifts` say.
 Band phase_shifted_band(int frames, int first, int steps, double periods, int channel = 1,
-                        double share = 1);
+                        double share = 1, const Shifts& shifts = {});
 
 /// The weights of a channel alone, for N frames.
 std::vector<double> channel_cosines(int steps, int channel);
@@ -107,6 +116,7 @@ std::vector<double> half_phase_weights();
 struct StepRun {
   int first = 0;
   int steps = 0;
+  Shifts shifts{};
 
   friend bool operator==(const StepRun&, const StepRun&) = default;
 };
@@ -117,6 +127,9 @@ std::optional<StepRun> step_run(const Band& band);
 /// Whether the band is that phase channel of the run.
 bool is_channel(const Band& band, const StepRun& run, int channel);
 
+/// Variance of C and of S, on average, over that of a frame: 2 / N for N steps, Eq. (3.36).
+double component_noise(const Band& band);
+
 /// N of each band that is a run of steps, in the order of the bands.
 std::vector<int> step_counts(const Layout& layout);
 
@@ -125,10 +138,6 @@ std::vector<std::size_t> coarse_to_fine(const Layout& layout);
 /// The band whose phase gives the coordinate.
 const Band& measuring_band(const Layout& layout);
 std::size_t measuring_band_index(const Layout& layout);
-/// The fewest periods that unwrapping begins with: the coordinate is known up to whole multiples of
-/// its inverse.
-double least_periods(const Layout& layout);
-
 /// Whether the frames alone give the projector coordinate, and so a depth.
 bool has_coordinate(const Layout& layout);
 /// Whether that takes the ambient light: a cue in the DC channel.

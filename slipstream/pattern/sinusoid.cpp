@@ -12,8 +12,18 @@ namespace slipstream {
 using std::numbers::pi;
 
 double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y) {
-  const auto [N, f] = sinusoid;
-  return 0.5 + 0.5 * std::cos(2 * pi * f * y - 2 * pi * n / N);
+  const auto& [N, f, shifts] = sinusoid;
+  return 0.5 + 0.5 * std::cos(shifted_phase(shifts, 2 * pi * f * y) - 2 * pi * n / N);
+}
+
+double shifted_phase(const Shifts& shifts, double phi) {
+  return shifts.backwards ? -phi - shifts.origin : phi + shifts.origin;
+}
+
+double unshifted_phase(const Shifts& shifts, double shifted) {
+  const double phi = (shifts.backwards ? -shifted : shifted) - shifts.origin;
+  const double turned = phi - 2 * pi * std::floor(phi / (2 * pi));
+  return turned > 2 * pi - 1e-12 ? 0 : turned;  // as wrapped_angle rounds
 }
 
 void require_valid(const Sinusoid& sinusoid, const char* name) {

@@ -132,7 +132,12 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, int first, int step
 }
 
 PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, const Band& band) const {
-  if (const auto run = step_run(band)) return (*this)(frames, run->first, run->steps);
+  if (const auto run = step_run(band)) {
+    PhaseMaps maps = (*this)(frames, run->first, run->steps);
+    if (run->shifts == Shifts{}) return maps;
+    for (double& phase : maps.wrapped_phase) phase = unshifted_phase(run->shifts, phase);
+    return maps;
+  }
   PhaseMaps maps{weighted_sum(frames, band.mean), weighted_sum(frames, band.cosine),
                  weighted_sum(frames, band.sine)};
   for_each_row(frames.size().height, [&](int row) {

@@ -292,10 +292,11 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
       phase_(settings.phase_method, step_counts(sequence.strategy)) {
   require_reconstructible(first_);
   require_pair(first, second, match);
-  if (decode_.layout().unwrapping == Unwrapping::vote) {
+  const Unwrapping unwrapping = decode_.layout().unwrapping;
+  if (unwrapping != Unwrapping::none && unwrapping != Unwrapping::hierarchical) {
     throw Error(
-        fmt::format("{}: many periods cover the field, and its cue does not match between "
-                    "cameras; use one period, or bands that unwrap each other",
+        fmt::format("{}: no band of it that matches between cameras has so few periods that one "
+                    "place alone fits; use one period, or bands that unwrap each other",
                     sequence.strategy.name()));
   }
 }

@@ -26,15 +26,15 @@ void DualFrequency::require_valid() const {
 }
 
 double DualFrequency::shape(int n, double y) const {
-  return n < steps ? sinusoid_intensity({steps, high}, n, y)
-                   : sinusoid_intensity({low_step_count(), low}, n - steps, y);
+  return n < steps ? sinusoid_intensity({steps, high, shifts}, n, y)
+                   : sinusoid_intensity({low_step_count(), low, shifts}, n - steps, y);
 }
 
 Layout DualFrequency::layout() const {
   const int low_count = low_step_count(), frames = steps + low_count;
   return {.frames = frames,
-          .bands = {phase_shifted_band(frames, 0, steps, high),
-                    phase_shifted_band(frames, steps, low_count, low)},
+          .bands = {phase_shifted_band(frames, 0, steps, high, 1, 1, shifts),
+                    phase_shifted_band(frames, steps, low_count, low, 1, 1, shifts)},
           .unwrapping = Unwrapping::hierarchical};
 }
 

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "slipstream/pattern/layout.h"
+#include "slipstream/strategy/shift_settings.h"
 
 namespace slipstream {
 
@@ -17,6 +18,7 @@ struct DualFrequency {
   std::optional<int> low_steps{};  ///< N_l, >= 3; the same as `steps` where not given
   double high = 16;  ///< f_h, a whole multiple of f_l, so that both ends of the field meet
   double low = 1;    ///< f_l, in (0, 1]
+  Shifts shifts{};
 
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
@@ -24,6 +26,7 @@ struct DualFrequency {
     visit("low_steps", "frames of the low frequency, where not as many", self.low_steps);
     visit("high", "periods of the high frequency across the field", self.high);
     visit("low", "periods of the low frequency, at most 1", self.low);
+    visit_shifts(self.shifts, visit);
   }
 
   /// Throws Error for settings outside their ranges.

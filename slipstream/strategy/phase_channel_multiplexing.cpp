@@ -50,22 +50,23 @@ CueReference PhaseChannelMultiplexing::cue_reference() const {
 
 double PhaseChannelMultiplexing::shape(int n, double y) const {
   const double N = steps;
-  const double main = std::cos(2 * pi * f_h() * y - 2 * pi * n / N);
+  const double main = std::cos(shifted_phase(shifts, 2 * pi * f_h() * y) - 2 * pi * n / N);
   const auto R = [&] {
     return reference ? reference(std::clamp(y, 0.0, 1.0)) : published_reference(steps)(y);
   };
-  const double cue = steps == 3   ? R()                                     // (3.53)
-                     : steps == 4 ? (n % 2 == 0 ? R() : -R())               // (3.68)
-                                  : std::cos(2 * pi * y - 4 * pi * n / N);  // (3.83)
+  const double cue = steps == 3 ? R()  // (3.53)
+                     : steps == 4
+                         ? (n % 2 == 0 ? R() : -R())                                      // (3.68)
+                         : std::cos(shifted_phase(shifts, 2 * pi * y) - 4 * pi * n / N);  // (3.83)
   return 0.5 + 0.5 * c1() * main + 0.5 * c2() * cue;
 }
 
 Layout PhaseChannelMultiplexing::layout() const {
   Layout layout{.frames = steps,
-                .bands = {phase_shifted_band(steps, 0, steps, f_h(), 1, c1())},
+                .bands = {phase_shifted_band(steps, 0, steps, f_h(), 1, c1(), shifts)},
                 .unwrapping = Unwrapping::vote};
   if (steps >= 5) {
-    layout.bands.push_back(phase_shifted_band(steps, 0, steps, 1, 2, c2()));
+    layout.bands.push_back(phase_shifted_band(steps, 0, steps, 1, 2, c2(), shifts));
   } else {
     layout.cue = Cue{.share = c2(),
                      .weights = steps == 3 ? mean_weights(3) : half_phase_weights(),

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "slipstream/pattern/layout.h"
+#include "slipstream/strategy/shift_settings.h"
 
 namespace slipstream {
 
@@ -22,12 +23,15 @@ struct PhaseChannelMultiplexing {
   /// R for N = 3 and 4: monotonic, within [-1, 1], for y in [0, 1]. By default 2 y - 1 for N = 3
   /// and cos(pi y) for N = 4. A file or a command line cannot name another.
   std::function<double(double y)> reference{};
+  Shifts
+      shifts{};  ///< of the sinusoids; with another origin or backwards the engine is the reference
 
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("high", "periods of the high frequency across the field", self.high);
     visit("share", "of the modulation for the high frequency, the rest for the cue", self.share);
+    visit_shifts(self.shifts, visit);
   }
 
   /// Throws Error for settings outside their ranges: Eq. (3.64) among them, past which PMP of unit

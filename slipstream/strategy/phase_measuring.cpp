@@ -9,11 +9,11 @@ void PhaseMeasuring::require_valid() const {
 }
 
 double PhaseMeasuring::shape(int n, double y) const {
-  return sinusoid_intensity({steps, frequency}, n, y);
+  return sinusoid_intensity({steps, frequency, shifts}, n, y);
 }
 
 Layout PhaseMeasuring::layout() const {
-  return {.frames = steps, .bands = {phase_shifted_band(steps, 0, steps, frequency)}};
+  return {.frames = steps, .bands = {phase_shifted_band(steps, 0, steps, frequency, 1, 1, shifts)}};
 }
 
 }  // namespace slipstream

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "slipstream/pattern/layout.h"
+#include "slipstream/strategy/shift_settings.h"
 
 namespace slipstream {
 
@@ -14,11 +15,13 @@ struct PhaseMeasuring {
 
   int steps = 3;         ///< N, >= 3
   double frequency = 1;  ///< f, periods across the projector field, > 0
+  Shifts shifts{};
 
   template <class Self, class Visit>
   static void for_each_setting(Self& self, const Visit& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("frequency", "periods across the projector field", self.frequency);
+    visit_shifts(self.shifts, visit);
   }
 
   /// Throws Error for settings outside their ranges.

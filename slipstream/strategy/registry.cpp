@@ -35,23 +35,18 @@ std::string setting_names(const Coding& coding) {
   return names;
 }
 
+/// Throws Error, naming the setting, where the value is none of its kind.
 template <class Value>
-struct NumberOf {
-  using Type = Value;
-};
-template <class Value>
-struct NumberOf<std::optional<Value>> {
-  using Type = Value;
-};
-
-template <class Value>
-void set(Value& target, const std::string& name, double value) {
-  using Number = typename NumberOf<Value>::Type;
-  if (std::is_integral_v<Number> &&
-      (value != std::floor(value) || std::abs(value) > std::numeric_limits<Number>::max())) {
-    throw Error(fmt::format("{} {} is not a whole number", name, value));
+void set(Value& target, const std::string& name, const SettingValue& value) {
+  try {
+    if constexpr (requires { target.has_value(); }) {
+      value.read(target.emplace());
+    } else {
+      value.read(target);
+    }
+  } catch (const Error& error) {
+    throw Error(fmt::format("{} {}", name, error.what()));
   }
-  target = static_cast<Number>(value);
 }
 
 template <class Coding>
@@ -85,29 +80,24 @@ std::vector<Strategy> usual_strategies() {
 std::string label_of(const Strategy& strategy) {
   std::string label = strategy.name();
   for (const auto& [name, value] : strategy.settings()) {
-    label += fmt::format(", {} {:g}", name, value);
+    label += fmt::format(", {} {}", name, value.text());
   }
   return label;
 }
 
 Strategy strategy_labelled(std::string_view label) {
   StrategySettings settings;
-  const std::string_view name = label.substr(0, label.find(','));
+  const std::string_view name = label.substr(0, label.find(", "));
   for (std::string_view rest = label.substr(name.size()); !rest.empty();) {
-    rest.remove_prefix(1);
-    std::string_view setting = rest.substr(0, rest.find(','));
+    rest.remove_prefix(2);
+    const std::string_view setting = rest.substr(0, rest.find(", "));
     rest.remove_prefix(setting.size());
-    setting.remove_prefix(std::min(setting.find_first_not_of(' '), setting.size()));
     const std::string_view word = setting.substr(0, setting.find(' '));
-    const char* const end = setting.data() + setting.size();
-    double value = 0;
-    const auto [after, failure] =
-        std::from_chars(std::min(setting.data() + word.size() + 1, end), end, value);
-    if (failure != std::errc() || after != end) {
-      throw Error(fmt::format("'{}' in '{}' is no setting; give a name and a number, as steps 4",
+    if (word.empty() || word.size() + 1 >= setting.size()) {
+      throw Error(fmt::format("'{}' in '{}' is no setting; give a name and a value, as steps 4",
                               setting, label));
     }
-    settings[std::string(word)] = value;
+    settings[std::string(word)] = std::string(setting.substr(word.size() + 1));
   }
   return make_strategy(name, settings);
 }
@@ -127,7 +117,7 @@ std::vector<std::string_view> strategy_names() {
 std::vector<std::string_view> names_with_coordinate() {
   std::vector<std::string_view> names;
   for_each_coding([&](const auto& coding) {
-    if (has_coordinate(coding.layout())) names.push_back(coding.name);
+    if (has_coordinate(Strategy(coding))) names.push_back(coding.name);
   });
   return names;
 }
@@ -136,13 +126,14 @@ std::vector<SettingDescription> strategy_settings() {
   std::vector<SettingDescription> settings;
   for_each_coding([&]<class Coding>(const Coding& coding) {
     const StrategySettings usual = settings_from(coding);
-    Coding::for_each_setting(coding, [&](const char* name, const char* help, const auto&) {
+    Coding::for_each_setting(coding, [&](const char* name, const char* help, const auto& value) {
+      constexpr bool is_switch = std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>;
       std::string owner(Coding::name);
-      if (usual.contains(name)) owner += fmt::format(" {:g}", usual.at(name));
+      if (usual.contains(name)) owner += fmt::format(" {}", usual.at(name).text());
       const auto known = std::find_if(settings.begin(), settings.end(),
                                       [&](const auto& setting) { return setting.name == name; });
       if (known == settings.end()) {
-        settings.push_back({name, help, owner});
+        settings.push_back({name, help, owner, is_switch});
       } else {
         known->strategies += ", " + owner;
       }

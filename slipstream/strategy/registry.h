@@ -5,7 +5,10 @@
 #include <variant>
 #include <vector>
 
+#include "slipstream/strategy/composites.h"
 #include "slipstream/strategy/dual_frequency.h"
+#include "slipstream/strategy/gray_code.h"
+#include "slipstream/strategy/multi_frequency.h"
 #include "slipstream/strategy/phase_channel_multiplexing.h"
 #include "slipstream/strategy/phase_measuring.h"
 #include "slipstream/strategy/strategy.h"
@@ -13,7 +16,9 @@
 namespace slipstream {
 
 /// The registry: every coding that can be asked for by its name. A new one is added here.
-using KnownCodings = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing>;
+using KnownCodings = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing,
+                                  MultiFrequency, GrayCode, GrayPhase, ExclusiveOrGray, TwoPlusOne,
+                                  FastThreeStep, DoubleThreeStep, TwoFrequency2N, TwoFrequency4N>;
 
 /// What is shown where nobody says what.
 Strategy default_strategy();
@@ -36,6 +41,7 @@ struct SettingDescription {
   std::string name;
   std::string help;        ///< what it means, in a few words
   std::string strategies;  ///< which have it, with its default: "pmp 4, dual-frequency 3"
+  bool is_switch = false;  ///< on or off
 };
 
 /// Names of all strategies, in the order of the registry.

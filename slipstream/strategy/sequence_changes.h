@@ -12,7 +12,7 @@ namespace slipstream {
 /// What is said of a sequence over what is known of it: flags over a file, or over a default.
 struct SequenceChanges {
   std::optional<std::string> strategy{};  ///< by name: replaces the one known whole
-  std::map<std::string, std::optional<double>> settings{};  ///< alone they change it
+  std::map<std::string, std::optional<std::string>> settings{};  ///< alone they change it
   std::optional<Axis> axis{};
   std::optional<double> alpha_p{};
   std::optional<double> beta_p{};

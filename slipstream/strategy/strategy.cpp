@@ -1,5 +1,7 @@
 #include "slipstream/strategy/strategy.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
@@ -8,6 +10,15 @@
 namespace slipstream {
 
 Strategy::Strategy() : Strategy(PhaseMeasuring{}) {}
+
+void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
+  layout_ = {.frames = static_cast<int>(sinusoids.front().angle.size()),
+             .bands = fitted_bands(sinusoids, name_),
+             .unwrapping = sinusoids.size() > 1 ? Unwrapping::hierarchical : Unwrapping::none};
+  shape_ = [sinusoids = std::move(sinusoids)](int n, double y) {
+    return composite_intensity(sinusoids, n, y);
+  };
+}
 
 std::string_view name_of(const Strategy& strategy) {
   return strategy.name();

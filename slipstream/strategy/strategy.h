@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "slipstream/pattern/composite.h"
 #include "slipstream/pattern/layout.h"
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/strategy/settings.h"
@@ -21,12 +22,15 @@ namespace slipstream {
 ///   static constexpr std::string_view name
 ///   template <class Self, class Visit> static void for_each_setting(Self& self, const Visit&
 ///   visit)
-///     which calls visit(name, words of help, member) for each setting: an int, a double or a
-///     std::optional of either;
+///     which calls visit(name, words of help, member) for each setting: an int, a double, a bool,
+///     a string, a vector of numbers or a std::optional of one of these;
 ///   void require_valid() const, which throws Error for settings outside their ranges;
 ///   double shape(int n, double y) const, the intensity of pattern n, in [0, 1], at the projector
 ///     coordinate y in [0, 1];
-///   Layout layout() const.
+///   Layout layout() const;
+/// or instead of the last two
+///   std::vector<ShownSinusoid> sinusoids() const, which frames show together and phases are taken
+///     from by fitted_bands, unwrapped hierarchically where there are several.
 /// A value; copies share nothing that changes.
 class Strategy {
  public:
@@ -34,12 +38,16 @@ class Strategy {
   Strategy();
   /// Throws Error where the struct's settings or its layout are not valid.
   template <class Coding>
-  requires requires(const Coding& coding) { coding.layout(); }
+  requires requires(const Coding& coding) { coding.require_valid(); }
   Strategy(const Coding& coding)  // NOLINT(google-explicit-constructor)
       : name_(Coding::name), settings_(settings_from(coding)) {
     coding.require_valid();
-    layout_ = coding.layout();
-    shape_ = [coding](int n, double y) { return coding.shape(n, y); };
+    if constexpr (requires { coding.sinusoids(); }) {
+      show(coding.sinusoids());
+    } else {
+      layout_ = coding.layout();
+      shape_ = [coding](int n, double y) { return coding.shape(n, y); };
+    }
     require_valid(layout_, name_);
   }
 
@@ -56,6 +64,8 @@ class Strategy {
   }
 
  private:
+  void show(std::vector<ShownSinusoid> sinusoids);
+
   std::string name_;
   StrategySettings settings_;
   Layout layout_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/unwrap/band_unwrapper.h"
 #include "slipstream/unwrap/cue_evidence.h"
 #include "slipstream/unwrap/neighbourhood_fringe_order.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
@@ -21,28 +22,25 @@ void for_each_pixel(Size size, const Body& body) {
   });
 }
 
-UnwrappedPhases unwrap_hierarchically(const Layout& layout, const LayoutPhases& phases,
-                                      int projector_length) {
-  const std::vector<std::size_t> order = coarse_to_fine(layout);
+UnwrappedPhases unwrap_alone(const Layout& layout, const LayoutPhases& phases,
+                             int projector_length) {
+  const BandUnwrapper unwrapped(layout, projector_length);
   const Size size = phases.bands.front().wrapped_phase.size();
-  const double widest = 1 / layout.bands[order.front()].periods;
   UnwrappedPhases result{.coordinate = Image<double>(size)};
-  if (order.size() > 1) result.doubt = Image<double>(size);
-  for_each_pixel(size, [&](int column, int row) {
-    double y = 0, doubt = 0;
-    for (const std::size_t i : order) {
-      const double phi = phases.bands[i].wrapped_phase(column, row);
-      const double f = layout.bands[i].periods;
-      if (i == order.front()) {
-        y = unwrapped_coordinate(phi, 0, f);
-        continue;
+  if (unwrapped.can_doubt()) result.doubt = Image<double>(size);
+  const std::size_t bands = phases.bands.size();
+  for_each_row(size.height, [&](int row) {
+    std::vector<double> phase(bands), modulation(bands);
+    for (int column = 0; column < size.width; ++column) {
+      for (std::size_t i = 0; i < bands; ++i) {
+        phase[i] = phases.bands[i].wrapped_phase(column, row);
+        modulation[i] = phases.bands[i].modulation(column, row);
       }
-      const int k = fringe_order(phi, f, y);
-      doubt = std::max(doubt, std::abs(fringe_order_residual(phi, f, y, k)));
-      y = unwrapped_coordinate(phi, k, f);
+      const int stripe = phases.stripe.empty() ? 0 : phases.stripe(column, row);
+      const auto [y, doubt] = unwrapped(phase, modulation, stripe);
+      result.coordinate(column, row) = y;
+      if (!result.doubt.empty()) result.doubt(column, row) = doubt;
     }
-    result.coordinate(column, row) = coordinate_in_field(y, widest, projector_length);
-    if (!result.doubt.empty()) result.doubt(column, row) = doubt;
   });
   return result;
 }
@@ -130,7 +128,7 @@ UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const C
   if (layout.unwrapping == Unwrapping::vote) {
     return unwrap_by_vote(layout, phases, cue, projector_length, grey_level);
   }
-  return unwrap_hierarchically(layout, phases, projector_length);
+  return unwrap_alone(layout, phases, projector_length);
 }
 
 }  // namespace slipstream

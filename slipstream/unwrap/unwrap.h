@@ -16,6 +16,7 @@ struct LayoutPhases {
   /// frames. Else empty.
   Image<double> cue{};
   Image<double> cue_sine{};
+  Image<int> stripe{};  ///< by the code, where there is one; else empty
 };
 
 /// Where every pixel is on the projector's axis.
@@ -28,8 +29,8 @@ struct UnwrappedPhases {
       shade{};  ///< what a cue in the DC channel adds to the mean, grey levels; else empty
 };
 
-/// The coordinate by the layout's rule: Liu 2010, Eq. (1.17) from band to band, or the cue and the
-/// neighbours, Section 3.2. `projector_length`: projector pixels along the axis; `grey_level`: one
+/// The coordinate by the layout's rule: see BandUnwrapper; or the cue and the neighbours, Liu 2010,
+/// Section 3.2. `projector_length`: projector pixels along the axis; `grey_level`: one
 /// of 8 bits in those of the frames.
 UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const CueSettings& cue,
                        int projector_length, double grey_level);

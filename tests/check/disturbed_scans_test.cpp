@@ -31,9 +31,9 @@ std::vector<Mistake> disturbances(const Scan& scan, int frame) {
        [](Scan& s) { s.sequence.axis = s.sequence.axis == Axis::x ? Axis::y : Axis::x; },
        {}}};
   if (scan.sequence.strategy.settings().contains("high")) {
-    const double high = scan.sequence.strategy.settings().at("high");
+    const double high = scan.sequence.strategy.settings().at("high").number();
     const double step = scan.sequence.strategy.layout().unwrapping == Unwrapping::hierarchical
-                            ? scan.sequence.strategy.settings().at("low")
+                            ? scan.sequence.strategy.settings().at("low").number()
                             : 1;
     list.push_back({"wrong --high", with_setting("high", high + step), {}});
   }

@@ -83,7 +83,7 @@ const std::vector<Strategy> strategies{PhaseMeasuring{.steps = 3, .frequency = 1
                                        PhaseMeasuring{.steps = 8, .frequency = 1},
                                        DualFrequency{.steps = 3},
                                        DualFrequency{.steps = 4, .low_steps = 3, .high = 8},
-                                       TwoPlusOne{},
+                                       CosineSineMean{},
                                        ThreeFrequencies{}};
 
 std::string text_of(const Strategy& strategy) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/pattern/unwrapping_chain.h"
 
 namespace slipstream {
 namespace {
@@ -114,6 +115,78 @@ TEST(Layout, ARunOfStepsIsRecognised) {
   EXPECT_EQ(step_counts(with_second_band()), (std::vector{5}));
 }
 
+TEST(Layout, ARunBeginsAnywhereAndRunsEitherWay) {
+  for (const double origin : {0.0, 0.5, -2.5, 3.0}) {
+    for (const bool backwards : {false, true}) {
+      const Shifts shifts{origin, backwards};
+      for (const int N : {3, 4, 7}) {
+        const Band band = phase_shifted_band(N + 2, 1, N, 6, 1, 1, shifts);
+        const std::optional<StepRun> run = step_run(band);
+        ASSERT_TRUE(run);
+        EXPECT_EQ(run->first, 1);
+        EXPECT_EQ(run->steps, N);
+        EXPECT_NEAR(run->shifts.origin, origin, 1e-12);
+        EXPECT_EQ(run->shifts.backwards, backwards);
+        double C = 0, S = 0;
+        const double y = 0.123, phi = 2 * pi * 6 * y;
+        for (int n = 0; n < N; ++n) {
+          const double I = sinusoid_intensity({N, 6, shifts}, n, y);
+          C += band.cosine[static_cast<std::size_t>(n + 1)] * I;
+          S += band.sine[static_cast<std::size_t>(n + 1)] * I;
+        }
+        EXPECT_NEAR(C, 0.5 * std::cos(phi), 1e-12);
+        EXPECT_NEAR(S, 0.5 * std::sin(phi), 1e-12);
+        EXPECT_NEAR(
+            std::remainder(unshifted_phase(shifts, shifted_phase(shifts, phi)) - phi, 2 * pi), 0,
+            1e-12);
+      }
+    }
+  }
+}
+
+TEST(Layout, BeatsAreUnwrappedByTheSurestChain) {
+  Layout layout = hierarchy({1, 64, 70, 75});
+  layout.bands.erase(layout.bands.begin());
+  layout.unwrapping = Unwrapping::beats;
+  require_valid(layout, "beats");
+  const std::vector<PhaseSum> chain = unwrapping_chain(layout);
+  ASSERT_GE(chain.size(), 3U);
+  EXPECT_LE(chain.front().periods, 1);
+  EXPECT_EQ(chain.back().periods, 75);
+  for (const PhaseSum& sum : chain) {
+    double periods = 0;
+    for (std::size_t i = 0; i < 3; ++i) periods += sum.of[i] * layout.bands[i].periods;
+    EXPECT_NEAR(sum.periods, periods, 1e-12);
+  }
+  const std::vector<double> weights = band_weights(layout);
+  EXPECT_NEAR(weights[0] + weights[1] + weights[2], 1, 1e-12);
+  EXPECT_NEAR(weights[0] / weights[2], 64.0 * 64 / (75.0 * 75), 1e-12);
+  // All bands at once are at least as sure as any chain of them.
+  const double by_beats = unwrapping_margin(layout);
+  layout.unwrapping = Unwrapping::likelihood;
+  EXPECT_GE(unwrapping_margin(layout), by_beats);
+}
+
+TEST(Code, NumbersItsStripes) {
+  for (const int base : {-1, 5, 4}) {
+    for (const bool gray : {false, true}) {
+      Code code{.stripes = 50, .frames = {0, 1, 2, 3, 4, 5}, .level = 0.5, .gray = gray};
+      code.reference.resize(6);
+      if (base >= 0) code.base = base;
+      require_valid(code, 6, "code");
+      for (int stripe = 0; stripe < 50; ++stripe) {
+        std::vector<double> I;
+        for (int bit = 0; bit < 6; ++bit) {
+          I.push_back(is_bright(code, bit, (stripe + 0.5) / 50) ? 200 : 55);
+        }
+        const CodeReading reading = read_code(code, I, 255);
+        EXPECT_EQ(reading.stripe, stripe);
+        EXPECT_LE(reading.contrast, 72.5 + 1e-9);
+      }
+    }
+  }
+}
+
 TEST(Layout, OtherWeightsAreNoRunOfSteps) {
   const Band run = phase_shifted_band(6, 1, 4, 5);
   const auto changed = [&](const std::function<void(Band&)>& change) {
@@ -122,13 +195,13 @@ TEST(Layout, OtherWeightsAreNoRunOfSteps) {
     return band;
   };
   for (const Band& band :
-       {phase_shifted_band(5, 0, 5, 1, 2),                          // the second channel
-        changed([](Band& b) { std::swap(b.cosine, b.sine); }),      // another direction
-        changed([](Band& b) { b.cosine[1] += 1e-6; }),              //
-        changed([](Band& b) { b.sine[5] = 1e-6; }),                 // outside the run
-        changed([](Band& b) { b.mean[2] += 1e-6; }),                //
-        changed([](Band& b) { b.mean = {0.5, 0, 0, 0, 0, 0.5}; }),  // with a gap
-        changed([](Band& b) { b.mean = std::vector<double>(6); }),  // none at all
+       {phase_shifted_band(5, 0, 5, 1, 2),                              // the second channel
+        changed([](Band& b) { std::swap(b.cosine[1], b.cosine[2]); }),  // another order
+        changed([](Band& b) { b.cosine[1] += 1e-6; }),                  //
+        changed([](Band& b) { b.sine[5] = 1e-6; }),                     // outside the run
+        changed([](Band& b) { b.mean[2] += 1e-6; }),                    //
+        changed([](Band& b) { b.mean = {0.5, 0, 0, 0, 0, 0.5}; }),      // with a gap
+        changed([](Band& b) { b.mean = std::vector<double>(6); }),      // none at all
         Band{.cosine = {1, 0, -1}, .sine = {0, 1, -1}, .mean = {0, 0, 1}},
         Band{.cosine = {1, -1}, .sine = {1, -1}, .mean = {0.5, 0.5}}}) {  // too short
     EXPECT_FALSE(step_run(band));
@@ -174,8 +247,24 @@ TEST(Layout, RefusesWhatIsNone) {
       {"a mean that is none", one_band(1), [](Layout& l) { l.bands[0].mean[0] += 0.1; }},
       {"a second band's cosine", hierarchy({1, 4}), [](Layout& l) { l.bands[1].cosine[0] += 1; }},
       {"no band to begin with", hierarchy({2, 16}), [](Layout&) {}},
-      {"a ratio that is not whole", hierarchy({1, 15.5}), [](Layout&) {}},
-      {"a ratio that is not whole higher up", hierarchy({1, 6, 45}), [](Layout&) {}},
+      {"no beat of one period", hierarchy({1, 20, 30, 40}),
+       [](Layout& l) {
+         l.bands.erase(l.bands.begin());
+         l.unwrapping = Unwrapping::beats;
+       }},
+      {"phases that repeat in the field", hierarchy({12, 16}),
+       [](Layout& l) { l.unwrapping = Unwrapping::likelihood; }},
+      {"no code", hierarchy({12}), [](Layout& l) { l.unwrapping = Unwrapping::code; }},
+      {"a code of too few stripes", hierarchy({12}),
+       [](Layout& l) {
+         l.unwrapping = Unwrapping::code;
+         l.code = Code{.stripes = 8, .frames = {0, 1, 2}, .reference = {0, 0, 0}};
+       }},
+      {"a code of too few bits", hierarchy({12}),
+       [](Layout& l) {
+         l.unwrapping = Unwrapping::code;
+         l.code = Code{.stripes = 12, .frames = {0, 1, 2}, .reference = {0, 0, 0}};
+       }},
       {"no cue", with_cue(), [](Layout& l) { l.cue.reset(); }},
       {"a cue too short", with_cue(), [](Layout& l) { l.cue->weights.pop_back(); }},
       {"a cue of half the light", with_cue(),

@@ -20,7 +20,7 @@ const std::vector<Strategy> strategies{PhaseMeasuring{.steps = 5, .frequency = 1
                                        make_strategy("pcmp", {{"steps", 3}}),
                                        make_strategy("pcmp", {{"steps", 4}}),
                                        make_strategy("pcmp", {{"steps", 5}}),
-                                       TwoPlusOne{},
+                                       CosineSineMean{},
                                        ThreeFrequencies{},
                                        ThreeFrequencies{.first = 36, .second = 1, .third = 6}};
 

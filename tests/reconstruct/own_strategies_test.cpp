@@ -1,4 +1,5 @@
-// Strategies that are layouts alone, known to no part of the library, through every engine.
+// Strategies that are layouts alone, known to no part of the library or to its registry, through
+// every engine.
 #include "tests/own_strategies.h"
 
 #include <cmath>
@@ -12,7 +13,9 @@
 #include "slipstream/kernels/vector_target.h"
 #include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/predicted_variance.h"
+#include "slipstream/pattern/unwrapping_chain.h"
 #include "slipstream/reconstruct/engine.h"
+#include "tests/every_strategy.h"
 #include "tests/reconstruct/agreement.h"
 
 namespace slipstream {
@@ -20,13 +23,26 @@ namespace {
 
 std::string text_of(const Strategy& strategy) {
   std::string text = strategy.name();
-  for (const auto& [name, value] : strategy.settings()) text += " " + std::to_string(value);
+  for (const auto& [name, value] : strategy.settings()) text += " " + value.text();
   return text;
+}
+
+/// All that the fused pass takes.
+std::vector<Strategy> fused_strategies() {
+  std::vector<Strategy> strategies = own_strategies();
+  for (const Strategy& strategy : every_phase_strategy()) strategies.push_back(strategy);
+  return strategies;
+}
+
+std::vector<Strategy> phase_strategies() {
+  std::vector<Strategy> strategies = fused_strategies();
+  for (const Strategy& strategy : every_strategy_by_reference()) strategies.push_back(strategy);
+  return strategies;
 }
 
 TEST(OwnStrategies, ComeOutAtTheirTrueDepth) {
   const Scanner scanner = example_scanner({160, 120});
-  for (const Strategy& strategy : own_strategies()) {
+  for (const Strategy& strategy : phase_strategies()) {
     for (const Axis axis : {Axis::x, Axis::y}) {
       SCOPED_TRACE(text_of(strategy) + ", axis " + std::string(name_of(axis)));
       const VirtualScan scan = take_scan(scanner, scene_named("boxes", scanner),
@@ -50,6 +66,30 @@ TEST(OwnStrategies, ComeOutAtTheirTrueDepth) {
   }
 }
 
+/// Without a phase the depth is known to the stripe.
+TEST(Codes, ComeOutWithinTheirStripe) {
+  const Scanner scanner = example_scanner({160, 120});
+  for (const Strategy& strategy : every_code()) {
+    for (const Axis axis : {Axis::x, Axis::y}) {
+      const int length = length_along(axis, scanner.projector.size);
+      SCOPED_TRACE(label_of(strategy) + ", axis " + std::string(name_of(axis)));
+      const VirtualScan scan =
+          take_scan(scanner, scene_named("boxes", scanner), pattern_set(strategy, axis), {});
+      Engine engine(setup_of(scanner, strategy, axis, {.minimum_modulation = 1}));
+      EXPECT_EQ(engine.backend_for(scan.frames), "equation");
+      Cloud cloud;
+      Maps maps;
+      engine.cloud_and_maps(scan.frames, cloud, maps);
+      EXPECT_GT(point_count(cloud), 1500U);
+      const double half = 0.5 / strategy.layout().code->stripes + 0.5 / length;
+      for (std::size_t i = 0; i < maps.coordinate.pixel_count(); ++i) {
+        if (cloud.validity.begin()[i] != Validity::valid) continue;
+        ASSERT_NEAR(maps.coordinate.begin()[i], scan.coordinate.begin()[i], half + 1e-6);
+      }
+    }
+  }
+}
+
 /// To be taken again under other patterns.
 VirtualScan statue_scan(const Scanner& scanner, Axis axis) {
   return take_scan(scanner, scene_named("statue", scanner), pattern_set(PhaseMeasuring{}, axis));
@@ -61,7 +101,7 @@ TEST(OwnStrategies, ComeOutAtTheTruthUnderNoise) {
   const Photometry photometry{.ambient = 5, .noise_variance = 1.55};
   scanner.photometry.noise_variance = photometry.noise_variance + quantisation_variance;
   const VirtualScan scan = statue_scan(scanner, Axis::x);
-  for (const Strategy& strategy : own_strategies()) {
+  for (const Strategy& strategy : fused_strategies()) {
     const FrameSet frames = take_again(scan, pattern_set(strategy, Axis::x), photometry);
     for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
       SCOPED_TRACE(text_of(strategy) + (kind == EngineKind::fused ? ", fused" : ", reference"));
@@ -79,9 +119,12 @@ TEST(OwnStrategies, ComeOutAtTheTruthUnderNoise) {
         wrong += error < 0.5 / highest_frequency(strategy) ? 0 : 1;
         far += error < 7 * sigma.coordinate.begin()[i] ? 0 : 1;
       }
-      EXPECT_GT(points, 240000U);
-      EXPECT_EQ(wrong, 0U);
-      EXPECT_EQ(far, 0U);
+      EXPECT_GT(points, 225000U);
+      // Without a bit more nothing confirms what a code says where the phase wraps.
+      const auto& code = strategy.layout().code;
+      const bool unconfirmed = code && code->stripes == highest_frequency(strategy);
+      EXPECT_LE(wrong, unconfirmed ? points / 2000 : 0);
+      EXPECT_LE(far, unconfirmed ? points / 2000 : 0);
     }
   }
 }
@@ -123,7 +166,7 @@ TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
     const Scanner scanner = example_scanner({width, 90});
     const Axis axis = width == 160 ? Axis::x : Axis::y;
     const VirtualScan scan = statue_scan(scanner, axis);
-    for (const Strategy& strategy : own_strategies()) {
+    for (const Strategy& strategy : fused_strategies()) {
       for (const auto& [bits, noise] :
            {std::pair{8, 0.0}, {8, 1.55}, {8, 6.0}, {12, 1.55}, {16, 0.0}}) {
         SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width << ", noise "
@@ -132,7 +175,8 @@ TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
                                            {.ambient = 5, .noise_variance = noise, .bits = bits});
         const Agreement agreement = agreement_on(setup_of(scanner, strategy, axis), frames);
         EXPECT_GT(agreement.points, 2000U);
-        EXPECT_LE(agreement.other_validity, 1U);
+        // A modulation that is just the least asked for is so to the rounding of its weights.
+        EXPECT_LE(agreement.other_validity, step_counts(strategy).empty() ? 4U : 1U);
         EXPECT_LE(agreement.other_intensity, 1U);
         EXPECT_LE(agreement.worst, depth_bound);
       }
@@ -144,7 +188,7 @@ TEST_P(OwnStrategiesOn, DecodeToTheMapsOfTheEquations) {
   const OnlyVectorTarget only(GetParam());
   for (const int width : {64, 203}) {
     const Scanner scanner = example_scanner({width, 120});
-    for (const Strategy& strategy : own_strategies()) {
+    for (const Strategy& strategy : fused_strategies()) {
       SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width);
       const EngineSetup setup = setup_of(scanner, strategy, Axis::x);
       const FrameSet frames = statue_frames(scanner, strategy, Axis::x,
@@ -183,7 +227,7 @@ TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
   constexpr int length = 900, rows = 80;
   constexpr double alpha = 0.6, ambient = 5, noise_variance = 1.55;
   constexpr PatternLight light{.alpha_p = 200, .beta_p = 20};
-  for (const Strategy& strategy : own_strategies()) {
+  for (const Strategy& strategy : fused_strategies()) {
     SCOPED_TRACE(text_of(strategy));
     const PatternSet patterns = pattern_set(strategy, Axis::x, light);
     std::mt19937_64 random(7);
@@ -206,8 +250,9 @@ TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
     for (int row = 0; row < rows; ++row) {
       for (int i = 0; i < length; ++i) {
         double error = maps.coordinate(i, row) - coordinate(i);
-        // One period alone cannot tell one end of the field from the other.
-        if (highest_frequency(strategy) <= 1) error = std::remainder(error, 1);
+        // One period cannot tell one end of the field from the other.
+        if (least_periods(strategy.layout()) == 1 && is_circle(strategy.layout()))
+          error = std::remainder(error, 1);
         ASSERT_LT(std::abs(error), half) << "column " << i;
         square += error * error;
       }

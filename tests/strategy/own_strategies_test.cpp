@@ -69,7 +69,7 @@ TEST(OwnStrategy, IsEqualByNameSettingsAndLayout) {
   EXPECT_NE(Strategy(Adjustable{}), Strategy(Adjustable{.periods = 1})) << "a setting more";
   EXPECT_NE(Strategy(Adjustable{}), Strategy(PhaseMeasuring{.steps = 4}));
   EXPECT_EQ(Strategy(), Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}));
-  Strategy copy = TwoPlusOne{};
+  Strategy copy = CosineSineMean{};
   copy = ThreeFrequencies{};
   EXPECT_EQ(copy, Strategy(ThreeFrequencies{}));
   EXPECT_NE(copy, Strategy(ThreeFrequencies{.first = 36, .second = 6, .third = 1}));

@@ -10,6 +10,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/reconstruct/detail/band_chain.h"
 
 namespace slipstream {
 namespace {
@@ -36,7 +37,8 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
   if (scratch.turns.size() != turns) {
     for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
     prepare(scratch.turns, turns);
-    prepare(scratch.unwrapped, {width, 1});
+    prepare(scratch.unwrapped, {width, 2});
+    for (Image<float>* row : {&scratch.sum, &scratch.coarse}) prepare(*row, {width, 1});
     prepare(scratch.mean, {width, 1});
   }
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
@@ -211,39 +213,40 @@ void confirmed_row(const Pass<Pixel>& pass, int row, const std::int32_t* flags,
   point_row(pass.stages.point, pass.stages.consensus, points);
 }
 
-/// Turns of all bands to coordinates, from few periods to many, Eq. (1.17). Where `maps` are wanted
-/// of the row they get the coordinates of dark pixels too.
+/// What the chain begins with: turns, or coordinates.
 template <class Pixel>
-void unwrap_bands(const Pass<Pixel>& pass, int row, FusedScratch& scratch, FusedScratch::Row& kept,
-                  Maps* maps) {
-  const auto& bands = pass.stages.bands;
+const float* coarse_row(const Pass<Pixel>& pass, int row, const float* mean,
+                        FusedScratch& scratch) {
+  if (!pass.stages.code) return first_of_chain(pass.stages, pass.width(), scratch);
+  const float to_frames = 1 / (pass.limits.front().mean_scale *
+                               static_cast<float>(pass.stages.bands.front().sinusoid.steps));
+  return code_coordinates(*pass.stages.code, pass.frame_rows(row, scratch), pass.width(),
+                          {mean, to_frames, static_cast<float>(pass.full_scale)}, scratch);
+}
+
+/// Turns of all bands to coordinates, along the chain. Where `maps` are wanted of the row they get
+/// the coordinates of dark pixels too.
+template <class Pixel>
+void unwrap_bands(const Pass<Pixel>& pass, int row, const float* mean, FusedScratch& scratch,
+                  FusedScratch::Row& kept, Maps* maps) {
+  const auto& chain = pass.stages.chain;
   const int width = pass.width();
   float* const doubt = maps != nullptr ? maps->fringe_order_doubt.row(row) : nullptr;
   std::int32_t* const flags = kept.flags.begin();
-  const float* coarse = scratch.turns.row(static_cast<int>(bands.size()) - 1);
-  for (std::size_t i = bands.size() - 2; i > 0; --i) {
-    float* const turn = scratch.turns.row(static_cast<int>(i));
-    unwrap_row(bands[i].unwrap, width, turn, coarse, 0,
-               {.coordinate = scratch.unwrapped.begin(),
-                .flags = flags,
-                .doubt = doubt,
-                .keeps_doubt = i + 2 < bands.size()});
-    std::copy_n(scratch.unwrapped.begin(), width, turn);
-    coarse = turn;
+  float* const y = maps != nullptr ? maps->coordinate.row(row) : coordinates(kept);
+  const float* coarse = coarse_row(pass, row, mean, scratch);
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    const bool last = i + 1 == chain.size(), hides = last && maps == nullptr;
+    float* const to = last ? y : scratch.unwrapped.row(static_cast<int>(i % 2));
+    unwrap_row(chain[i].unwrap, width, sum_row(chain[i].of, width, scratch, scratch.sum.begin()),
+               coarse, hides ? PixelFlag::dark : 0,
+               {.coordinate = to, .flags = flags, .doubt = doubt, .keeps_doubt = i > 0});
+    coarse = to;
   }
-  const bool keeps_doubt = bands.size() > 2;
-  float* const y = coordinates(kept);
-  if (maps == nullptr) {
-    return unwrap_row(bands[0].unwrap, width, scratch.turns.begin(), coarse, PixelFlag::dark,
-                      {.coordinate = y, .flags = flags});
-  }
-  unwrap_row(bands[0].unwrap, width, scratch.turns.begin(), coarse, 0,
-             {.coordinate = maps->coordinate.row(row),
-              .flags = flags,
-              .doubt = doubt,
-              .keeps_doubt = keeps_doubt});
-  std::copy_n(maps->coordinate.row(row), width, y);
-  hide(width, flags, PixelFlag::dark, y);
+  if (pass.stages.weighs_bands) weigh_bands(pass.stages, width, scratch, y);
+  if (maps == nullptr) return;
+  std::copy_n(y, width, coordinates(kept));
+  hide(width, flags, PixelFlag::dark, coordinates(kept));
 }
 
 /// The coordinates of each row are kept until those below it are known, for its neighbours confirm
@@ -255,14 +258,15 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
     if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
     const bool ours = row >= first && row < last;
     Maps* const maps = ours ? pass.output.maps : nullptr;
+    float* const mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin();
     pass.decode(row, scratch,
                 {.width = pass.width(),
-                 .mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin(),
+                 .mean = mean,
                  .modulation = ours ? pass.modulation_row(row) : nullptr,
                  .flags = kept(row).flags.begin(),
-                 .past_cache = ours && pass.past_cache,
+                 .past_cache = ours && pass.past_cache && !pass.stages.code,
                  .only_lit = maps == nullptr});
-    unwrap_bands(pass, row, scratch, kept(row), maps);
+    unwrap_bands(pass, row, mean, scratch, kept(row), maps);
     if (maps != nullptr) pass.finish_maps(row, scratch.turns.begin());
   };
   if (!pass.makes_points()) {
@@ -385,7 +389,7 @@ void voted_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scra
 template <class Pixel>
 void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
   if (pass.stages.cue) return voted_band(pass, first, last, scratch);
-  if (pass.stages.bands.size() > 1) return several_bands(pass, first, last, scratch);
+  if (!pass.stages.chain.empty()) return several_bands(pass, first, last, scratch);
   one_band(pass, first, last, scratch);
 }
 
@@ -461,7 +465,7 @@ void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output
         memory.limits.push_back(
             sinusoid_limits(band.sinusoid, settings_, full_scale, frames.saturation(), mean_of));
       }
-      prepare(output, size, stages_.bands.size() > 1 || stages_.cue);
+      prepare(output, size, !stages_.chain.empty() || stages_.cue);
       const Pass<Pixel> pass{
           .stages = stages_,
           .frames = views,

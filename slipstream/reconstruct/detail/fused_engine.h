@@ -23,8 +23,10 @@ struct FusedScratch {
   };
   std::array<Row, 3> rows;  ///< a row and its neighbours, in turns
   Image<float> turns;       ///< a row for each band
-  Image<float> unwrapped;   ///< one row
-  Image<float> mean;        ///< one row
+  Image<float> unwrapped;   ///< two rows, in turns
+  Image<float> sum;         ///< one row, as the next
+  Image<float> coarse;
+  Image<float> mean;  ///< one row
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
   VoteBlock block;
 };

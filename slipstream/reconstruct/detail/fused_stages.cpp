@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/pattern/unwrapping_chain.h"
 #include "slipstream/phase/closed_form.h"
 
 namespace slipstream {
@@ -119,8 +120,15 @@ FusedStages::BandStage weighted_stage(const Band& band) {
 
 FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections) {
   const auto run = step_run(band);
-  if (!run) return weighted_stage(band);
-  return {.sinusoid = stepped_stage(run->steps, corrections), .first_frame = run->first};
+  FusedStages::BandStage stage =
+      run ? FusedStages::BandStage{.sinusoid = stepped_stage(run->steps, corrections),
+                                   .first_frame = run->first}
+          : weighted_stage(band);
+  stage.periods = band.periods;
+  if (!run || run->shifts == Shifts{}) return stage;
+  stage.sinusoid.direction = run->shifts.backwards ? -1 : 1;
+  stage.sinusoid.offset = static_cast<float>(-run->shifts.origin / (2 * std::numbers::pi));
+  return stage;
 }
 
 /// `frequency` measures, `widest` says within which period.
@@ -137,35 +145,86 @@ ConsensusStage consensus_stage(double frequency, const FringeOrderConsensus& set
           .fewest_if_doubtful = settings.fewest_if_doubtful};
 }
 
-/// A coordinate in turns, wherever it lies.
-constexpr CoordinateStage turns_as_they_are{.scale = 1, .period = 1e9F, .cut = -5e8F};
+/// A coordinate wherever it lies, of so many periods in a unit.
+CoordinateStage unplaced(double periods) {
+  return {.scale = static_cast<float>(1 / periods), .period = 1e9F, .cut = -5e8F};
+}
 
-/// The bands from many periods to few, each but the last unwrapped by the next.
-std::vector<FusedStages::BandStage> band_stages(const Layout& layout, int projector_length,
-                                                const FringeOrderConsensus& consensus,
-                                                const PhaseCorrections& corrections) {
-  std::vector<std::size_t> order = coarse_to_fine(layout);
-  std::reverse(order.begin(), order.end());
-  std::vector<FusedStages::BandStage> stages;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const Band& band = layout.bands[order[i]];
-    stages.push_back(band_stage(band, corrections));
-    if (i + 1 == order.size()) break;
-    const double next = layout.bands[order[i + 1]].periods;
-    stages.back().unwrap = {
-        .ratio = static_cast<float>(band.periods / next),
-        .largest_doubt = static_cast<float>(consensus.largest_doubt),
-        .coordinate = i == 0
-                          ? coordinate_stage(band.periods, least_periods(layout), projector_length)
-                          : turns_as_they_are};
+FusedStages::CodeBits code_bits(const Layout& layout) {
+  const Code& code = *layout.code;
+  FusedStages::CodeBits bits{.stage = {.frames = code.frames,
+                                       .inverses = code.inverses,
+                                       .gray = code.gray,
+                                       .stripe = static_cast<float>(1 / code.stripes)},
+                             .against_mean = code.reference == layout.bands.front().mean,
+                             .reference = {},
+                             .level = static_cast<float>(code.level)};
+  if (code.base) {
+    const int count = static_cast<int>(code.frames.size());
+    bits.stage.base = 1 << (count - 1 - *code.base);
+    bits.stage.others = ((1 << count) - 1) & ~bits.stage.base;
   }
-  return stages;
+  for (const double weight : code.reference) {
+    bits.reference.push_back(static_cast<float>(weight));
+  }
+  return bits;
+}
+
+/// The bands, the measuring one first, and how they are unwrapped.
+void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& setup,
+               const PhaseCorrections& corrections) {
+  const std::vector<double> weights = band_weights(layout);
+  const auto measuring = static_cast<std::ptrdiff_t>(measuring_band_index(layout));
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    stages.bands.push_back(band_stage(layout.bands[i], corrections));
+    stages.bands.back().weight = static_cast<float>(weights[i]);
+  }
+  std::rotate(stages.bands.begin(), stages.bands.begin() + measuring,
+              stages.bands.begin() + measuring + 1);
+  const auto factors = [&](std::vector<int> of) {
+    std::rotate(of.begin(), of.begin() + measuring, of.begin() + measuring + 1);
+    return of;
+  };
+  stages.weighs_bands = weights[static_cast<std::size_t>(measuring)] < 1;
+  const std::vector<PhaseSum> chain = unwrapping_chain(layout);
+  const double largest_doubt = setup.settings.fringe_order.largest_doubt;
+  const auto link = [&](const PhaseSum& fine, double ratio) {
+    return FusedStages::Link{.of = factors(fine.of),
+                             .unwrap = {.ratio = static_cast<float>(ratio),
+                                        .largest_doubt = static_cast<float>(largest_doubt),
+                                        .coordinate = unplaced(1)}};
+  };
+  if (layout.unwrapping == Unwrapping::code) {
+    stages.code = code_bits(layout);
+    stages.chain.push_back(link(chain.back(), chain.back().periods));
+    UnwrapStage& unwrap = stages.chain.back().unwrap;
+    unwrap.coordinate = unplaced(chain.back().periods);
+    const double open = open_by_code(*layout.code, chain.back().periods);
+    unwrap.open = static_cast<float>(open);
+    unwrap.doubt_scale = static_cast<float>(1 / (1 - 2 * open));
+    return;
+  }
+  if (chain.size() < 2) return;
+  stages.coarse = factors(chain.front().of);
+  stages.coarse_in_field = !is_circle(layout);
+  stages.coarse_stage =
+      coordinate_stage(chain.front().periods, chain.front().periods, projector_length(setup));
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    const bool first = i == 1 && stages.coarse_in_field;
+    stages.chain.push_back(
+        link(chain[i], first ? chain[i].periods : chain[i].periods / chain[i - 1].periods));
+  }
+  UnwrapStage& last = stages.chain.back().unwrap;
+  const bool places = !stages.coarse_in_field && !stages.weighs_bands;
+  last.coordinate = places ? stages.coordinate : unplaced(chain.back().periods);
 }
 
 /// N of the frames in whose channels the kernels find a cue; none for others.
 std::optional<int> cue_steps(const Layout& layout) {
   const auto run = step_run(layout.bands.front());
-  if (!run || run->first != 0 || run->steps != layout.frames) return std::nullopt;
+  if (!run || run->first != 0 || run->steps != layout.frames || run->shifts != Shifts{}) {
+    return std::nullopt;
+  }
   const int N = run->steps;
   if (!layout.cue) {
     const bool second = N >= 5 && is_channel(layout.bands[1], {0, N}, 2);
@@ -303,7 +362,9 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   const auto& [scanner, sequence, settings] = setup;
   const Layout& layout = sequence.strategy.layout();
   const bool votes = layout.unwrapping == Unwrapping::vote;
-  if ((votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
+  const bool by_reference =
+      layout.unwrapping == Unwrapping::likelihood || layout.unwrapping == Unwrapping::code_alone;
+  if (by_reference || (votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;
   }
@@ -316,6 +377,9 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   const double f = measuring_band(layout).periods, widest = least_periods(layout);
   FusedStages stages{.frames = layout.frames,
                      .bands = {},
+                     .coarse = {},
+                     .code = {},
+                     .chain = {},
                      .cue = {},
                      .consensus = consensus_stage(f, settings.fringe_order),
                      .coordinate = coordinate_stage(f, widest, projector_length(setup)),
@@ -327,8 +391,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
     stages.bands.push_back(band_stage(layout.bands.front(), corrections));
     stages.cue = fused_cue(layout, setup);
   } else {
-    stages.bands = band_stages(layout, projector_length(setup), settings.fringe_order, corrections);
-    if (stages.bands.size() == 1) keep_before_cut(stages);
+    add_bands(stages, layout, setup, corrections);
+    if (stages.chain.empty()) keep_before_cut(stages);
   }
   return stages;
 }

@@ -5,6 +5,7 @@
 
 #include "slipstream/geometry/ray_blocks.h"
 #include "slipstream/geometry/ray_table.h"
+#include "slipstream/kernels/code_rows.h"
 #include "slipstream/kernels/cue_rows.h"
 #include "slipstream/kernels/point_rows.h"
 #include "slipstream/kernels/sinusoid_rows.h"
@@ -19,10 +20,24 @@ struct FusedStages {
   struct BandStage {
     SinusoidStage sinusoid;
     int first_frame = 0;  ///< of those that it takes
-    /// By the band after it, which has fewer periods; not of the last.
-    UnwrapStage unwrap{};
+    double periods = 1;
+    float weight = 0;  ///< of its coordinate, see band_weights
     /// What the frames count for in the mean, where they are no run of steps; else empty.
     std::vector<float> mean{};
+  };
+
+  /// A sum of the bands' turns, unwrapped by what is before it.
+  struct Link {
+    std::vector<int> of;  ///< a factor for each of `bands`
+    UnwrapStage unwrap{};
+  };
+
+  /// What the chain begins with where it is no band.
+  struct CodeBits {
+    CodeStage stage;
+    bool against_mean = false;     ///< of the first band
+    std::vector<float> reference;  ///< else a weight for each frame, and what is added
+    float level = 0;               ///< of the full scale
   };
 
   /// A cue in the frames of the first band says which period it is, and the neighbourhood votes.
@@ -38,10 +53,18 @@ struct FusedStages {
   };
 
   int frames = 0;
-  std::vector<BandStage> bands;  ///< from many periods to few; with a cue the measuring one alone
+  /// The measuring one first; with a cue it alone.
+  std::vector<BandStage> bands;
+  std::vector<int> coarse;  ///< what the chain begins with, a factor for each band; or empty:
+  std::optional<CodeBits> code;
+  bool coarse_in_field = false;    ///< it is brought into the field, for the chain is no circle,
+  CoordinateStage coarse_stage{};  ///< by this
+  std::vector<Link> chain;         ///< empty: one band of at most one period, or a cue
+  bool weighs_bands = false;       ///< the coordinate is that of several bands
   std::optional<Cue> cue;
-  ConsensusStage consensus;    ///< where there are several bands or a cue
-  CoordinateStage coordinate;  ///< of the first band alone
+  ConsensusStage consensus;  ///< where there are several bands or a cue
+  /// From turns of a single band to coordinates, or from those of several in fields.
+  CoordinateStage coordinate;
   PointStage point;
   RayTable rays;
   /// None for small pictures. With one band they describe only what lies before the cut of
@@ -49,10 +72,11 @@ struct FusedStages {
   std::optional<RayBlocks> blocks;
 };
 
-/// None where the fused pass cannot stand in for the reference engine: for a cue of other weights
-/// or another reference than those of Eqs. (3.53), (3.68), (3.83), another rule than
-/// CueRule::consensus, a lens too bent for StripeGeometry or RayTable, a picture narrower than
-/// `least_row_width`, a frequency above 16384 under a cue or a field margin above a quarter.
+/// None where the fused pass cannot stand in for the reference engine: for Unwrapping::likelihood
+/// and code_alone, a cue of other weights or another reference than those of Eqs. (3.53), (3.68),
+/// (3.83), another rule than CueRule::consensus, a lens too bent for StripeGeometry or RayTable, a
+/// picture narrower than `least_row_width`, a frequency above 16384 under a cue or a field margin
+/// above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections);
 

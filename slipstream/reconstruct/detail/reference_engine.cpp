@@ -118,6 +118,8 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
   const Band& band = measuring_band(decode_.layout());
   const std::optional<StepRun> run = step_run(band);
   const auto& corrected = setup_.scanner.photometry.response;
+  const bool by_noise = decode_.layout().unwrapping != Unwrapping::code_alone;
+  const double unit_variance = coordinate_variance(decode_.layout(), 1, 1);
   Uncertainty sigma(cloud.size());
   for_each_row(cloud.size().height, [&](int row) {
     for (int column = 0; column < cloud.size().width; ++column) {
@@ -126,11 +128,13 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
       const double noise_variance =
           noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
       const double y = maps.coordinate(column, row);
+      const double phi = 2 * std::numbers::pi * band.periods * y;
       const double gain = run && corrected ? noise_gain(corrected->response, run->steps,
-                                                        2 * std::numbers::pi * band.periods * y)
+                                                        shifted_phase(run->shifts, phi))
                                            : 1;
-      const double sigma_y =
-          gain * std::sqrt(coordinate_variance(decode_.layout(), modulation, noise_variance));
+      const double sigma_y = by_noise
+                                 ? gain * std::sqrt(unit_variance * noise_variance) / modulation
+                                 : std::sqrt(unit_variance);
       const Eigen::Vector3d sigma_point =
           (triangulate_(column, row, y + step) - triangulate_(column, row, y - step)).cwiseAbs() *
           (sigma_y / (2 * step));

@@ -1,0 +1,195 @@
+#include "slipstream/pattern/unwrapping_chain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+namespace slipstream {
+namespace {
+
+using std::numbers::pi;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+PhaseSum band_alone(const Layout& layout, std::size_t band) {
+  PhaseSum sum{.of = std::vector<int>(layout.bands.size()), .periods = layout.bands[band].periods};
+  sum.of[band] = 1;
+  return sum;
+}
+
+/// Standard deviations from the right fringe order of `fine`, given `coarse`, to the next one.
+double margin(const Layout& layout, const PhaseSum& coarse, const PhaseSum& fine) {
+  const double ratio = fine.periods / coarse.periods;
+  double variance = 0;
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    const double factor = ratio * coarse.of[i] - fine.of[i];
+    variance += factor * factor * component_noise(layout.bands[i]);
+  }
+  return pi / std::sqrt(variance);
+}
+
+/// All sums of factors from -2 to 2, at most four bands counted, from few periods to many up to
+/// those of the measuring band, which is the last.
+std::vector<PhaseSum> beats(const Layout& layout) {
+  constexpr int most_factor = 2, most_bands = 4;
+  constexpr double least_periods = 0.02;
+  const PhaseSum measuring = band_alone(layout, measuring_band_index(layout));
+  std::vector<PhaseSum> sums{{std::vector<int>(layout.bands.size()), 0}};
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    const std::vector<PhaseSum> before = sums;
+    for (int factor = -most_factor; factor <= most_factor; ++factor) {
+      if (factor == 0) continue;
+      for (PhaseSum sum : before) {
+        sum.of[i] = factor;
+        sum.periods += factor * layout.bands[i].periods;
+        int counted = 0;
+        for (const int of : sum.of) counted += std::abs(of);
+        if (counted <= most_bands) sums.push_back(std::move(sum));
+      }
+    }
+  }
+  std::erase_if(sums, [&](const PhaseSum& sum) {
+    return sum.periods < least_periods || sum.periods >= measuring.periods;
+  });
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const PhaseSum& a, const PhaseSum& b) { return a.periods < b.periods; });
+  sums.push_back(measuring);
+  return sums;
+}
+
+constexpr double rounding = 1e-9;
+
+bool is_whole(double ratio) {
+  return std::abs(ratio - std::round(ratio)) <= rounding;
+}
+
+/// Of all chains from at most one period to the measuring band that whose worst step is surest;
+/// empty where there is none. `whole`: of those of whole ratios.
+std::vector<PhaseSum> surest_chain(const Layout& layout, const std::vector<PhaseSum>& sums,
+                                   bool whole) {
+  struct Way {
+    double surest = 0;
+    std::size_t from = 0;
+    int steps = 0;
+  };
+  std::vector<Way> ways(sums.size());
+  for (std::size_t fine = 0; fine < sums.size(); ++fine) {
+    if (sums[fine].periods <= 1 + rounding) ways[fine] = {infinity, fine, 0};
+    for (std::size_t coarse = 0; coarse < fine; ++coarse) {
+      if (ways[coarse].surest == 0 || ways[fine].surest == infinity) continue;
+      if (whole && !is_whole(sums[fine].periods / sums[coarse].periods)) continue;
+      const double surest = std::min(ways[coarse].surest, margin(layout, sums[coarse], sums[fine]));
+      const Way way{surest, coarse, ways[coarse].steps + 1};
+      const bool shorter =
+          way.surest > ways[fine].surest - rounding && way.steps < ways[fine].steps;
+      if (way.surest > ways[fine].surest + rounding || shorter) ways[fine] = way;
+    }
+  }
+  std::vector<PhaseSum> chain;
+  std::size_t at = sums.size() - 1;
+  if (ways[at].surest == 0) return {};
+  for (; ways[at].from != at; at = ways[at].from) chain.insert(chain.begin(), sums[at]);
+  chain.insert(chain.begin(), sums[at]);
+  return chain;
+}
+
+double worst_step(const Layout& layout, const std::vector<PhaseSum>& chain) {
+  double least = infinity;
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    least = std::min(least, margin(layout, chain[i - 1], chain[i]));
+  }
+  return least;
+}
+
+/// One of whole ratios does not mind the field's ends; it may be somewhat less sure for that.
+std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
+  constexpr double worth = 0.7;
+  const std::vector<PhaseSum> sums = beats(layout);
+  std::vector<PhaseSum> any = surest_chain(layout, sums, false);
+  std::vector<PhaseSum> circle = surest_chain(layout, sums, true);
+  const bool good =
+      !circle.empty() && worst_step(layout, circle) >= worth * worst_step(layout, any);
+  return good ? circle : any;
+}
+
+/// The distance of the phases of all bands from those at the nearest other coordinate at which the
+/// measuring band has the same phase.
+double likelihood_margin(const Layout& layout) {
+  const double f_h = measuring_band(layout).periods;
+  double nearest = infinity;
+  for (int k = 1; k < f_h; ++k) {
+    double square = 0;
+    for (const Band& band : layout.bands) {
+      const double turns = band.periods * k / f_h;
+      const double apart = 2 * pi * (turns - std::round(turns));
+      square += apart * apart / component_noise(band);
+    }
+    nearest = std::min(nearest, std::sqrt(square) / 2);
+  }
+  return nearest;
+}
+
+}  // namespace
+
+std::vector<PhaseSum> unwrapping_chain(const Layout& layout) {
+  if (layout.unwrapping == Unwrapping::beats) return chain_of_beats(layout);
+  std::vector<PhaseSum> chain;
+  if (layout.unwrapping == Unwrapping::hierarchical) {
+    for (const std::size_t i : coarse_to_fine(layout)) chain.push_back(band_alone(layout, i));
+  } else {
+    chain.push_back(band_alone(layout, measuring_band_index(layout)));
+  }
+  return chain;
+}
+
+bool is_circle(const Layout& layout) {
+  const std::vector<PhaseSum> chain = unwrapping_chain(layout);
+  return std::adjacent_find(chain.begin(), chain.end(), [](const auto& coarse, const auto& fine) {
+           return !is_whole(fine.periods / coarse.periods);
+         }) == chain.end();
+}
+
+std::vector<double> band_weights(const Layout& layout) {
+  std::vector<double> weights(layout.bands.size());
+  const bool weighs =
+      layout.unwrapping == Unwrapping::beats || layout.unwrapping == Unwrapping::likelihood;
+  const std::size_t measuring = measuring_band_index(layout);
+  weights[measuring] = 1;
+  if (!weighs) return weights;
+  const auto precision = [](const Band& band) {
+    return band.periods * band.periods / component_noise(band);
+  };
+  const double best = precision(layout.bands[measuring]);
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double share = precision(layout.bands[i]) / best;
+    weights[i] = share < 0.01 ? 0 : share;
+    sum += weights[i];
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+double least_periods(const Layout& layout) {
+  switch (layout.unwrapping) {
+    case Unwrapping::none:
+    case Unwrapping::hierarchical:
+      return layout.bands[coarse_to_fine(layout).front()].periods;
+    case Unwrapping::beats:
+      return unwrapping_chain(layout).front().periods;
+    default:
+      return 1;
+  }
+}
+
+double open_by_code(const Code& code, double periods) {
+  return std::min(periods / (2 * code.stripes), 0.4);
+}
+
+double unwrapping_margin(const Layout& layout) {
+  if (layout.unwrapping == Unwrapping::likelihood) return likelihood_margin(layout);
+  return worst_step(layout, unwrapping_chain(layout));
+}
+
+}  // namespace slipstream

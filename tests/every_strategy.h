@@ -1,0 +1,46 @@
+// Every coding of the registry, with settings that lead through all of its ways.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "slipstream/strategy/registry.h"
+
+namespace slipstream {
+
+/// Those whose frames say where every pixel is to a part of a period.
+inline std::vector<Strategy> every_phase_strategy() {
+  const Shifts elsewhere{.origin = 2.1, .backwards = true};
+  return {PhaseMeasuring{.steps = 4, .shifts = elsewhere},
+          DualFrequency{.steps = 3, .low_steps = 5, .high = 12, .shifts = elsewhere},
+          MultiFrequency{},
+          MultiFrequency{.steps = {6, 3, 4}, .periods = {1, 5, 16}, .shifts = {-1, false}},
+          MultiFrequency{.steps = {3}, .periods = {25, 20, 22}, .unwrapping = "heterodyne"},
+          MultiFrequency{.steps = {4, 3, 3}, .periods = {9.6, 11.3, 10.5}, .shifts = elsewhere},
+          GrayPhase{},
+          GrayPhase{.steps = 3, .periods = 20, .complementary = false, .shifts = elsewhere},
+          GrayPhase{.steps = 5, .periods = 12, .reference = "inverse", .code_first = true},
+          GrayPhase{.periods = 16, .reference = "white-black"},
+          TwoPlusOne{},
+          TwoPlusOne{.shifts = elsewhere},
+          FastThreeStep{},
+          DoubleThreeStep{.shifts = elsewhere},
+          TwoFrequency2N{},
+          TwoFrequency4N{.periods = {1, 4, 16}, .shifts = elsewhere}};
+}
+
+/// Those of them that the fused pass leaves to the reference engine.
+inline std::vector<Strategy> every_strategy_by_reference() {
+  return {PhaseChannelMultiplexing{.steps = 5, .shifts = {0.7, true}},
+          MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"}};
+}
+
+/// Those that say it to a stripe.
+inline std::vector<Strategy> every_code() {
+  return {GrayCode{},
+          GrayCode{.bits = 9, .reference = "inverse", .stripes = 400, .least_first = true},
+          GrayCode{.bits = 7, .reference = "none", .plain = true}, ExclusiveOrGray{},
+          ExclusiveOrGray{.bits = 8, .base = 2, .reference = "white-black"}};
+}
+
+}  // namespace slipstream

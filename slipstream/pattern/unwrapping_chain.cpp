@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 namespace slipstream {
 namespace {
@@ -65,9 +67,14 @@ bool is_whole(double ratio) {
 }
 
 /// Of all chains from at most one period to the measuring band that whose worst step is surest;
-/// empty where there is none. `whole`: of those of whole ratios.
-std::vector<PhaseSum> surest_chain(const Layout& layout, const std::vector<PhaseSum>& sums,
-                                   bool whole) {
+/// empty where there is none. `circle_of`: of sums alone that repeat as that one does.
+std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> sums,
+                                   std::optional<double> circle_of) {
+  const auto repeats = [&](const PhaseSum& sum) {
+    return !circle_of || is_whole(sum.periods / *circle_of);
+  };
+  if (!repeats(sums.back())) return {};
+  std::erase_if(sums, [&](const PhaseSum& sum) { return !repeats(sum); });
   struct Way {
     double surest = 0;
     std::size_t from = 0;
@@ -75,10 +82,11 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, const std::vector<Phase
   };
   std::vector<Way> ways(sums.size());
   for (std::size_t fine = 0; fine < sums.size(); ++fine) {
-    if (sums[fine].periods <= 1 + rounding) ways[fine] = {infinity, fine, 0};
+    const bool begins = circle_of ? sums[fine].periods <= *circle_of + rounding
+                                  : sums[fine].periods <= 1 + rounding;
+    if (begins) ways[fine] = {infinity, fine, 0};
     for (std::size_t coarse = 0; coarse < fine; ++coarse) {
       if (ways[coarse].surest == 0 || ways[fine].surest == infinity) continue;
-      if (whole && !is_whole(sums[fine].periods / sums[coarse].periods)) continue;
       const double surest = std::min(ways[coarse].surest, margin(layout, sums[coarse], sums[fine]));
       const Way way{surest, coarse, ways[coarse].steps + 1};
       const bool shorter =
@@ -87,8 +95,8 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, const std::vector<Phase
     }
   }
   std::vector<PhaseSum> chain;
+  if (ways.back().surest == 0) return chain;
   std::size_t at = sums.size() - 1;
-  if (ways[at].surest == 0) return {};
   for (; ways[at].from != at; at = ways[at].from) chain.insert(chain.begin(), sums[at]);
   chain.insert(chain.begin(), sums[at]);
   return chain;
@@ -102,12 +110,18 @@ double worst_step(const Layout& layout, const std::vector<PhaseSum>& chain) {
   return least;
 }
 
-/// One of whole ratios does not mind the field's ends; it may be somewhat less sure for that.
+/// One that is a circle does not mind the field's ends; it may be somewhat less sure for that.
 std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   constexpr double worth = 0.7;
   const std::vector<PhaseSum> sums = beats(layout);
-  std::vector<PhaseSum> any = surest_chain(layout, sums, false);
-  std::vector<PhaseSum> circle = surest_chain(layout, sums, true);
+  std::vector<PhaseSum> any = surest_chain(layout, sums, std::nullopt), circle;
+  for (const PhaseSum& first : sums) {
+    if (first.periods > 1 + rounding) break;
+    std::vector<PhaseSum> chain = surest_chain(layout, sums, first.periods);
+    if (chain.empty()) continue;
+    const double sure = worst_step(layout, chain);
+    if (circle.empty() || sure > worst_step(layout, circle) + rounding) circle = std::move(chain);
+  }
   const bool good =
       !circle.empty() && worst_step(layout, circle) >= worth * worst_step(layout, any);
   return good ? circle : any;
@@ -145,9 +159,9 @@ std::vector<PhaseSum> unwrapping_chain(const Layout& layout) {
 
 bool is_circle(const Layout& layout) {
   const std::vector<PhaseSum> chain = unwrapping_chain(layout);
-  return std::adjacent_find(chain.begin(), chain.end(), [](const auto& coarse, const auto& fine) {
-           return !is_whole(fine.periods / coarse.periods);
-         }) == chain.end();
+  return std::all_of(chain.begin(), chain.end(), [&](const PhaseSum& sum) {
+    return is_whole(sum.periods / chain.front().periods);
+  });
 }
 
 std::vector<double> band_weights(const Layout& layout) {

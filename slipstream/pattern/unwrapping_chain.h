@@ -19,7 +19,7 @@ struct PhaseSum {
 /// measuring band alone.
 std::vector<PhaseSum> unwrapping_chain(const Layout& layout);
 /// Whether the coordinate repeats beyond the field as the first of the chain does, so that both
-/// ends of the field meet: whole ratios from one to the next.
+/// ends of the field meet: all have whole multiples of its periods.
 bool is_circle(const Layout& layout);
 /// Weights of the bands' coordinates in that of the layout, which add up to 1: with
 /// Unwrapping::beats and likelihood the inverse of their variances under equal modulations (a band

@@ -25,8 +25,8 @@ const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratc
 
 const float* first_of_chain(const FusedStages& stages, int width, FusedScratch& scratch) {
   float* const coarse = scratch.coarse.begin();
-  const float* const turns = sum_row(stages.coarse, width, scratch, coarse);
-  if (!stages.coarse_in_field) return turns;
+  if (!stages.coarse_in_field) return sum_row(stages.coarse, width, scratch, coarse);
+  const float* const turns = sum_row(stages.coarse, width, scratch, scratch.sum.begin());
   place_row(stages.coarse_stage, width, turns, coarse);
   return coarse;
 }

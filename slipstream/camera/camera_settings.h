@@ -20,7 +20,7 @@ struct CameraSettings {
   /// V4L2: mono8 (the driver's GREY, or the luma of its YUYV), mono10 (Y10) or mono12 (Y12).
   MonoFormat pixel_format = MonoFormat::mono8;
   /// What starts each frame: empty: the camera runs freely, as V4L2 must; "Software":
-  /// AravisSource::trigger; or the camera's name of a line, as "Line1".
+  /// FrameSource::trigger; or the camera's name of a line, as "Line1".
   std::string trigger;
   int packet_size = 0;  ///< GigE Vision alone, bytes; 0: the largest that passes
   /// Patterns in a scan. When a camera was gone and is back, the count of its frames goes on at a

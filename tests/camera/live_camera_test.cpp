@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/camera/aravis_source.h"
+#include "slipstream/camera/genicam.h"
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/live/live_pipeline.h"
@@ -79,8 +79,7 @@ TEST(LiveCamera, EachFrameGivesTheCloudOfTheOfflineScan) {
   const auto camera = serve(offline.loop);
   if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
   std::uint64_t clouds = 0, wrong = 0;
-  LivePipeline pipeline(std::make_unique<AravisSource>("127.0.0.1", settings_for(offline)),
-                        offline.setup,
+  LivePipeline pipeline(open_genicam_camera("127.0.0.1", settings_for(offline)), offline.setup,
                         {.indexing = PatternIndexing::counted,
                          .most_frames = 200,
                          .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
@@ -108,7 +107,7 @@ TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {
   if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
   std::atomic<std::uint64_t> clouds = 0, wrong = 0;
   LivePipeline pipeline(
-      std::make_unique<AravisSource>("127.0.0.1", settings_for(offline)), offline.setup,
+      open_genicam_camera("127.0.0.1", settings_for(offline)), offline.setup,
       {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
          ++clouds;
          if (!offline.has(*cloud)) ++wrong;

@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/camera/aravis_source.h"
+#include "slipstream/camera/genicam.h"
 #include "slipstream/camera/open_camera.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -112,7 +112,8 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
   };
   const Cloud offline = cloud_of(rendered);
 
-  AravisSource source(address, settings_at(200, 4));
+  const auto opened = open_genicam_camera(address, settings_at(200, 4));
+  FrameSource& source = *opened;
   EXPECT_EQ(source.format(), (FrameFormat{{640, 480}, 8}));
   source.start();
   std::vector<Frame> window(4);
@@ -151,7 +152,8 @@ TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
     GTEST_SKIP() << "no camera can be served at 127.0.0.1";
   }
   const auto see = [&](std::uint64_t frames) {
-    AravisSource source(address, settings_at(100, 4));
+    const auto opened = open_genicam_camera(address, settings_at(100, 4));
+    FrameSource& source = *opened;
     source.start();
     Frame frame(source.format());
     do {
@@ -169,7 +171,8 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   const std::vector<Frame> rendered = some_frames(5, {320, 240});
   const auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  AravisSource source(address, settings_at(200, 5));
+  const auto opened = open_genicam_camera(address, settings_at(200, 5));
+  FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
   ASSERT_TRUE(wait_for_frame(source, frame));
@@ -190,7 +193,7 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
 }
 
 /// Asks for frames until the source says that its camera is gone, 5 s at most.
-void wait_until_gone(AravisSource& source, Frame& frame) {
+void wait_until_gone(FrameSource& source, Frame& frame) {
   for (const auto end = steady_clock::now() + 5s;
        source.state().empty() && steady_clock::now() < end;) {
     (void)source.next(frame, 50ms);
@@ -203,7 +206,8 @@ TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
   const std::vector<Frame> rendered = some_frames(4, {320, 240});
   auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  AravisSource source(address, settings_at(100, 4));
+  const auto opened = open_genicam_camera(address, settings_at(100, 4));
+  FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
   for (int i = 0; i < 10; ++i) ASSERT_TRUE(wait_for_frame(source, frame));
@@ -237,7 +241,8 @@ TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
   const std::vector<Frame> rendered = some_frames(4, {320, 240});
   auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  AravisSource source(address, settings_at(100, 4));
+  const auto opened = open_genicam_camera(address, settings_at(100, 4));
+  FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
   ASSERT_TRUE(wait_for_frame(source, frame));
@@ -257,7 +262,8 @@ TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
 TEST(VirtualGigeCamera, OneOfAnotherSizeIsNotTakenForTheOneThatWasLost) {
   auto camera = serve(some_frames(4, {320, 240}));
   REQUIRE_CAMERA(camera);
-  AravisSource source(address, settings_at(100, 4));
+  const auto opened = open_genicam_camera(address, settings_at(100, 4));
+  FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
   ASSERT_TRUE(wait_for_frame(source, frame));
@@ -280,7 +286,8 @@ TEST(VirtualGigeCamera, GivesTheRegionThatIsAskedFor) {
   REQUIRE_CAMERA(camera);
   CameraSettings settings = settings_at(100, 3);
   settings.region = Rectangle{16, 8, {64, 32}};
-  AravisSource source(address, settings);
+  const auto opened = open_genicam_camera(address, settings);
+  FrameSource& source = *opened;
   EXPECT_EQ(source.format().size, (Size{64, 32}));
   source.start();
   Frame frame(source.format());
@@ -299,7 +306,8 @@ TEST(VirtualGigeCamera, TakesAFrameForEachSoftwareTrigger) {
   REQUIRE_CAMERA(camera);
   camera->set_trigger_rate(200);
   CameraSettings settings{.exposure = 0.002, .gain = 3, .trigger = "Software", .cycle = 4};
-  AravisSource source(address, settings);
+  const auto opened = open_genicam_camera(address, settings);
+  FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
   EXPECT_EQ(source.next(frame, 700ms), Arrival::nothing);
@@ -315,7 +323,8 @@ TEST(VirtualGigeCamera, StalledConsumerLosesFramesAndGoesOn) {
   const std::vector<Frame> rendered = some_frames(4, {160, 120});
   const auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  AravisSource source(address, settings_at(200, 4));
+  const auto opened = open_genicam_camera(address, settings_at(200, 4));
+  FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
   ASSERT_TRUE(wait_for_frame(source, frame));
@@ -360,13 +369,13 @@ TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
   expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, address, "S"); }, {"8 bits"});
 }
 
-TEST(AravisSource, SaysWhatItCannotDo) {
-  EXPECT_THROW(AravisSource("no such camera", {}), WorldError);
+TEST(GenICamCamera, SaysWhatItCannotDo) {
+  EXPECT_THROW(open_genicam_camera("no such camera", {}), WorldError);
   const auto camera = serve(some_frames(1, {160, 120}));
   REQUIRE_CAMERA(camera);
-  expect_error([] { AravisSource(address, {.pixel_format = MonoFormat::mono12p}); },
+  expect_error([] { (void)open_genicam_camera(address, {.pixel_format = MonoFormat::mono12p}); },
                {"127.0.0.1", "Mono12p"});
-  expect_error([] { AravisSource(address, {.cycle = 0}); }, {"0 patterns"});
+  expect_error([] { (void)open_genicam_camera(address, {.cycle = 0}); }, {"0 patterns"});
 }
 
 }  // namespace

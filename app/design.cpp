@@ -9,7 +9,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/plot_file.h"
-#include "slipstream/noise/phase_noise.h"
+#include "slipstream/noise/predicted_variance.h"
 #include "slipstream/strategy/multiplexing_design.h"
 
 namespace slipstream::app {

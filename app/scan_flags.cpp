@@ -9,7 +9,7 @@
 #include "app/flag_group.h"
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
-#include "slipstream/image/size_text.h"
+#include "slipstream/image/rectangle.h"
 #include "slipstream/strategy/registry.h"
 
 namespace slipstream::app {

@@ -29,6 +29,9 @@ struct CameraSettings {
 };
 
 /// Where the settings say that control; exposure in seconds.
-std::optional<double>& asked_for(CameraSettings& settings, CameraControl which);
+inline std::optional<double>& asked_for(CameraSettings& settings, CameraControl which) {
+  if (which == CameraControl::exposure) return settings.exposure;
+  return which == CameraControl::gain ? settings.gain : settings.frame_rate;
+}
 
 }  // namespace slipstream

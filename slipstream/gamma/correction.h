@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "slipstream/gamma/harmonics.h"
+#include "slipstream/gamma/distortion.h"
 #include "slipstream/gamma/response.h"
 #include "slipstream/phase/phase_correction.h"
 

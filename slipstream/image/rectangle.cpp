@@ -1,9 +1,18 @@
 #include "slipstream/image/rectangle.h"
 
+#include <algorithm>
+
 #include "slipstream/error/number_text.h"
-#include "slipstream/image/size_text.h"
 
 namespace slipstream {
+
+std::optional<Size> size_of_text(std::string_view text) {
+  constexpr int largest = 65536;
+  const std::vector<int> sides = numbers_in<int>(text, 'x');
+  const bool good = sides.size() == 2 && std::min(sides[0], sides[1]) >= 1 &&
+                    std::max(sides[0], sides[1]) <= largest;
+  return good ? std::optional(Size{sides[0], sides[1]}) : std::nullopt;
+}
 
 std::optional<Rectangle> rectangle_of_text(std::string_view text) {
   const std::size_t plus = text.find('+');

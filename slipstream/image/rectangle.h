@@ -7,6 +7,9 @@
 
 namespace slipstream {
 
+/// The size that "1824x1140" says, of 1 to 65536 pixels each way; none for any other text.
+std::optional<Size> size_of_text(std::string_view text);
+
 /// A part of a picture or of a sensor: columns from x, rows from y.
 struct Rectangle {
   int x = 0;

@@ -1,10 +1,10 @@
 #include "slipstream/noise/predicted_variance.h"
 
 #include <cstddef>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/pattern/unwrapping_chain.h"
 
 namespace slipstream {
@@ -19,6 +19,14 @@ double sum_of_squares(const std::vector<double>& weights) {
 }
 
 }  // namespace
+
+double phase_variance(int steps, double alpha, double alpha_p, double noise_variance) {
+  return 8 * noise_variance / (steps * square(alpha * alpha_p));
+}
+
+double coordinate_variance(double phase_variance, double frequency) {
+  return phase_variance / square(2 * std::numbers::pi * frequency);
+}
 
 double component_variance(const Band& band, double noise_variance) {
   return component_noise(band) * noise_variance;

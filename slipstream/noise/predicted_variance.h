@@ -6,8 +6,18 @@
 namespace slipstream {
 
 // Predicted variances of what is computed from frames with additive noise of variance sigma_w^2
-// (grey levels^2): Liu 2010, Chapter 3. Those of the wrapped phase (3.38) and of the coordinate
-// (3.40) stand in phase_noise.h. All hold for small noise; alpha, alpha_p, c_1, c_2 > 0.
+// (grey levels^2): Liu 2010, Chapter 3. All hold for small noise; alpha, alpha_p, c_1, c_2 > 0.
+
+/// Variance that rounding to whole grey levels adds to each frame: 1/12.
+inline constexpr double quantisation_variance = 1.0 / 12;
+
+/// Of the wrapped phase (rad^2) of N-step PMP at reflectivity alpha under patterns of amplitude
+/// alpha_p: Eq. (3.38), 8 sigma_w^2 / (N alpha^2 alpha_p^2).
+double phase_variance(int steps, double alpha, double alpha_p, double noise_variance);
+
+/// Of the projector coordinate y (fields^2) for f periods across the field: Eq. (3.40), the phase
+/// variance divided by (2 pi f)^2.
+double coordinate_variance(double phase_variance, double frequency);
 
 /// Of C and of S of a band, on average: their weights' squares add up. For N steps it is 2 / N
 /// sigma_w^2, as in Eqs. (3.36), (3.95).

@@ -8,9 +8,20 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/simulate/ray.h"
-
 namespace slipstream {
+
+/// The points origin + distance direction, distance > 0. The direction has any length; distances
+/// are in units of it, so that along a camera ray (u, v, 1) they are depths.
+struct Ray {
+  Eigen::Vector3d origin;
+  Eigen::Vector3d direction;
+};
+
+/// Where a ray meets a surface.
+struct Hit {
+  double distance = 0;
+  Eigen::Vector3d normal;  ///< of any length and sign
+};
 
 /// Triangles by the indices of their corners. Units and axes are its maker's.
 struct Mesh {

@@ -12,7 +12,6 @@
 
 #include "slipstream/image/image.h"
 #include "slipstream/simulate/mesh.h"
-#include "slipstream/simulate/ray.h"
 
 namespace slipstream {
 

@@ -1,5 +1,3 @@
-#include "slipstream/gamma/harmonics.h"
-
 #include <cmath>
 #include <numbers>
 #include <vector>

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/noise/phase_noise.h"
+#include "slipstream/noise/predicted_variance.h"
 #include "slipstream/phase/phase_decoder.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

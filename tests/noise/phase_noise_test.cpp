@@ -1,11 +1,10 @@
 // Phase noise of 8-bit virtual scans against Liu 2010, Eq. (3.38), with the noise of rounding.
-#include "slipstream/noise/phase_noise.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/noise/predicted_variance.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"

@@ -9,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/reflectivity.h"
 #include "slipstream/phase/equations.h"
 #include "slipstream/strategy/registry.h"

@@ -11,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/kernels/vector_target.h"
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/pattern/unwrapping_chain.h"
 #include "slipstream/reconstruct/engine.h"

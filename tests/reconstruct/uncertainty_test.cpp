@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/noise/phase_noise.h"
+#include "slipstream/noise/predicted_variance.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

@@ -8,7 +8,6 @@
 #include "slipstream/gamma/blind.h"
 #include "slipstream/gamma/correction.h"
 #include "slipstream/gamma/distortion.h"
-#include "slipstream/gamma/harmonics.h"
 #include "slipstream/gamma/measurement.h"
 
 namespace slipstream {

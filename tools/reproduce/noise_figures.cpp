@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "slipstream/noise/noise_measurement.h"
-#include "slipstream/noise/phase_noise.h"
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/noise/reflectivity.h"
 #include "slipstream/phase/phase_decoder.h"

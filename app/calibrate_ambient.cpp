@@ -27,7 +27,7 @@ struct CalibrateAmbientFlags {
 void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
   CalibrationFiles files = flags.files;
   ScanAverage scans;
-  for_each_scan(flags.folders, flags.scan, files, output,
+  for_each_scan(flags.folders, flags.scan, files, false, output,
                 [&](const Scan& scan, const std::string& folder) {
                   require_ambient_measurable(scan, folder);
                   scans.add(scan, folder);

@@ -109,7 +109,10 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
   CalibrationFiles files = flags.files;
   std::optional<Found> found;
   if (!flags.folders.empty()) {
-    found = from_scans(flags, averaged_scans(flags.folders, flags.scan, files, output), output);
+    ScanAverage scans;
+    for_each_scan(flags.folders, flags.scan, files, true, output,
+                  [&](const Scan& scan, const std::string& folder) { scans.add(scan, folder); });
+    found = from_scans(flags, scans, output);
   }
   if (flags.uniform) {
     const Found uniform = from_uniform(flags, output);

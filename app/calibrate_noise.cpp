@@ -30,7 +30,7 @@ nlohmann::json json_of(const NoiseMeasurement& measured) {
 void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   CalibrationFiles files = flags.files;
   std::vector<NoiseScan> scans;
-  for_each_scan(flags.folders, flags.scan, files, output,
+  for_each_scan(flags.folders, flags.scan, files, false, output,
                 [&](const Scan& scan, const std::string&) { scans.emplace_back(scan); });
   const std::vector<NoiseMeasurement> all = slipstream::calibrate_noise(scans);
   output.document["measurements"] = nlohmann::json::array();

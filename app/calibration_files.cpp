@@ -20,14 +20,9 @@ void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
   group.add("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
 }
 
-namespace {
-
-using TakeScan = std::function<void(const Scan& scan, const std::string& folder)>;
-
-/// As for_each_scan; where `of_gamma`, the scans are there to measure the response, which nothing
-/// is then corrected for: that it shows is no news.
-void check_and_take(const std::vector<std::string>& folders, const ScanFlags& flags,
-                    CalibrationFiles& files, bool of_gamma, Output& output, const TakeScan& take) {
+void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
+                   CalibrationFiles& files, bool of_gamma, Output& output,
+                   const std::function<void(const Scan& scan, const std::string& folder)>& take) {
   Progress progress("scans", static_cast<int>(folders.size()));
   for (const std::string& folder : folders) {
     const ScanFiles described = scan_files_in(folder, scan_changes_from(flags));
@@ -45,21 +40,6 @@ void check_and_take(const std::vector<std::string>& folders, const ScanFlags& fl
     }
     progress.advance();
   }
-}
-
-}  // namespace
-
-void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
-                   CalibrationFiles& files, Output& output, const TakeScan& take) {
-  check_and_take(folders, flags, files, false, output, take);
-}
-
-ScanAverage averaged_scans(const std::vector<std::string>& folders, const ScanFlags& flags,
-                           CalibrationFiles& files, Output& output) {
-  ScanAverage average;
-  check_and_take(folders, flags, files, true, output,
-                 [&](const Scan& scan, const std::string& folder) { average.add(scan, folder); });
-  return average;
 }
 
 void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,

@@ -12,8 +12,8 @@
 #include "app/scan_flags.h"
 #include "slipstream/gamma/measurement.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/photometry/scan_average.h"
 #include "slipstream/plot/plot.h"
+#include "slipstream/scan/scan.h"
 
 namespace slipstream::app {
 
@@ -28,15 +28,11 @@ void add_calibration_files(CLI::App& command, CalibrationFiles& files);
 
 /// Calls `take` with the frames of each folder and what they show, as scan.yaml and the flags say
 /// it, once they are checked: it warns of what is doubtful and throws Error for what is wrong.
-/// Where `files` names no scanner, the first scan's is the one to add to.
+/// Where `files` names no scanner, the first scan's is the one to add to. `of_gamma`: the scans are
+/// there to measure the response, which nothing is then corrected for: that it shows is no news.
 void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,
-                   CalibrationFiles& files, Output& output,
+                   CalibrationFiles& files, bool of_gamma, Output& output,
                    const std::function<void(const Scan& scan, const std::string& folder)>& take);
-
-/// The mean of the scans in those folders, to measure the projector's response by: what their check
-/// says of that is left out.
-ScanAverage averaged_scans(const std::vector<std::string>& folders, const ScanFlags& flags,
-                           CalibrationFiles& files, Output& output);
 
 /// Writes what was found where it is asked for, and says so.
 void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,

@@ -1,8 +1,12 @@
 #pragma once
 
+#include <algorithm>
+
 #include <Eigen/Core>
 
+#include "slipstream/geometry/lens.h"
 #include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/image/image.h"
 
 namespace slipstream {
 
@@ -45,5 +49,16 @@ struct PointForm3 {
 PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y);
 PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y);
 PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y);
+
+/// A form for each undistorted pixel, by the function above that makes it.
+template <class Form>
+Image<Form> point_table(const Image<PixelPosition>& pixels, const ProjectionMatrices& matrices,
+                        Form (*form)(const PointCoefficients&, double, double)) {
+  const PointCoefficients coefficients = point_coefficients(matrices);
+  Image<Form> table(pixels.size());
+  std::transform(pixels.begin(), pixels.end(), table.begin(),
+                 [&](const PixelPosition& pixel) { return form(coefficients, pixel.x, pixel.y); });
+  return table;
+}
 
 }  // namespace slipstream

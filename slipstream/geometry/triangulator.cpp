@@ -4,26 +4,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "slipstream/image/parallel_rows.h"
-
 namespace slipstream {
-namespace {
-
-template <class Entry>
-Image<Entry> filled(const Image<PixelPosition>& pixels, const ProjectionMatrices& matrices,
-                    Entry (*entry)(const PointCoefficients&, double, double)) {
-  const PointCoefficients coefficients = point_coefficients(matrices);
-  Image<Entry> table(pixels.size());
-  for_each_row(pixels.height(), [&](int row) {
-    for (int column = 0; column < pixels.width(); ++column) {
-      const PixelPosition& pixel = pixels(column, row);
-      table(column, row) = entry(coefficients, pixel.x, pixel.y);
-    }
-  });
-  return table;
-}
-
-}  // namespace
 
 Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method)
     : scanner_(scanner), axis_(axis) {
@@ -36,13 +17,13 @@ Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method
       table_ = std::move(pixels);
       break;
     case PointMethod::form1:
-      table_ = filled(pixels, matrices_, point_form1);
+      table_ = point_table(pixels, matrices_, point_form1);
       break;
     case PointMethod::form2:
-      table_ = filled(pixels, matrices_, point_form2);
+      table_ = point_table(pixels, matrices_, point_form2);
       break;
     case PointMethod::form3:
-      table_ = filled(pixels, matrices_, point_form3);
+      table_ = point_table(pixels, matrices_, point_form3);
       break;
   }
 }

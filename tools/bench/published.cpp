@@ -15,17 +15,6 @@ namespace {
 constexpr int most_steps_published = 6;
 constexpr double two_pi = 2 * std::numbers::pi;
 
-template <class Entry>
-Image<Entry> filled(const Image<PixelPosition>& pixels, const ProjectionMatrices& matrices,
-                    Entry (*entry)(const PointCoefficients&, double, double)) {
-  const PointCoefficients coefficients = point_coefficients(matrices);
-  Image<Entry> table(pixels.size());
-  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
-    table.begin()[i] = entry(coefficients, pixels.begin()[i].x, pixels.begin()[i].y);
-  }
-  return table;
-}
-
 /// The N intensities of one pixel.
 template <class Number>
 class Intensities {
@@ -60,9 +49,9 @@ PublishedLoops::PublishedLoops(const Scanner& scanner, Axis axis, Frames<std::ui
       equations_(steps_),
       tables_(steps_),
       pixels_(undistorted_pixels(scanner.camera)),
-      forms1_(filled(pixels_, matrices_, point_form1)),
-      forms2_(filled(pixels_, matrices_, point_form2)),
-      forms3_(filled(pixels_, matrices_, point_form3)) {}
+      forms1_(point_table(pixels_, matrices_, point_form1)),
+      forms2_(point_table(pixels_, matrices_, point_form2)),
+      forms3_(point_table(pixels_, matrices_, point_form3)) {}
 
 template <class Sample>
 void PublishedLoops::each_pixel(const Sample& sample) {

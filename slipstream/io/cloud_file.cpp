@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
 #include "slipstream/io/detail/number_bytes.h"
 #include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
@@ -132,11 +131,7 @@ std::string xyz_file(const Cloud& cloud, const std::vector<Extra>& extras) {
 }  // namespace
 
 void require_cloud_ending(const fs::path& path) {
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".ply" && extension != ".pcd" && extension != ".xyz") {
-    throw Error(fmt::format("{}: no cloud format has the ending '{}'; use .ply, .pcd or .xyz",
-                            path.string(), extension));
-  }
+  require_ending(path, "cloud format", {".ply", ".pcd", ".xyz"});
 }
 
 void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& extras) {

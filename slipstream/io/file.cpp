@@ -11,6 +11,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include "slipstream/error/error.h"
@@ -99,6 +100,14 @@ std::string lower_case_extension(const fs::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
+}
+
+void require_ending(const fs::path& path, const char* kind,
+                    std::initializer_list<std::string_view> endings) {
+  const std::string ending = lower_case_extension(path);
+  if (std::find(endings.begin(), endings.end(), ending) != endings.end()) return;
+  throw Error(fmt::format("{}: no {} has the ending '{}'; use {}", path.string(), kind, ending,
+                          fmt::join(endings, ", ")));
 }
 
 }  // namespace slipstream

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,5 +24,9 @@ void make_folder(const std::filesystem::path& folder);
 
 /// A path's ending in lower case: ".png". Empty where it has none.
 std::string lower_case_extension(const std::filesystem::path& path);
+
+/// Throws Error, "no KIND has the ending ...", unless the path's ending is one of these.
+void require_ending(const std::filesystem::path& path, const char* kind,
+                    std::initializer_list<std::string_view> endings);
 
 }  // namespace slipstream

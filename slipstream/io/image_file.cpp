@@ -92,11 +92,7 @@ void write_mat(const fs::path& path, const cv::Mat& mat) {
 }
 
 void require_map_ending(const fs::path& path) {
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".tif" && extension != ".tiff") {
-    throw Error(fmt::format("{}: maps are TIFF files of 32-bit float; use the ending .tiff",
-                            path.string()));
-  }
+  require_ending(path, "map of 32-bit float", {".tif", ".tiff"});
 }
 
 template <class Pixel>
@@ -213,11 +209,7 @@ void write_frames(const std::vector<fs::path>& paths, const FrameViews& frames) 
 }
 
 void require_colour_ending(const std::filesystem::path& path) {
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".png" && extension != ".tiff" && extension != ".tif" && extension != ".bmp") {
-    throw Error(fmt::format("{}: no picture in colour has the ending '{}'; use .png, .tiff or .bmp",
-                            path.string(), extension));
-  }
+  require_ending(path, "picture in colour", {".png", ".tif", ".tiff", ".bmp"});
 }
 
 }  // namespace slipstream

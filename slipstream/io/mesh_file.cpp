@@ -12,11 +12,7 @@
 namespace slipstream {
 
 Mesh read_mesh(const std::filesystem::path& path) {
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".ply" && extension != ".obj") {
-    throw Error(fmt::format("{}: no mesh format has the ending '{}'; use .ply or .obj",
-                            path.string(), extension));
-  }
+  require_ending(path, "mesh format", {".ply", ".obj"});
   StoredPoints stored = read_points(path);
   Mesh mesh{.vertices = {}, .triangles = std::move(stored.triangles)};
   for (const auto& point : stored.points) mesh.vertices.emplace_back(point.x, point.y, point.z);

@@ -170,9 +170,7 @@ cv::Mat drawn(const BarPlot& plot) {
 }  // namespace
 
 void write_plot(const fs::path& path, const Plot& plot) {
-  if (lower_case_extension(path) != ".png") {
-    throw Error(fmt::format("{}: plots are PNG files; use the ending .png", path.string()));
-  }
+  require_ending(path, "plot", {".png"});
   if (const auto* lines = std::get_if<LinePlot>(&plot)) {
     write_png(path, drawn(*lines));
   } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {

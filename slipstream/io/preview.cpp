@@ -9,7 +9,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/cloud/shading.h"
-#include "slipstream/error/error.h"
 #include "slipstream/image/colour_map.h"
 #include "slipstream/image/converted.h"
 #include "slipstream/image/quantile.h"
@@ -87,9 +86,7 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
 
 void write_preview(const fs::path& path, cv::Mat picture, const ValueRange& range,
                    const std::string& unit, const ColourMap& colours) {
-  if (lower_case_extension(path) != ".png") {
-    throw Error(fmt::format("{}: previews are PNG files; use the ending .png", path.string()));
-  }
+  require_ending(path, "preview", {".png"});
   constexpr int longest_side = 1000;
   const int side = std::max(picture.cols, picture.rows);
   if (side > longest_side) {

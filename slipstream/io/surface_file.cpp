@@ -85,11 +85,7 @@ void write_obj(const fs::path& path, const Surface& surface) {
 }  // namespace
 
 void require_mesh_ending(const fs::path& path) {
-  const std::string extension = lower_case_extension(path);
-  if (extension != ".ply" && extension != ".stl" && extension != ".obj" && extension != ".glb") {
-    throw Error(fmt::format("{}: no mesh format has the ending '{}'; use .ply, .stl, .obj or .glb",
-                            path.string(), extension));
-  }
+  require_ending(path, "mesh format", {".ply", ".stl", ".obj", ".glb"});
 }
 
 void write_surface(const fs::path& path, const Surface& surface) {

@@ -84,7 +84,7 @@ TEST_F(MeasureProgram, ReconstructWritesMeshesByTheirEnding) {
     EXPECT_GT(point_count(read_cloud(path(name)).cloud), 1000U) << name;
   }
   expect_refused({"reconstruct", path("scan"), "--mesh", path("mesh.fbx")},
-                 "use .ply, .stl, .obj or .glb");
+                 "use .ply, .stl, .obj, .glb");
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ TEST(SurfaceFiles, RefuseWhatTheyCannotHold) {
   const TemporaryFolder folder;
   const Surface surface = surface_of(sheet_cloud());
   expect_error([&] { write_surface(folder.path() / "mesh.fbx", surface); },
-               {".fbx", ".ply, .stl, .obj or .glb"});
+               {".fbx", ".ply, .stl, .obj, .glb"});
   expect_error(
       [&] {
         write_surface(folder.path() / "mesh.glb", surface_of(Cloud({9, 9})));

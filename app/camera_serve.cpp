@@ -65,7 +65,7 @@ void require_good(const ServeFlags& flags) {
     throw Error(fmt::format("--cycles {} is out of range; 1 to {}", flags.cycles, most_cycles));
   }
   if (flags.scene.bits != 8) {
-    throw Error(fmt::format("--bits {}: a camera that is served has 8", flags.scene.bits));
+    throw Error(fmt::format("--camera-bits {}: a camera that is served has 8", flags.scene.bits));
   }
 }
 

@@ -268,7 +268,7 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
            "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
   command.add("--backend", flags.backend, "fused, lut, closed-form or equation");
-  command.add("--unwrapping", flags.unwrapping,
+  command.add("--cue-rule", flags.unwrapping,
               "fringe order from a cue in the same frames: consensus, likelihood or published");
   command.add("--one-camera", flags.one_camera,
               "use the first camera alone where the scan has two");

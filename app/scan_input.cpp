@@ -18,7 +18,7 @@ void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags) {
   options.add("--gamma", flags.gamma,
               "the response the phase is corrected for: scanner (as its file says, if it does), "
               "blind (from the frames), none, or a number");
-  options.add("--bits", flags.bits, "of the camera, where 16-bit files hold fewer");
+  options.add("--camera-bits", flags.bits, "of the camera, where 16-bit files hold fewer");
   add_scan_flags(subcommand, flags.scan);
 }
 

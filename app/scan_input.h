@@ -22,7 +22,7 @@ struct ScanInputFlags {
   PhotometricCalibration photometry;  ///< as far as flags say it
 };
 
-/// Adds --scanner, --bits, --gamma, --ambient, --noise-variance and those of add_scan_flags.
+/// Adds --scanner, --camera-bits, --gamma, --ambient, --noise-variance and those of add_scan_flags.
 void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags);
 
 /// Adds --min-modulation, --keep-saturated, --nearest and --farthest.

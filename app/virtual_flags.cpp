@@ -39,7 +39,7 @@ void add_device_flags(CLI::App& command, VirtualFlags& flags) {
             "holds one");
   group.add("--virtual-noise", flags.noise_variance,
             "sigma_w^2, grey levels^2 of 255, in place of the world's noise");
-  group.add("--bits", flags.bits, "of the camera, 8 to 16");
+  group.add("--camera-bits", flags.bits, "of the camera, 8 to 16");
   group.add("--seed", flags.seed, "of the noise");
   group.add("--rays", flags.rays,
             "rays of each pixel at edges, 1 to 256: more put them truer and take longer");

@@ -180,7 +180,7 @@ Finding too_dark(const ScanSamples& samples, const LightEvidence& light) {
   } else if (light.bits == 16 && used <= 14) {
     finding.likely =
         fmt::format("pictures of {} bits in files of 16, or far too little light", used);
-    finding.advice = fmt::format("try --bits {}; or expose longer", used);
+    finding.advice = fmt::format("try --camera-bits {}; or expose longer", used);
   } else if (samples.largest_range() < 4) {
     finding.likely = "no pattern in the pictures: the projector was dark or not in view";
     finding.advice = "look at the pictures";
@@ -232,7 +232,7 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
              .what = "grey levels are larger than the camera's largest",
              .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
              .likely = "a camera of more bits than said",
-             .advice = light.bits == 0 ? "" : fmt::format("try --bits {}", bits)}};
+             .advice = light.bits == 0 ? "" : fmt::format("try --camera-bits {}", bits)}};
   }
   // A small thing that is lit well is no fault.
   const bool dim = light.modulation < 1.5 * light.least_modulation;
@@ -245,7 +245,7 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
         {.what = fmt::format("only {} of {} bits are used", used, light.bits),
          .evidence = {{"brightest grey level of 255", samples.brightest()}},
          .likely = fmt::format("pictures of {} bits in files of {}", used, light.bits),
-         .advice = fmt::format("try --bits {}", used)});
+         .advice = fmt::format("try --camera-bits {}", used)});
   }
   if (samples.saturated_share() > most_saturated) {
     findings.push_back({.what = "many lit pixels are saturated and become no points",

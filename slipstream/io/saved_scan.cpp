@@ -25,7 +25,7 @@ namespace {
 FrameSet recorded_frames(const ScanFiles& files) {
   const RecordingReader recording(files.path);
   if (const int bits = recording.header().format.bits; bits != files.bits) {
-    throw Error(fmt::format("{}: its frames have {} bits; --bits {} is of pictures",
+    throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is of pictures",
                             files.path.string(), bits, files.bits));
   }
   std::optional<FrameSet> frames = first_cycle(recording, files.sequence);

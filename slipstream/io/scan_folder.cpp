@@ -287,7 +287,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   if (!changes.order.empty()) files.order = changes.order;
   files.bits = changes.bits.value_or(files.bits);
   if (files.bits != 0 && (files.bits < 8 || files.bits > 16)) {
-    throw Error(fmt::format("--bits {} is out of range; 8 to 16", files.bits));
+    throw Error(fmt::format("--camera-bits {} is out of range; 8 to 16", files.bits));
   }
   if (changes.scanner) files.scanner = changes.scanner;
 }

@@ -152,13 +152,13 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
                   .exit_code,
               0);
     for (const char* const rule : {"published", "likelihood", "consensus"}) {
-      const ProgramRun run = run_program({"reconstruct", path("pcmp"), "--unwrapping", rule,
+      const ProgramRun run = run_program({"reconstruct", path("pcmp"), "--cue-rule", rule,
                                           "--ambient", "-4", "-o", path("pcmp.ply")});
       EXPECT_EQ(run.exit_code, 0) << run.err;
       EXPECT_NE(run.out.find("RMS error"), std::string::npos) << run.out;
     }
   }
-  expect_refused(run_program({"reconstruct", path("pcmp"), "--unwrapping", "spatial"}), 2,
+  expect_refused(run_program({"reconstruct", path("pcmp"), "--cue-rule", "spatial"}), 2,
                  {"spatial", "consensus"});
   expect_refused(
       run_program({"simulate", path("x"), "--strategy", "pcmp", "--high", "4", "--share", "0.2"}),
@@ -357,12 +357,12 @@ TEST_F(Program, BadFlags) {
       {"reconstruct", path("scan"), "--projector", "1824x1140"},
       {"reconstruct", path("scan"), "--strategy", "gray-code"},
       {"reconstruct", path("scan"), "--frequency", "2"},
-      {"reconstruct", path("scan"), "--bits", "99"},
-      {"reconstruct", path("scan"), "--bits", "12"},
+      {"reconstruct", path("scan"), "--camera-bits", "99"},
+      {"reconstruct", path("scan"), "--camera-bits", "12"},
       {"reconstruct", path("scan"), "--threads", "-1"},
       {"simulate", path("new"), "--scene", "teapot"},
       {"simulate", path("new"), "--mesh", path("scan/scan.yaml")},
-      {"simulate", path("new"), "--bits", "7"},
+      {"simulate", path("new"), "--camera-bits", "7"},
       {"simulate", path("new"), "--virtual-noise", "-1"},
       {"simulate", path("new"), "--reflectivity", "2"},
       {"simulate", path("new"), "--boards", "2", "--second-camera"},

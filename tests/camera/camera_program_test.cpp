@@ -133,7 +133,7 @@ TEST_F(CameraProgram, RefusesBadFlags) {
   expect_refused({"record", "-o", recording(), "--source", "aravis:x"}, 2, "--strategy");
   expect_refused({"camera", "serve", "--packet-loss", "2"}, 2, "--packet-loss");
   expect_refused({"camera", "serve", "--cycles", "100000"}, 2, "--cycles 100000");
-  expect_refused({"camera", "serve", "--bits", "12"}, 2, "--bits 12");
+  expect_refused({"camera", "serve", "--camera-bits", "12"}, 2, "--camera-bits 12");
   expect_refused({"camera", "serve", "--projector", "64x48"}, 2, "--projector 64x48");
   expect_refused(with_source({"--source", "v4l2:0", "--gain", "1e12"}), 2, "--gain");
   expect_refused({"camera", "serve", "--camera", "32x24", "--address", "nowhere"}, 2, "nowhere");

@@ -262,8 +262,9 @@ TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
         square += error * error;
       }
     }
+    const double share = measuring_band(strategy.layout()).share;
     const double predicted =
-        coordinate_variance(strategy.layout(), alpha * light.alpha_p / 2, noise_variance);
+        coordinate_variance(strategy.layout(), share * alpha * light.alpha_p / 2, noise_variance);
     EXPECT_NEAR(square / (length * rows) / predicted, 1, 0.05);
   }
 }

@@ -31,7 +31,8 @@ struct VirtualFlags {
   std::uint64_t seed = 1;
 };
 
-/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --world, --camera-bits, --seed,
+/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --world, --camera-bits,
+/// --seed,
 /// --rays, and --virtual-ambient, --virtual-gamma and --virtual-noise: what is simulated, where
 /// --ambient,
 /// --gamma and --noise-variance are what is reckoned with.

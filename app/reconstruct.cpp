@@ -267,7 +267,7 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
       .add("folders", flags.folders,
            "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
-  command.add("--backend", flags.backend, "fused, lut, closed-form or equation");
+  command.add("--backend", flags.backend, "fused, lut, closed-form, equation or intensity-ratio");
   command.add("--cue-rule", flags.unwrapping,
               "fringe order from a cue in the same frames: consensus, likelihood or published");
   command.add("--one-camera", flags.one_camera,

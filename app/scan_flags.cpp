@@ -46,6 +46,8 @@ void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
                                           fmt::format("{} [{}]", setting.help, setting.strategies));
     if (setting.is_switch) option->expected(0, 1)->default_str("true");
   }
+  group.add("--period-pixels", flags.period_pixels, "--periods, each in projector pixels");
+  group.add("--stripe", flags.stripe_pixels, "--stripes as the width of one in projector pixels");
   group.add("--axis", flags.axis, "x: the pattern varies along projector columns; y: rows");
   group.add("--projector", flags.projector, "projector pixels, as 1824x1140");
   group.add("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255");
@@ -85,10 +87,15 @@ void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
 SequenceChanges changes_from(const ScanFlags& flags) {
   SequenceChanges changes{.strategy = flags.strategy,
                           .settings = flags.settings,
+                          .stripe_pixels = flags.stripe_pixels,
                           .alpha_p = flags.alpha_p,
                           .beta_p = flags.beta_p,
                           .marker = flags.marker,
                           .binary = flags.binary};
+  if (flags.period_pixels) {
+    changes.period_pixels.emplace();
+    SettingValue(*flags.period_pixels).read(*changes.period_pixels);
+  }
   if (flags.exposures) changes.exposures = exposures_from(*flags.exposures);
   if (flags.axis) changes.axis = axis_named(*flags.axis);
   if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");

@@ -16,6 +16,8 @@ namespace slipstream::app {
 struct ScanFlags {
   std::optional<std::string> strategy;
   std::map<std::string, std::optional<std::string>> settings;  ///< by the setting's name
+  std::optional<std::string> period_pixels;                    ///< "64,60.2"
+  std::optional<double> stripe_pixels;
   std::optional<std::string> axis;
   std::optional<std::string> projector;  ///< "1824x1140"
   std::optional<double> alpha_p;

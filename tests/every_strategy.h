@@ -31,8 +31,11 @@ inline std::vector<Strategy> every_phase_strategy() {
 
 /// Those of them that the fused pass leaves to the reference engine.
 inline std::vector<Strategy> every_strategy_by_reference() {
+  const Shifts elsewhere{.origin = 2.1, .backwards = true};
   return {PhaseChannelMultiplexing{.steps = 5, .shifts = {0.7, true}},
-          MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"}};
+          MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"},
+          MicroPhaseShifting{.periods = {25, 23, 22, 19}, .shifts = elsewhere}, PeriodCoded{},
+          PeriodCoded{.steps = 6, .high = 16, .shifts = elsewhere}};
 }
 
 /// Those that say it to a stripe.

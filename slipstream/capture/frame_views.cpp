@@ -61,6 +61,18 @@ Size FrameViews::size() const {
   return visit([](const auto& views) { return views.empty() ? Size{} : views.front().size(); });
 }
 
+FrameViews FrameViews::chosen(const std::vector<int>& frames) const {
+  FrameViews chosen = *this;
+  std::visit(
+      [&](auto& views) {
+        const auto all = views;
+        views.clear();
+        for (const int n : frames) views.push_back(all[static_cast<std::size_t>(n)]);
+      },
+      chosen.frames_);
+  return chosen;
+}
+
 FrameViews FrameViews::part(int first, int count) const {
   return visit([&]<class Pixel>(const Frames<Pixel>& views) {
     FrameViews part;

@@ -55,6 +55,9 @@ class FrameViews {
     gain_ = {};
   }
 
+  /// Those frames, in that order.
+  [[nodiscard]] FrameViews chosen(const std::vector<int>& frames) const;
+
   /// Calls `visitor` with the frames as `Frames<Pixel>`.
   template <class Visitor>
   decltype(auto) visit(Visitor&& visitor) const {

@@ -65,6 +65,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     case Unwrapping::likelihood:
     case Unwrapping::code:
     case Unwrapping::code_alone:
+    case Unwrapping::single_frames:
       chain_ = {slipstream::measuring_band_index(layout_)};
       alone_.emplace(layout_, length_along(sequence.axis, sequence.projector));
       break;
@@ -107,13 +108,9 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
 
 double FrameModel::coordinate_of(const SampleReading& reading, const float* levels,
                                  const FrameOrder& order) const {
-  int stripe = 0;
-  if (layout_.code) {
-    std::vector<double> I;
-    for (const int frame : order) I.push_back(levels[frame]);
-    stripe = read_code(*layout_.code, I, 255).stripe;
-  }
-  return (*alone_)(reading.phase, reading.modulation, stripe).y;
+  std::vector<double> I;
+  for (const int frame : order) I.push_back(levels[frame]);
+  return (*alone_)({reading.phase, reading.modulation, I, 255}).y;
 }
 
 double FrameModel::shown_range(int n, const ScanSamples& samples) const {

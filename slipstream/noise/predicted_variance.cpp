@@ -1,9 +1,12 @@
 #include "slipstream/noise/predicted_variance.h"
 
+#include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <numeric>
 #include <vector>
+
+#include <Eigen/Dense>
 
 #include "slipstream/pattern/unwrapping_chain.h"
 
@@ -16,6 +19,29 @@ constexpr double square(double x) {
 
 double sum_of_squares(const std::vector<double>& weights) {
   return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
+}
+
+/// Of y by all frames of one mean and modulation, on average over the field, at sigma_w = B = 1.
+double single_frames_variance(const Layout& layout) {
+  constexpr int places = 509;
+  constexpr double two_pi = 2 * std::numbers::pi;
+  const Band& band = layout.bands.front();
+  double sum = 0;
+  for (int i = 0; i < places; ++i) {
+    const double y = (i + 0.5) / places;
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+    const auto add = [&](double periods, double shift) {
+      const double a = two_pi * periods * y - shift;
+      const Eigen::Vector3d row(1, std::cos(a), -two_pi * periods * std::sin(a));
+      products += row * row.transpose();
+    };
+    for (std::size_t n = 0; n < band.mean.size(); ++n) {
+      if (band.mean[n] != 0) add(band.periods, std::atan2(band.sine[n], band.cosine[n]));
+    }
+    for (const SingleFrame& single : layout.single_frames) add(single.periods, -single.origin);
+    sum += products.inverse()(2, 2);
+  }
+  return sum / places;
 }
 
 }  // namespace
@@ -42,6 +68,9 @@ double phase_variance(const Band& band, double modulation, double noise_variance
 
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {
   if (layout.unwrapping == Unwrapping::code_alone) return 1 / (12 * square(layout.code->stripes));
+  if (layout.unwrapping == Unwrapping::single_frames) {
+    return single_frames_variance(layout) * noise_variance / square(modulation);
+  }
   const std::vector<double> weights = band_weights(layout);
   double variance = 0;
   for (std::size_t i = 0; i < weights.size(); ++i) {

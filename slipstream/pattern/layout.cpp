@@ -109,6 +109,17 @@ void require_code(const Layout& layout, std::string_view name) {
   }
 }
 
+void require_single_frames(const Layout& layout, std::string_view name) {
+  const bool all = std::all_of(
+      layout.single_frames.begin(), layout.single_frames.end(), [&](const SingleFrame& single) {
+        return single.frame >= 0 && single.frame < layout.frames && single.periods > 0;
+      });
+  if (layout.single_frames.empty() || !all || layout.bands.size() != 1 ||
+      !step_run(layout.bands.front())) {
+    throw Error(fmt::format("{}: a run of steps and frames of one sinusoid each are wanted", name));
+  }
+}
+
 void require_cue(const Layout& layout, std::string_view name) {
   if (layout.cue) {
     const double dc = layout.cue->dc();
@@ -228,6 +239,8 @@ void require_valid(const Layout& layout, std::string_view name) {
     case Unwrapping::code:
     case Unwrapping::code_alone:
       return require_code(layout, name);
+    case Unwrapping::single_frames:
+      return require_single_frames(layout, name);
   }
 }
 
@@ -309,6 +322,21 @@ std::size_t measuring_band_index(const Layout& layout) {
 
 const Band& measuring_band(const Layout& layout) {
   return layout.bands[measuring_band_index(layout)];
+}
+
+std::vector<int> measuring_frames(const Layout& layout) {
+  std::vector<int> frames;
+  for (int n = 0; n < layout.frames && layout.unwrapping != Unwrapping::code_alone; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    const bool in_band =
+        std::any_of(layout.bands.begin(), layout.bands.end(), [i](const Band& band) {
+          return band.cosine[i] != 0 || band.sine[i] != 0 || band.mean[i] != 0;
+        });
+    const bool alone = std::any_of(layout.single_frames.begin(), layout.single_frames.end(),
+                                   [n](const SingleFrame& single) { return single.frame == n; });
+    if (in_band || alone || (layout.cue && layout.cue->weights[i] != 0)) frames.push_back(n);
+  }
+  return frames;
 }
 
 bool has_coordinate(const Layout& layout) {

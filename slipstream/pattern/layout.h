@@ -66,16 +66,27 @@ struct Cue {
   friend bool operator==(const Cue&, const Cue&) = default;
 };
 
+/// A frame that shows a sinusoid alone, with the mean and the modulation of the first band: mean +
+/// B cos(2 pi periods y + origin).
+struct SingleFrame {
+  int frame = 0;
+  double periods = 1;
+  double origin = 0;  ///< rad
+
+  friend bool operator==(const SingleFrame&, const SingleFrame&) = default;
+};
+
 /// How phases become a projector coordinate.
 enum class Unwrapping {
-  none,          ///< one band of at most one period needs nothing; of more it gives no coordinate
-  hierarchical,  ///< each band, from few periods to many, is unwrapped by the one before: Eq.
-                 ///< (1.17)
-  vote,          ///< the cue, or a second band in the same frames, and the neighbours: Section 3.2
-  beats,         ///< hierarchical, by whole sums and differences of the bands' phases (heterodyne)
-  likelihood,    ///< the coordinate under which all bands together are likeliest
-  code,          ///< the code names the period of the measuring band: Eq. (1.18)
-  code_alone,    ///< the middle of the code's stripe
+  none,           ///< one band of at most one period needs nothing; of more it gives no coordinate
+  hierarchical,   ///< each band, from few periods to many, is unwrapped by the one before: Eq.
+                  ///< (1.17)
+  vote,           ///< the cue, or a second band in the same frames, and the neighbours: Section 3.2
+  beats,          ///< hierarchical, by whole sums and differences of the bands' phases (heterodyne)
+  likelihood,     ///< the coordinate under which all bands together are likeliest
+  code,           ///< the code names the period of the measuring band: Eq. (1.18)
+  code_alone,     ///< the middle of the code's stripe
+  single_frames,  ///< the coordinate under which the first band and all single frames are likeliest
 };
 
 /// What the frames of a scan hold: all that decoding, prediction and calibration must know of a
@@ -87,6 +98,8 @@ struct Layout {
   std::vector<Band> bands{};
   std::optional<Cue> cue{};    ///< with Unwrapping::vote, where there is one band
   std::optional<Code> code{};  ///< with Unwrapping::code and code_alone
+  std::vector<SingleFrame>
+      single_frames{};  ///< with Unwrapping::single_frames, a run of steps first
   Unwrapping unwrapping = Unwrapping::none;
 
   friend bool operator==(const Layout&, const Layout&) = default;
@@ -138,6 +151,9 @@ std::vector<std::size_t> coarse_to_fine(const Layout& layout);
 /// The band whose phase gives the coordinate.
 const Band& measuring_band(const Layout& layout);
 std::size_t measuring_band_index(const Layout& layout);
+/// The frames whose levels count, not only which of them is brighter: all but those of a code.
+std::vector<int> measuring_frames(const Layout& layout);
+
 /// Whether the frames alone give the projector coordinate, and so a depth.
 bool has_coordinate(const Layout& layout);
 /// Whether that takes the ambient light: a cue in the DC channel.

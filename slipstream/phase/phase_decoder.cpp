@@ -8,14 +8,16 @@
 #include <utility>
 
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/phase/intensity_ratio.h"
 
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<PhaseMethod, std::string_view>, 3> method_names{{
+constexpr std::array<std::pair<PhaseMethod, std::string_view>, 4> method_names{{
     {PhaseMethod::equation, "equation"},
     {PhaseMethod::closed_form, "closed-form"},
     {PhaseMethod::tables, "lut"},
+    {PhaseMethod::intensity_ratio, "intensity-ratio"},
 }};
 
 /// Walks the pixels; `sample` turns the N intensities of one into a PhaseSample.
@@ -71,6 +73,17 @@ PhaseMaps decode_by_closed_form(const Frames<Pixel>& frames, const ClosedForm& f
   });
 }
 
+template <class Pixel>
+PhaseMaps decode_by_ratio(const Frames<Pixel>& frames, const PhaseCorrection* correction) {
+  const IntensityRatio ratio;
+  const PhaseEquations equations(3);
+  return decode_and_correct(frames, correction, [&](std::span<const double> I) {
+    PhaseSample pixel = equations(I);
+    pixel.wrapped_phase = ratio.wrapped_phase(I);
+    return pixel;
+  });
+}
+
 PhaseMaps decode_by_tables(const Frames<std::uint8_t>& frames, const PhaseTables& tables) {
   return decode_pixels<int>(frames, [&](std::span<const int> I) -> PhaseSample {
     const auto [U, V] = table_index<int>(tables.form(), I);
@@ -109,6 +122,7 @@ PhaseMethod PhaseDecoder::method_for(int steps, const FrameViews& frames) const 
   const bool has_table = tables_.contains(steps) && is_of_bytes;
   if (method_ == PhaseMethod::closed_form && has_closed_form) return PhaseMethod::closed_form;
   if (method_ == PhaseMethod::tables && has_table) return PhaseMethod::tables;
+  if (method_ == PhaseMethod::intensity_ratio && steps == 3) return PhaseMethod::intensity_ratio;
   return PhaseMethod::equation;
 }
 
@@ -127,6 +141,7 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, int first, int step
     if (method == PhaseMethod::closed_form) {
       return decode_by_closed_form(views, *closed_form(steps), correction);
     }
+    if (method == PhaseMethod::intensity_ratio) return decode_by_ratio(views, correction);
     return decode_by_equations(views, correction);
   });
 }

@@ -13,14 +13,15 @@
 
 namespace slipstream {
 
-/// How phase is computed in double. All agree to 1e-12 rad; they differ in speed.
+/// How phase is computed in double. All but the last agree to 1e-12 rad; they differ in speed.
 enum class PhaseMethod {
-  equation,     ///< Eqs. (1.3)-(1.7), any weights, any pixel
-  closed_form,  ///< Eqs. (2.1)-(2.3), (2.13)-(2.15), N = 3, 4, 6, any pixel
-  tables,       ///< MLUT and PLUT, Eqs. (2.4)-(2.18), N = 3, 4, 6, 8-bit pixels
+  equation,         ///< Eqs. (1.3)-(1.7), any weights, any pixel
+  closed_form,      ///< Eqs. (2.1)-(2.3), (2.13)-(2.15), N = 3, 4, 6, any pixel
+  tables,           ///< MLUT and PLUT, Eqs. (2.4)-(2.18), N = 3, 4, 6, 8-bit pixels
+  intensity_ratio,  ///< IntensityRatio, N = 3, any pixel; to 2e-8 rad
 };
 
-/// "equation", "closed-form", "lut".
+/// "equation", "closed-form", "lut", "intensity-ratio".
 std::string_view name_of(PhaseMethod method);
 
 /// PhaseSample of every pixel.

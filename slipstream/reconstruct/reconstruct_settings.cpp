@@ -42,14 +42,15 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
     return;
   }
   settings.engine = EngineKind::reference;
-  for (const PhaseMethod method :
-       {PhaseMethod::equation, PhaseMethod::closed_form, PhaseMethod::tables}) {
+  for (const PhaseMethod method : {PhaseMethod::equation, PhaseMethod::closed_form,
+                                   PhaseMethod::tables, PhaseMethod::intensity_ratio}) {
     if (name != name_of(method)) continue;
     settings.phase_method = method;
     return;
   }
-  throw Error(
-      fmt::format("backend '{}' is not known; it is equation, closed-form, lut or fused", name));
+  throw Error(fmt::format(
+      "backend '{}' is not known; it is equation, closed-form, lut, intensity-ratio or fused",
+      name));
 }
 
 DepthRange depth_range(const EngineSetup& setup) {

@@ -8,7 +8,9 @@
 #include "slipstream/strategy/composites.h"
 #include "slipstream/strategy/dual_frequency.h"
 #include "slipstream/strategy/gray_code.h"
+#include "slipstream/strategy/micro_phase_shifting.h"
 #include "slipstream/strategy/multi_frequency.h"
+#include "slipstream/strategy/period_coded.h"
 #include "slipstream/strategy/phase_channel_multiplexing.h"
 #include "slipstream/strategy/phase_measuring.h"
 #include "slipstream/strategy/strategy.h"
@@ -16,9 +18,10 @@
 namespace slipstream {
 
 /// The registry: every coding that can be asked for by its name. A new one is added here.
-using KnownCodings = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing,
-                                  MultiFrequency, GrayCode, GrayPhase, ExclusiveOrGray, TwoPlusOne,
-                                  FastThreeStep, DoubleThreeStep, TwoFrequency2N, TwoFrequency4N>;
+using KnownCodings =
+    std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing, MultiFrequency, GrayCode,
+                 GrayPhase, ExclusiveOrGray, TwoPlusOne, FastThreeStep, DoubleThreeStep,
+                 TwoFrequency2N, TwoFrequency4N, MicroPhaseShifting, PeriodCoded>;
 
 /// What is shown where nobody says what.
 Strategy default_strategy();

@@ -1,8 +1,33 @@
 #include "slipstream/strategy/sequence_changes.h"
 
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
 #include "slipstream/strategy/registry.h"
 
 namespace slipstream {
+
+namespace {
+
+/// What is said in projector pixels, in parts of the field.
+void add_settings_in_pixels(const SequenceChanges& changes, int length,
+                            StrategySettings& settings) {
+  if (!changes.period_pixels && !changes.stripe_pixels) return;
+  if (length == 0) throw Error("lengths in projector pixels need the projector's size");
+  const auto across_field = [length](double pixels) {
+    if (!(pixels > 0)) throw Error(fmt::format("{} projector pixels are no length", pixels));
+    return length / pixels;
+  };
+  if (changes.stripe_pixels) settings["stripes"] = across_field(*changes.stripe_pixels);
+  if (!changes.period_pixels) return;
+  std::vector<double> periods;
+  for (const double pixels : *changes.period_pixels) periods.push_back(across_field(pixels));
+  settings["periods"] = periods;
+}
+
+}  // namespace
 
 Sequence changed(const Sequence& known, const SequenceChanges& changes) {
   const bool replaced = changes.strategy && *changes.strategy != known.strategy.name();
@@ -11,12 +36,13 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
     if (value) settings[name] = *value;
   }
   Sequence sequence = known;
-  sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);
   sequence.axis = changes.axis.value_or(known.axis);
+  sequence.projector = changes.projector.value_or(known.projector);
+  add_settings_in_pixels(changes, length_along(sequence.axis, sequence.projector), settings);
+  sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);
   sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
   require_valid(sequence.light);
-  sequence.projector = changes.projector.value_or(known.projector);
   sequence.exposures = changes.exposures.value_or(known.exposures);
   require_mergeable(sequence);
   sequence.marker = known.marker || changes.marker;

@@ -13,6 +13,8 @@ namespace slipstream {
 struct SequenceChanges {
   std::optional<std::string> strategy{};  ///< by name: replaces the one known whole
   std::map<std::string, std::optional<std::string>> settings{};  ///< alone they change it
+  std::optional<std::vector<double>> period_pixels{};  ///< of `periods`, in projector pixels
+  std::optional<double> stripe_pixels{};               ///< of `stripes`, likewise
   std::optional<Axis> axis{};
   std::optional<double> alpha_p{};
   std::optional<double> beta_p{};

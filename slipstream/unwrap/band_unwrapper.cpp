@@ -29,26 +29,30 @@ BandUnwrapper::BandUnwrapper(Layout layout, int projector_length)
       measuring_(measuring_band_index(layout_)),
       chain_(unwrapping_chain(layout_)),
       circle_(is_circle(layout_)),
-      weights_(band_weights(layout_)) {}
+      weights_(band_weights(layout_)) {
+  if (layout_.unwrapping == Unwrapping::single_frames) {
+    single_frames_.emplace(layout_, projector_length);
+  }
+}
 
 bool BandUnwrapper::can_doubt() const {
   return chain_.size() > 1 || layout_.unwrapping == Unwrapping::likelihood ||
-         layout_.unwrapping == Unwrapping::code;
+         layout_.unwrapping == Unwrapping::code || layout_.unwrapping == Unwrapping::single_frames;
 }
 
-BandUnwrapper::Coordinate BandUnwrapper::operator()(std::span<const double> phases,
-                                                    std::span<const double> modulations,
-                                                    int stripe) const {
+BandUnwrapper::Coordinate BandUnwrapper::operator()(const Reading& reading) const {
   switch (layout_.unwrapping) {
     case Unwrapping::code_alone:
-      // Stripes begin between two pixels, whose centres are at whole numbers.
-      return {(stripe + 0.5) / layout_.code->stripes - 0.5 / projector_length_, 0};
     case Unwrapping::code:
-      return by_code(phases[measuring_], stripe);
+      return by_code(reading);
     case Unwrapping::likelihood:
-      return likeliest(phases, modulations);
+      return likeliest(reading.phases, reading.modulations);
+    case Unwrapping::single_frames: {
+      const auto [y, doubt] = (*single_frames_)(reading.phases.front(), reading.intensities);
+      return {y, doubt};
+    }
     default:
-      return by_chain(phases);
+      return by_chain(reading.phases);
   }
 }
 
@@ -96,9 +100,14 @@ BandUnwrapper::Coordinate BandUnwrapper::likeliest(std::span<const double> phase
   return {weighed(phases, likeliest), doubt};
 }
 
-BandUnwrapper::Coordinate BandUnwrapper::by_code(double phi, int stripe) const {
-  const double f = layout_.bands[measuring_].periods, stripes = layout_.code->stripes;
-  const double y = (stripe + 0.5) / stripes;
+BandUnwrapper::Coordinate BandUnwrapper::by_code(const Reading& reading) const {
+  const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities, reading.full_scale);
+  const double y = (stripe + 0.5) / layout_.code->stripes;
+  // Stripes begin between two pixels, whose centres are at whole numbers.
+  if (layout_.unwrapping == Unwrapping::code_alone) {
+    return {y - 0.5 / projector_length_, 0, contrast};
+  }
+  const double f = layout_.bands[measuring_].periods, phi = reading.phases[measuring_];
   const int k = fringe_order(phi, f, y);
   const double open = open_by_code(*layout_.code, f);
   const double beyond = std::abs(fringe_order_residual(phi, f, y, k)) - open;

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
 #include "slipstream/unwrap/unwrap.h"
 
 namespace slipstream {
@@ -30,24 +28,6 @@ BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
           .wrapped_phase = std::move(fine.wrapped_phase),
           .fringe_order_doubt = std::move(unwrapped.doubt),
           .coordinate = std::move(unwrapped.coordinate)};
-}
-
-/// The stripe of every pixel and the contrast of its bits.
-std::pair<Image<int>, Image<double>> read_codes(const Code& code, const FrameViews& frames) {
-  const Size size = frames.size();
-  std::pair<Image<int>, Image<double>> read{size, size};
-  frames.visit([&](const auto& views) {
-    for_each_row(size.height, [&](int row) {
-      std::vector<double> I(views.size());
-      for (int column = 0; column < size.width; ++column) {
-        for (std::size_t n = 0; n < I.size(); ++n) I[n] = views[n](column, row);
-        const auto [stripe, contrast] = read_code(code, I, frames.full_scale());
-        read.first(column, row) = stripe;
-        read.second(column, row) = contrast;
-      }
-    });
-  });
-  return read;
 }
 
 }  // namespace
@@ -80,10 +60,11 @@ BasicMaps<double> Decoder::operator()(const FrameViews& frames, double least_mod
     phases.cue = weighted_sum(frames, layout_.bands[1].cosine);
     phases.cue_sine = weighted_sum(frames, layout_.bands[1].sine);
   }
-  Image<double> contrast;
-  if (layout_.code) std::tie(phases.stripe, contrast) = read_codes(*layout_.code, frames);
-  if (layout_.unwrapping == Unwrapping::code_alone) phases.bands.front().modulation = contrast;
+  if (layout_.code || !layout_.single_frames.empty()) phases.frames = frames;
   UnwrappedPhases unwrapped = unwrap(layout_, phases, cue, projector_length_, grey_level);
+  if (!unwrapped.contrast.empty()) {
+    phases.bands.front().modulation = std::move(unwrapped.contrast);
+  }
   const std::size_t measuring = votes ? 0 : measuring_band_index(layout_);
   return maps_of(std::move(phases.bands), measuring, std::move(unwrapped));
 }

@@ -29,18 +29,23 @@ UnwrappedPhases unwrap_alone(const Layout& layout, const LayoutPhases& phases,
   UnwrappedPhases result{.coordinate = Image<double>(size)};
   if (unwrapped.can_doubt()) result.doubt = Image<double>(size);
   const std::size_t bands = phases.bands.size();
-  for_each_row(size.height, [&](int row) {
-    std::vector<double> phase(bands), modulation(bands);
-    for (int column = 0; column < size.width; ++column) {
-      for (std::size_t i = 0; i < bands; ++i) {
-        phase[i] = phases.bands[i].wrapped_phase(column, row);
-        modulation[i] = phases.bands[i].modulation(column, row);
+  if (layout.unwrapping == Unwrapping::code_alone) result.contrast = Image<double>(size);
+  const auto full_scale = phases.frames.full_scale();
+  phases.frames.visit([&](const auto& frames) {
+    for_each_row(size.height, [&](int row) {
+      std::vector<double> phase(bands), modulation(bands), I(frames.size());
+      for (int column = 0; column < size.width; ++column) {
+        for (std::size_t i = 0; i < bands; ++i) {
+          phase[i] = phases.bands[i].wrapped_phase(column, row);
+          modulation[i] = phases.bands[i].modulation(column, row);
+        }
+        for (std::size_t n = 0; n < I.size(); ++n) I[n] = frames[n](column, row);
+        const auto [y, doubt, contrast] = unwrapped({phase, modulation, I, full_scale});
+        result.coordinate(column, row) = y;
+        if (!result.doubt.empty()) result.doubt(column, row) = doubt;
+        if (!result.contrast.empty()) result.contrast(column, row) = contrast;
       }
-      const int stripe = phases.stripe.empty() ? 0 : phases.stripe(column, row);
-      const auto [y, doubt] = unwrapped(phase, modulation, stripe);
-      result.coordinate(column, row) = y;
-      if (!result.doubt.empty()) result.doubt(column, row) = doubt;
-    }
+    });
   });
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "slipstream/capture/frame_views.h"
 #include "slipstream/image/image.h"
 #include "slipstream/pattern/layout.h"
 #include "slipstream/phase/phase_decoder.h"
@@ -16,7 +17,7 @@ struct LayoutPhases {
   /// frames. Else empty.
   Image<double> cue{};
   Image<double> cue_sine{};
-  Image<int> stripe{};  ///< by the code, where there is one; else empty
+  FrameViews frames{};  ///< with a code or single frames; else empty
 };
 
 /// Where every pixel is on the projector's axis.
@@ -25,6 +26,7 @@ struct UnwrappedPhases {
   /// How far the bands are apart on the fringe order, the most of all steps from band to band, or
   /// the cue from the order chosen: see fringe_order_residual. Empty with Unwrapping::none.
   Image<double> doubt{};
+  Image<double> contrast{};  ///< with Unwrapping::code_alone: see CodeReading; else empty
   Image<double>
       shade{};  ///< what a cue in the DC channel adds to the mean, grey levels; else empty
 };

@@ -33,6 +33,20 @@ void expect_equal_maps(const PhaseMaps& a, const PhaseMaps& b) {
   }
 }
 
+TEST(PhaseDecoder, IntensityRatioGivesThePhaseOfThreeSteps) {
+  const FrameSet frames(random_images<std::uint8_t>(3, 255));
+  const PhaseMaps exact = PhaseDecoder(PhaseMethod::equation, {3})(frames, 0, 3);
+  const PhaseDecoder by_ratio(PhaseMethod::intensity_ratio, {3});
+  EXPECT_EQ(by_ratio.method_for(3, frames), PhaseMethod::intensity_ratio);
+  EXPECT_EQ(by_ratio.method_for(4, frames), PhaseMethod::equation);
+  const PhaseMaps maps = by_ratio(frames, 0, 3);
+  for (std::size_t i = 0; i < maps.mean.pixel_count(); ++i) {
+    const double apart = maps.wrapped_phase.begin()[i] - exact.wrapped_phase.begin()[i];
+    ASSERT_NEAR(std::remainder(apart, 6.283185307179586), 0, 2e-8);
+    ASSERT_EQ(maps.modulation.begin()[i], exact.modulation.begin()[i]);
+  }
+}
+
 TEST(PhaseDecoder, MethodsAgreeOnEightBits) {
   for (const int N : {3, 4, 6}) {
     const FrameSet frames(random_images<std::uint8_t>(N + 2, 255));

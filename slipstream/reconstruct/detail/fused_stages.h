@@ -72,11 +72,11 @@ struct FusedStages {
   std::optional<RayBlocks> blocks;
 };
 
-/// None where the fused pass cannot stand in for the reference engine: for Unwrapping::likelihood
-/// and code_alone, a cue of other weights or another reference than those of Eqs. (3.53), (3.68),
-/// (3.83), another rule than CueRule::consensus, a lens too bent for StripeGeometry or RayTable, a
-/// picture narrower than `least_row_width`, a frequency above 16384 under a cue or a field margin
-/// above a quarter.
+/// None where the fused pass cannot stand in for the reference engine: for Unwrapping::likelihood,
+/// code_alone and single_frames, a cue of other weights or another reference than those of Eqs.
+/// (3.53), (3.68), (3.83), another rule than CueRule::consensus, a lens too bent for StripeGeometry
+/// or RayTable, a picture narrower than `least_row_width`, a frequency above 16384 under a cue or a
+/// field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                                         const PhaseCorrections& corrections);
 

@@ -21,6 +21,7 @@ namespace {
 PointMethod point_method(PhaseMethod method) {
   switch (method) {
     case PhaseMethod::equation:
+    case PhaseMethod::intensity_ratio:
       return PointMethod::inverse;
     case PhaseMethod::closed_form:
       return PointMethod::form1;
@@ -62,7 +63,8 @@ Image<Validity> ReferenceEngine::measured(const BasicMaps<double>& decoded,
   const ReconstructSettings& settings = setup_.settings;
   const double least = least_modulation(settings, frames.full_scale());
   const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
-  const Image<std::uint8_t> saturated = saturation_mask(frames);
+  const Image<std::uint8_t> saturated =
+      saturation_mask(frames.chosen(measuring_frames(decode_.layout())));
   const bool nothing_to_confirm = decoded.fringe_order_doubt.empty();
   const bool voted = decode_.layout().unwrapping == Unwrapping::vote;
   const Image<std::uint8_t> asked =

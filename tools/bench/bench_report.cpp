@@ -16,10 +16,6 @@ constexpr std::array<std::pair<const char*, const char*>, 5> relatives{
      {"fused-corrected", "time with a phase correction, times the time without:"},
      {"fused-dual", "time of two frequencies (6 frames), times that of one:"}}};
 
-bool is_multiplexed(const TimedRow& timed) {
-  return timed.row.name.starts_with("pcmp");
-}
-
 bool is_fused_of_three(const TimedRow& timed) {
   return timed.row.name == "fused" && timed.row.steps == 3;
 }
@@ -49,7 +45,7 @@ std::string table_by_steps(const std::vector<TimedRow>& rows) {
   std::vector<std::string> names;
   std::vector<int> steps;
   for (const TimedRow& timed : rows) {
-    if (is_multiplexed(timed)) continue;
+    if (timed.row.is_coding) continue;
     add_once(names, timed.row.name);
     add_once(steps, timed.row.steps);
   }
@@ -62,13 +58,12 @@ std::string table_by_steps(const std::vector<TimedRow>& rows) {
   return text + "\n";
 }
 
-std::string multiplexed(const BenchReport& report) {
-  std::string text = "\nphase channel multiplexing          ms      fps   of fused, N = 3\n";
+std::string codings(const BenchReport& report) {
+  std::string text = "\nother codings            ms      fps   of fused, N = 3\n";
   for (const TimedRow& timed : report.rows) {
-    if (!is_multiplexed(timed)) continue;
-    text += fmt::format("{:<18} {:>8} {:>10.3f} {:>8.0f} {:>10.2f}\n", timed.row.name, "",
-                        timed.timing.median, timed.runs_per_second(),
-                        report.ratios.over_fused.at(timed.row.name));
+    if (!timed.row.is_coding) continue;
+    text += fmt::format("{:<18} {:>8.3f} {:>8.0f} {:>17.2f}\n", timed.row.name, timed.timing.median,
+                        timed.runs_per_second(), report.ratios.over_fused.at(timed.row.name));
   }
   return text;
 }
@@ -123,7 +118,7 @@ BenchRatios bench_ratios(const std::vector<TimedRow>& rows) {
   for (const auto& [name, words] : relatives) set(find(rows, name, 3));
   const TimedRow* largest = fused;
   for (const TimedRow& timed : rows) {
-    if (is_multiplexed(timed)) set(&timed);
+    if (timed.row.is_coding) set(&timed);
     if (!is_fused_of_three(timed)) continue;
     const bool alone = timed.row.threads == 1;
     if (alone && timed.row.width > largest->row.width) largest = &timed;
@@ -144,7 +139,7 @@ std::string text_of(const BenchMachine& machine) {
 }
 
 std::string text_of(const BenchReport& report) {
-  std::string text = table_by_steps(report.rows) + multiplexed(report) + sizes(report) +
+  std::string text = table_by_steps(report.rows) + codings(report) + sizes(report) +
                      ratios(report.ratios) + "\npublished, frames to cloud, 640x480, N = 3:";
   for (const PublishedMark& mark : published_marks) {
     text += fmt::format("\n  {:>4}/s  {}", mark.fps, mark.source);

@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "slipstream/live/live_check.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/engine.h"
@@ -254,9 +256,15 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
     const DualFrequency dual{.steps = steps, .low_steps = {}, .high = 16, .low = 1};
     rows.push_back(fused_row(scan_of(dual), "fused-dual", steps));
   }
+  const auto add_coding = [&](const char* name, int steps, const Strategy& strategy) {
+    rows.push_back(fused_row(scan_of(strategy), name, steps));
+    rows.back().is_coding = true;
+  };
+  add_coding("multi-frequency", 3, MultiFrequency{});
+  add_coding("gray-phase", 4, GrayPhase{});
   for (const int steps : {3, 4, 5}) {
-    const SharedScan scan = scan_of(make_strategy("pcmp", {{"steps", steps}}));
-    rows.push_back(fused_row(scan, "pcmp-" + std::to_string(steps), steps));
+    const std::string name = fmt::format("pcmp-{}", steps);
+    add_coding(name.c_str(), steps, make_strategy("pcmp", {{"steps", steps}}));
   }
   for (const int k : settings.enlargements) {
     const SharedScan scan =

@@ -13,7 +13,7 @@ struct BenchSettings {
 };
 
 /// Every row of `slipstream bench`, ready to run: Table 2.2 for each N, the fused pass alone and
-/// as everybody calls it, with a phase correction, for two frequencies and for PCMP, its sizes on
+/// as everybody calls it, with a phase correction, for other codings, its sizes on
 /// one thread and on all, and OpenCV.
 /// What they need is built here; a row keeps alive what it shares with others.
 std::vector<BenchRow> bench_rows(const BenchSettings& settings);

@@ -39,12 +39,27 @@ std::vector<int> order_from(const std::string& text) {
   return order;
 }
 
+/// What is wrong with a setting that is no number; empty where nothing is.
+std::string numbers_only(const std::string& text) {
+  try {
+    std::vector<double> numbers;
+    SettingValue(text).read(numbers);
+    return {};
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
 void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
   group.add("--strategy", flags.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
   for (const SettingDescription& setting : strategy_settings()) {
     CLI::Option* const option = group.add(flag_of(setting.name), flags.settings[setting.name],
                                           fmt::format("{} [{}]", setting.help, setting.strategies));
-    if (setting.is_switch) option->expected(0, 1)->default_str("true");
+    if (setting.is_switch) {
+      option->expected(0, 1)->default_str("true");
+    } else if (!setting.is_word) {
+      option->check(numbers_only);
+    }
   }
   group.add("--period-pixels", flags.period_pixels, "--periods, each in projector pixels");
   group.add("--stripe", flags.stripe_pixels, "--stripes as the width of one in projector pixels");

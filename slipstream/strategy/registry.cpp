@@ -127,13 +127,16 @@ std::vector<SettingDescription> strategy_settings() {
   for_each_coding([&]<class Coding>(const Coding& coding) {
     const StrategySettings usual = settings_from(coding);
     Coding::for_each_setting(coding, [&](const char* name, const char* help, const auto& value) {
-      constexpr bool is_switch = std::is_same_v<std::remove_cvref_t<decltype(value)>, bool>;
+      using Value = std::remove_cvref_t<decltype(value)>;
+      constexpr bool is_switch = std::is_same_v<Value, bool>;
+      constexpr bool is_word =
+          std::is_same_v<Value, std::string> || std::is_same_v<Value, std::optional<bool>>;
       std::string owner(Coding::name);
       if (usual.contains(name)) owner += fmt::format(" {}", usual.at(name).text());
       const auto known = std::find_if(settings.begin(), settings.end(),
                                       [&](const auto& setting) { return setting.name == name; });
       if (known == settings.end()) {
-        settings.push_back({name, help, owner, is_switch});
+        settings.push_back({name, help, owner, is_switch, is_word});
       } else {
         known->strategies += ", " + owner;
       }

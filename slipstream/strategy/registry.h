@@ -45,6 +45,7 @@ struct SettingDescription {
   std::string help;        ///< what it means, in a few words
   std::string strategies;  ///< which have it, with its default: "pmp 4, dual-frequency 3"
   bool is_switch = false;  ///< on or off
+  bool is_word = false;    ///< else a number, or numbers with commas between
 };
 
 /// Names of all strategies, in the order of the registry.

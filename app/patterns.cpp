@@ -24,6 +24,7 @@ struct PatternsFlags {
   int bits = 8;
   std::optional<std::string> precompensate;
   int uniform = 0;
+  std::string sheet;
 };
 
 constexpr Size usual_projector{1920, 1080};
@@ -51,6 +52,10 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
     patterns = precompensated(patterns, response_named(*flags.precompensate, "--precompensate"));
   }
   const fs::path folder = flags.folder;
+  if (!flags.sheet.empty()) {
+    write_pattern_sheet(flags.sheet, patterns, length_along(sequence.axis, sequence.projector));
+    output.document["sheet"] = flags.sheet;
+  }
   Progress progress("patterns", patterns.count);
   for (const fs::path& picture : slipstream::write_patterns(folder, patterns, sequence, flags.bits,
                                                             [&] { progress.advance(); })) {
@@ -88,13 +93,16 @@ void add_patterns(CLI::App& program, Command& chosen) {
   for (CLI::Option* const grey : {bits, precompensate}) {
     grey->excludes(command.app.get_option("--binary"));
   }
+  CLI::Option* const sheet = command.add("--sheet", flags.sheet,
+                                         "also one picture of all patterns, a strip of each: .png");
   command
       .add("--uniform", flags.uniform,
            "so many uniform pictures from black to white instead, to measure gamma with")
       ->default_str("")
       ->excludes(bits)
       ->excludes(command.app.get_option("--binary"))
-      ->excludes(precompensate);
+      ->excludes(precompensate)
+      ->excludes(sheet);
   command.app.footer(
       "Example:\n  slipstream patterns patterns --strategy dual-frequency --steps 3 --high 16 "
       "--low 1 --axis x --projector 1824x1140");

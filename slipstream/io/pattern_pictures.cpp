@@ -1,5 +1,6 @@
 #include "slipstream/io/pattern_pictures.h"
 
+#include <algorithm>
 #include <cstdint>
 
 #include "slipstream/io/file.h"
@@ -31,6 +32,19 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
   if (sequence.marker) scan.frames.pop_back();
   write_scan_files(folder / "scan.yaml", scan);
   return pictures;
+}
+
+void write_pattern_sheet(const fs::path& file, const PatternSet& patterns, int length) {
+  constexpr int height = 16, apart = 4;
+  require_ending(file, "picture of patterns", {".png"});
+  PatternSet across = patterns;
+  across.axis = Axis::x;
+  Image<std::uint8_t> sheet({length, patterns.count * (height + apart) - apart}, 255);
+  for (int n = 0; n < patterns.count; ++n) {
+    const Image<std::uint8_t> strip = in_8_bits(render_pattern(across, n, {length, height}));
+    std::copy(strip.begin(), strip.end(), sheet.row(n * (height + apart)));
+  }
+  write_image(file, sheet);
 }
 
 }  // namespace slipstream

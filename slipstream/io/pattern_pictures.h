@@ -18,4 +18,8 @@ std::vector<std::filesystem::path> write_patterns(const std::filesystem::path& f
                                                   const Sequence& sequence, int bits,
                                                   const std::function<void()>& written);
 
+/// Writes one PNG of all patterns, a strip for each from the first on downwards, the projector
+/// coordinate from left to right, `length` pixels. Throws Error for another ending.
+void write_pattern_sheet(const std::filesystem::path& file, const PatternSet& patterns, int length);
+
 }  // namespace slipstream

@@ -23,11 +23,16 @@ double upper_tail(double x) {
 
 double reference_sigma(const Layout& layout, const PatternLight& light, double alpha,
                        double ambient, double noise_variance, double R) {
-  const double c1 = layout.bands[0].share;
-  const double variance = needs_ambient_light(layout)
-                              ? dc_reference_variance(alpha, light, ambient, c1, R)
-                              : half_phase_reference_variance(alpha, light.alpha_p, c1, R);
-  return std::sqrt(noise_variance * variance);
+  const Band& band = layout.bands[0];
+  if (needs_ambient_light(layout)) {
+    return std::sqrt(noise_variance * dc_reference_variance(alpha, light, ambient, band.share, R));
+  }
+  // (3.76) of any such channel: R = c_1 rho / (c_2 B), rho the cue's number.
+  const double shares = band.share / layout.cue->share;
+  const double modulation = band.share * alpha * light.alpha_p / 2;
+  return std::sqrt(shares * shares * cue_variance(*layout.cue, noise_variance) +
+                   R * R * component_variance(band, noise_variance)) /
+         modulation;
 }
 
 /// The design of least noise at f_h that meets the goal: c_1 as large as it can be.
@@ -164,8 +169,9 @@ std::string doubt_about(const Sequence& sequence) {
   if (success >= least_success) return {};
   return fmt::format(
       "at a reflectivity of {} and sigma_w^2 of {} only {:.0f} % of the pixels would be unwrapped "
-      "rightly each by itself; fewer periods or a smaller --share are wiser, see slipstream design",
-      usual.alpha, usual.noise_variance, 100 * success);
+      "rightly each by itself; fewer periods{} are wiser, see slipstream design",
+      usual.alpha, usual.noise_variance, 100 * success,
+      layout.bands[0].share < 1 ? " or a smaller --share" : "");
 }
 
 }  // namespace slipstream

@@ -200,6 +200,21 @@ TEST_F(Program, WritesPatterns) {
   EXPECT_EQ(entries_in(path("patterns")), 5);
 }
 
+TEST_F(Program, WritesOnePictureOfAllPatterns) {
+  const ProgramRun run =
+      run_program({"patterns", path("patterns"), "--strategy", "gray", "--bits", "3", "--projector",
+                   "48x64", "--axis", "y", "--sheet", path("sheet.png"), "--json"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Image<std::uint16_t> sheet = read_grey_image(path("sheet.png"));
+  EXPECT_EQ(sheet.size(), (Size{64, 5 * 20 - 4}));
+  EXPECT_EQ(sheet(0, 0), 0) << "the widest stripes first, from left to right";
+  EXPECT_EQ(sheet(63, 15), 255);
+  EXPECT_EQ(sheet(0, 16), 255) << "between two";
+  EXPECT_NE(run.out.find("sheet.png"), std::string::npos);
+  EXPECT_EQ(run_program({"patterns", path("new"), "--sheet", "sheet.jpg"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(path("new")));
+}
+
 TEST_F(Program, WritesPatternsOfOneBit) {
   const ProgramRun run = run_program({"patterns", path("patterns"), "--binary", "--strategy", "pmp",
                                       "--steps", "4", "--projector", "64x48"});

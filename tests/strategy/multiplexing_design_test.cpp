@@ -6,6 +6,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/strategy/dual_frequency.h"
+#include "slipstream/strategy/period_coded.h"
 
 namespace slipstream {
 namespace {
@@ -56,6 +57,13 @@ TEST(MultiplexingDesign, DoubtsPeriodsOfFewPixels) {
   for (const char* part : {"500 periods", "2.56 pixels", "Nyquist", "23 %", "320 periods"}) {
     EXPECT_NE(told.find(part), std::string::npos) << told;
   }
+}
+
+TEST(MultiplexingDesign, DoubtsCuesByTheirOwnShare) {
+  EXPECT_EQ(doubt_about({.strategy = PeriodCoded{}}), "");
+  const std::string told = doubt_about({.strategy = PeriodCoded{.high = 32}});
+  EXPECT_NE(told.find("only 64 %"), std::string::npos) << told;
+  EXPECT_EQ(told.find("--share"), std::string::npos) << "it has none: " << told;
 }
 
 TEST(MultiplexingDesign, RefusesWhatCannotBe) {

@@ -11,12 +11,16 @@
 #include "slipstream/io/plot_file.h"
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/strategy/multiplexing_design.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/strategy/strategy_design.h"
 
 namespace slipstream::app {
 namespace {
 
 struct DesignFlags {
   DesignGoal goal;
+  std::optional<int> frames;
+  std::optional<double> coordinate_noise;
   std::optional<double> ambient;
   std::optional<double> noise_variance;
   std::optional<std::string> scanner;
@@ -55,8 +59,35 @@ Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
                   {std::move(noise), std::move(unit)}};
 }
 
+/// Strategies of every kind, side by side.
+void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& output) {
+  StrategyGoal wanted{.coordinate_sigma = flags.coordinate_noise,
+                      .alpha = goal.alpha,
+                      .noise_variance = goal.noise_variance,
+                      .success = goal.success,
+                      .most_periods = goal.most_periods};
+  wanted.frames = flags.frames.value_or(24);
+  const std::vector<StrategyDesign> designs = strategy_designs(wanted);
+  if (designs.empty()) {
+    throw Error(
+        fmt::format("no strategy of at most {} frames and {} periods does that; allow more "
+                    "of either, or more noise",
+                    wanted.frames, wanted.most_periods));
+  }
+  output.say("frames | noise of y | right orders | strategy");
+  for (const auto& [strategy, success, sigma] : designs) {
+    output.say("{:6} | {:10.3g} | {:10.4f} % | {}", frame_count(strategy), sigma, 100 * success,
+               label_of(strategy));
+    output.document["strategies"].push_back({{"strategy", label_of(strategy)},
+                                             {"frames", frame_count(strategy)},
+                                             {"success", success},
+                                             {"coordinate_sigma", sigma}});
+  }
+}
+
 void design(const DesignFlags& flags, Output& output) {
   const DesignGoal goal = goal_from(flags);
+  if (flags.frames || flags.coordinate_noise) return compare_designs(flags, goal, output);
   const Design best = best_design(goal);
   const auto& [strategy, light, success, sigma] = best;
   output.say("pcmp, {} steps: f_h = {}, c_1 = {:.2f}, alpha_p = {}, beta_p = {}", strategy.steps,
@@ -85,8 +116,11 @@ void design(const DesignFlags& flags, Output& output) {
 void add_design(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, design, "design",
-                  "the pcmp patterns of least noise for a given light, noise and surface");
-  command.add("--steps", flags.goal.steps, "frames of one scan, 3 or more");
+                  "patterns of least noise for a given light, noise and surface");
+  command.add("--frames", flags.frames, "compare strategies of every kind with at most so many");
+  command.add("--coordinate-noise", flags.coordinate_noise,
+              "compare those of fewest frames that reach it: standard deviation of y, fields");
+  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more");
   command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
   command.add("--ambient", flags.ambient, "grey levels of 255, where not that of the scanner file")
       ->default_str("0");

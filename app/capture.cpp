@@ -67,6 +67,9 @@ void require_good(const CaptureFlags& flags) {
   if (!flags.monitor && flags.source.camera.trigger == "Software") {
     throw Error("--trigger Software: nothing says when; give --monitor too, or the camera's line");
   }
+  if (flags.poses && flags.source.scan.axis == "both") {
+    throw Error("--axis both: poses are taken along both axes as it is; leave it out");
+  }
   if (flags.poses && flags.source.scan.exposures) {
     throw Error("--exposures: the poses of a board are taken with one, --exposure");
   }
@@ -243,7 +246,7 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
     scan.scanner =
         completed(*scan.scanner, opened.scanner_name, scan.frames.size(), scan.sequence.projector);
   }
-  const bool several = scan.sequence.exposures.size() > 1;
+  const bool several = frame_count(scan.sequence) > frame_count(scan.sequence.strategy);
   Scan whole = several ? merged(scan) : scan;
   const CheckedScan checked = check_and_repair(whole);
   if (!several) scan = std::move(whole);  // slipped frames are put in order

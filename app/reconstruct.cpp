@@ -17,6 +17,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
+#include "slipstream/reconstruct/epipolar_check.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
@@ -42,6 +43,7 @@ struct ReconstructedScan {
   Cloud cloud;
   Maps maps;  ///< where asked for
   std::optional<Uncertainty> uncertainty;
+  std::optional<EpipolarCheck> epipolar;  ///< of a scan along both axes
   std::string backend;
   std::vector<std::string> warnings;
   SoundScan sound;
@@ -76,6 +78,12 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   if (scan.median_sigma) told["median_sigma_z_mm"] = *scan.median_sigma;
   if (scan.rms) told["rms_mm"] = *scan.rms;
+  if (scan.epipolar) {
+    told["epipolar"] = {{"median_px", scan.epipolar->median},
+                        {"median_length_px", scan.epipolar->median_length},
+                        {"median_sigma_px", scan.epipolar->median_sigma},
+                        {"doubted", scan.epipolar->doubted}};
+  }
   return told;
 }
 
@@ -93,6 +101,13 @@ void tell(const ReconstructedScan& scan, Output& output) {
                nearest, farthest);
   }
   if (scan.rms) output.say("  RMS error against truth: {:.4g} mm", *scan.rms);
+  if (scan.epipolar) {
+    output.say(
+        "  from epipolar lines: median {:+.3f}, without signs {:.3f} projector pixels, sigma by "
+        "noise {:.3f}; {} points were too far and left out",
+        scan.epipolar->median, scan.epipolar->median_length, scan.epipolar->median_sigma,
+        scan.epipolar->doubted);
+  }
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }
@@ -131,11 +146,33 @@ void match_cameras(const ReconstructFlags& flags, const Scan& scan, const Engine
 void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
              ReconstructedScan& result) {
   result.backend = engine.backend_for(scan.frames);
-  if (flags.files.any_map() || flags.uncertainty) {
+  if (!scan.other_axis.empty()) {
+    engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
+    result.epipolar =
+        check_epipolar(engine.setup(), scan.other_axis.front(), result.maps, result.cloud);
+  } else if (flags.files.any_map() || flags.uncertainty) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
   } else {
     engine.cloud(scan.frames, result.cloud);
   }
+}
+
+/// What both axes say of the calibration.
+void tell_contradiction(ReconstructedScan& result, Output& output) {
+  const EpipolarCheck& check = *result.epipolar;
+  const Finding finding{
+      .what = "the coordinates along x and y are not those of one projector pixel",
+      .evidence = {{"median distance from the epipolar lines, projector pixels",
+                    check.median_length},
+                   {"sigma by noise", check.median_sigma}},
+      .likely =
+          "camera or projector moved since they were calibrated, or frames are in a wrong "
+          "order",
+      .advice =
+          "calibrate again: slipstream calibrate geometry; patterns along x alone are not held to "
+          "this"};
+  output.warn(fmt::format("{}: {}", result.folder, text_of(finding)));
+  result.sound.checked.findings.push_back(finding);
 }
 
 /// What the check does not see by its pixels, or leaves to --nearest and --farthest.
@@ -188,6 +225,9 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
   require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
   watch.lap();
   const bool two_cameras = !scan.further_cameras.empty();
+  if (!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty())) {
+    throw Error("--epipolar is of one camera and patterns along both axes: --axis both");
+  }
   result.least_modulation =
       two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
   if (result.least_modulation > flags.cloud.settings.minimum_modulation) {
@@ -202,6 +242,7 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
     output.say("{}: {}", folder.string(), result.sound.gamma.sentence);
   }
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
+  if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
   if (point_count(result.cloud) == 0) tell_no_points(result, output);
   result.computed = watch.lap();
   if (flags.uncertainty) {
@@ -251,6 +292,8 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   group.add("--phase", files.phase, "wrapped phase, rad: .tiff");
   group.add("--modulation", files.modulation, "modulation B, grey levels: .tiff");
   group.add("--mean", files.mean, "mean A, grey levels: .tiff");
+  group.add("--epipolar", files.epipolar,
+            "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
   group.add("--preview", files.preview, "depth as a coloured picture with a scale: .png");
   group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
   group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");

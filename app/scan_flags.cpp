@@ -63,7 +63,8 @@ void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
   }
   group.add("--period-pixels", flags.period_pixels, "--periods, each in projector pixels");
   group.add("--stripe", flags.stripe_pixels, "--stripes as the width of one in projector pixels");
-  group.add("--axis", flags.axis, "x: the pattern varies along projector columns; y: rows");
+  group.add("--axis", flags.axis,
+            "x: the pattern varies along projector columns; y: rows; both: first x, then y");
   group.add("--projector", flags.projector, "projector pixels, as 1824x1140");
   group.add("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", flags.beta_p, "darkest grey level of the patterns");
@@ -103,6 +104,7 @@ SequenceChanges changes_from(const ScanFlags& flags) {
   SequenceChanges changes{.strategy = flags.strategy,
                           .settings = flags.settings,
                           .stripe_pixels = flags.stripe_pixels,
+                          .axes = flags.axis,
                           .alpha_p = flags.alpha_p,
                           .beta_p = flags.beta_p,
                           .marker = flags.marker,
@@ -112,7 +114,6 @@ SequenceChanges changes_from(const ScanFlags& flags) {
     SettingValue(*flags.period_pixels).read(*changes.period_pixels);
   }
   if (flags.exposures) changes.exposures = exposures_from(*flags.exposures);
-  if (flags.axis) changes.axis = axis_named(*flags.axis);
   if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");
   return changes;
 }

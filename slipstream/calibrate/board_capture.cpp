@@ -62,13 +62,13 @@ struct ReadScan {
 };
 
 ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSettings& settings) {
-  const auto& [strategy, axis, light, projector, marker, exposures, binary] = scan.sequence;
+  const Strategy& strategy = scan.sequence.strategy;
   PhaseCorrections corrections;
   if (settings.response) {
     corrections = phase_corrections(settings.response->response, step_counts(strategy));
   }
-  const Decoder decode(strategy.layout(), length_along(axis, projector), PhaseMethod::equation,
-                       corrections, {.light = light});
+  const Decoder decode(strategy.layout(), length_along(scan.sequence.axis, scan.sequence.projector),
+                       PhaseMethod::equation, corrections, {.light = scan.sequence.light});
   return {decode(scan.frames),
           fringe_signs(scan, board.pixels, settings.minimum_modulation, corrections)};
 }

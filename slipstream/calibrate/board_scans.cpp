@@ -31,11 +31,11 @@ fs::path scan_along(const fs::path& folder, Axis axis) {
 
 ScanFiles one_axis(const fs::path& path, const ScanChanges& changes, Axis axis) {
   ScanFiles scan = scan_files_in(path, changes);
-  if (scan.described && scan.sequence.axis != axis) {
+  if (scan.described && axes_of(scan.sequence) != name_of(axis)) {
     throw Error(fmt::format("{}: says axis {}, but it is for axis {}", path.string(),
-                            name_of(scan.sequence.axis), name_of(axis)));
+                            axes_of(scan.sequence), name_of(axis)));
   }
-  scan.sequence.axis = axis;
+  scan.sequence = along(scan.sequence, axis);
   if (fs::is_directory(path)) {
     require_count(path, scan.frames.size(), frame_count(scan.sequence), "a scan with these steps");
   }
@@ -46,9 +46,9 @@ BoardScans both_in_one(const fs::path& folder, const ScanChanges& changes, Axis 
   const std::vector<fs::path> pictures = images_in_folder(folder);
   ScanFiles first{.path = folder, .frames = pictures};
   amend(first, changes);
+  first.sequence = along(first.sequence, first_axis);
   ScanFiles second = first;
-  first.sequence.axis = first_axis;
-  second.sequence.axis = first_axis == Axis::x ? Axis::y : Axis::x;
+  second.sequence = along(first.sequence, across(first_axis));
   const int each = frame_count(first.sequence);
   require_count(folder, pictures.size(), 2 * each, "a scan along x and one along y");
   first.frames.assign(pictures.begin(), pictures.begin() + each);

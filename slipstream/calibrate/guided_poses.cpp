@@ -58,8 +58,7 @@ class GuidedPoses {
     const std::string name = fmt::format("board{:02}", taken_.size() + 1);
     std::vector<Scan> scans;
     for (std::size_t i = 0; i < axes.size(); ++i) {
-      scans.push_back({.frames = std::move(frames.at(i)), .sequence = sequence_});
-      scans.back().sequence.axis = axes[i];
+      scans.push_back({.frames = std::move(frames.at(i)), .sequence = along(sequence_, axes[i])});
       scans.back().sequence.marker = false;  // none of the frames is one
     }
     BoardCapture found = board_capture(name, board_, scans[0], scans[1], settings_.capture);

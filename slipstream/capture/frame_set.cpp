@@ -1,6 +1,8 @@
 #include "slipstream/capture/frame_set.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -83,6 +85,21 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
       },
       frames.images_);
   return frames;
+}
+
+std::pair<FrameSet, FrameSet> halves(FrameSet frames) {
+  FrameSet second;
+  second.bits_ = frames.bits_;
+  second.gain_ = frames.gain_;
+  std::visit(
+      [&](auto& images) {
+        const auto middle = images.begin() + static_cast<std::ptrdiff_t>(images.size() / 2);
+        second.images_ = std::remove_cvref_t<decltype(images)>(std::move_iterator(middle),
+                                                               std::move_iterator(images.end()));
+        images.erase(middle, images.end());
+      },
+      frames.images_);
+  return {std::move(frames), std::move(second)};
 }
 
 }  // namespace slipstream

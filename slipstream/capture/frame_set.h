@@ -45,6 +45,7 @@ class FrameSet {
   }
 
   friend FrameSet reordered(FrameSet frames, const std::vector<int>& order);
+  friend std::pair<FrameSet, FrameSet> halves(FrameSet frames);
 
  private:
   std::variant<Images8, Images16, ImagesUnquantised> images_;
@@ -58,5 +59,8 @@ bool is_order_of(const std::vector<int>& order, int count);
 /// The same frames, of which frame n is the one that was at place `order[n]`. No pixel is copied.
 /// Throws Error unless it is an order of so many.
 FrameSet reordered(FrameSet frames, const std::vector<int>& order);
+
+/// The first half of the frames and the second, of an even number. No pixel but the gain is copied.
+std::pair<FrameSet, FrameSet> halves(FrameSet frames);
 
 }  // namespace slipstream

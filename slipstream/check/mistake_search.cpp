@@ -162,7 +162,7 @@ class Search {
   }
 
   void try_axis() {
-    const Axis other = scan_.sequence.axis == Axis::x ? Axis::y : Axis::x;
+    const Axis other = across(scan_.sequence.axis);
     try_geometry(*scan_.scanner, other, {},
                  {.likely = fmt::format("patterns that vary along {}, not {}", name_of(other),
                                         name_of(scan_.sequence.axis)),

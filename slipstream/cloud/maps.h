@@ -17,9 +17,13 @@ struct BasicMaps {
   Image<Real> fringe_order_doubt;
   /// Projector coordinate y, [0, 1) across the field; past its ends by half a pixel, for
   /// frequencies below 1 by half of what is not lit, for PCMP by a tenth of a period (half of one
-  /// by the published rule). A value stands at every pixel, lit or not: the modulation tells. Empty
-  /// when the frames give none.
+  /// by the published rule). A value stands at every pixel, lit or not: the modulation tells; but
+  /// NaN where the order comes from the range of depth and is open. Empty when the frames give
+  /// none.
   Image<Real> coordinate;
+  /// Where patterns were shown along both axes: how far the two coordinates lie from the pixel's
+  /// epipolar line, projector pixels, signed; NaN where either was not measured. Else empty.
+  Image<Real> epipolar_distance{};
 };
 
 /// What is shown and written.

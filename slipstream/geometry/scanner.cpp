@@ -112,7 +112,7 @@ void require_depth_visible(const Scanner& scanner, Axis axis) {
   if (across_stripes < 1e-6 * T.norm()) {
     throw Error(fmt::format(
         "the baseline runs along the stripes of axis {0}; they show no depth: project along {1}",
-        name_of(axis), name_of(axis == Axis::x ? Axis::y : Axis::x)));
+        name_of(axis), name_of(across(axis))));
   }
 }
 

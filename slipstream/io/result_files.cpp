@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view placeholder = "{name}";
 
-constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 8> all_files{
+constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 9> all_files{
     {{"cloud", &ResultFiles::cloud},
      {"mesh", &ResultFiles::mesh},
      {"depth", &ResultFiles::depth},
@@ -24,6 +24,7 @@ constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 8> all_
      {"phase", &ResultFiles::phase},
      {"modulation", &ResultFiles::modulation},
      {"mean", &ResultFiles::mean},
+     {"epipolar", &ResultFiles::epipolar},
      {"preview", &ResultFiles::preview}}};
 
 void write_map_if_asked(const std::string& path, const Image<float>& map) {
@@ -41,7 +42,8 @@ std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
 }
 
 bool ResultFiles::any_map() const {
-  return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty());
+  return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty() &&
+           epipolar.empty());
 }
 
 ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan) {
@@ -83,6 +85,7 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
   write_map_if_asked(files.phase, maps.wrapped_phase);
   write_map_if_asked(files.modulation, maps.modulation);
   write_map_if_asked(files.mean, maps.mean);
+  write_map_if_asked(files.epipolar, maps.epipolar_distance);
   if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
 }
 

@@ -146,10 +146,10 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   ScanFiles scan;
   const YamlMap strategy = map.map("strategy");
   scan.sequence = {.strategy = read_strategy(strategy),
-                   .axis = axis_named(strategy.value_or<std::string>("axis", "x", "x or y")),
                    .light = read_light(strategy),
                    .marker = strategy.value_or("marker", false, "true or false"),
                    .binary = strategy.value_or("binary", false, "true or false")};
+  set_axes(scan.sequence, strategy.value_or<std::string>("axis", "x", "x, y or both"));
   if (map.has("projector")) {
     const YamlMap projector = map.map("projector");
     projector.require_known_keys({"width", "height"});
@@ -240,12 +240,13 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
-  const auto& [strategy, axis, light, projector, marker, exposures, binary] = scan.sequence;
+  const auto& [strategy, axis, both_axes, light, projector, marker, exposures, binary] =
+      scan.sequence;
   yaml << YAML::Key << "name" << YAML::Value << strategy.name();
   for (const auto& [name, value] : strategy.settings()) {
     yaml << YAML::Key << name << YAML::Value << value.text();
   }
-  yaml << YAML::Key << "axis" << YAML::Value << std::string(name_of(axis));
+  yaml << YAML::Key << "axis" << YAML::Value << std::string(axes_of(scan.sequence));
   yaml << YAML::Key << "alpha_p" << YAML::Value << light.alpha_p;
   yaml << YAML::Key << "beta_p" << YAML::Value << light.beta_p;
   if (marker) yaml << YAML::Key << "marker" << YAML::Value << true;

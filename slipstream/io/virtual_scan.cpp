@@ -37,8 +37,7 @@ std::vector<std::string> save_board_scans(const fs::path& folder, const Sequence
     sheet.pose = pose;
     names.push_back(fmt::format("board{:02}", names.size() + 1));
     for (const Axis axis : {Axis::x, Axis::y}) {
-      Sequence of_axis = sequence;
-      of_axis.axis = axis;
+      const Sequence of_axis = along(sequence, axis);
       const FrameSet frames =
           take_scan(world.scanner, {sheet}, pattern_set(of_axis), photometry).frames;
       save_scan(folder / names.back() / name_of(axis), frames, of_axis, std::nullopt, scanner_file);

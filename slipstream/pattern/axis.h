@@ -13,6 +13,11 @@ enum class Axis { x, y };
 /// Projector pixels along the axis: the width for `x`, the height for `y`.
 int length_along(Axis axis, Size projector);
 
+/// The other one.
+constexpr Axis across(Axis axis) {
+  return axis == Axis::x ? Axis::y : Axis::x;
+}
+
 /// "x" or "y".
 std::string_view name_of(Axis axis);
 

@@ -40,6 +40,8 @@ void require_valid(const PatternLight& light) {
 PatternSet pattern_alone(const PatternSet& patterns, int n) {
   PatternSet alone = patterns;
   alone.count = 1;
+  alone.axis = patterns.axis_of(n);
+  alone.turn = 0;
   alone.shape = [shape = patterns.shape, n](int, double y) { return shape(n, y); };
   alone.exposures = {patterns.exposure(n)};
   return alone;
@@ -66,7 +68,7 @@ Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size proj
   }
 
   const double scale = ((1 << bits) - 1) / 255.0;
-  const bool along_rows = patterns.axis == Axis::x;
+  const bool along_rows = patterns.axis_of(n) == Axis::x;
   Image<double> levels = levels_along_rows(
       patterns, n, along_rows ? projector : Size{projector.height, projector.width});
   if (patterns.binary) levels = one_bit(std::move(levels));

@@ -23,10 +23,10 @@ struct PatternLight {
 void require_valid(const PatternLight& light);
 
 /// What a projector shows in one scan: `count` patterns, each a function of the projector
-/// coordinate along one axis.
+/// coordinate along an axis.
 struct PatternSet {
   int count = 0;
-  Axis axis = Axis::x;
+  Axis axis = Axis::x;  ///< of the first
   PatternLight light;
   /// s of pattern n at projector coordinate y in [0, 1): see PatternLight.
   std::function<double(int n, double y)> shape;
@@ -36,6 +36,11 @@ struct PatternSet {
   /// DMD that shows a bit at a time.
   bool binary = false;
 
+  int turn = 0;  ///< so many along the one axis, so many along the other, and so on; 0: all alike
+
+  [[nodiscard]] Axis axis_of(int n) const {
+    return turn > 0 && n / turn % 2 == 1 ? across(axis) : axis;
+  }
   [[nodiscard]] double exposure(int n) const {
     const auto index = static_cast<std::size_t>(n);
     return index < exposures.size() ? exposures[index] : 1;

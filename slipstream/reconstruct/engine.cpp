@@ -30,6 +30,7 @@ void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
 EngineSetup with_geometry(EngineSetup setup) {
   Scanner& scanner = setup.scanner;
   if (has_geometry(scanner)) return setup;
+  setup.settings.nearest.reset();  // depths without a geometry say nothing
   constexpr int fine_enough = 1 << 14;
   if (scanner.projector.size == Size{}) scanner.projector.size = {fine_enough, fine_enough};
   for (Lens* const lens : {&scanner.camera, &scanner.projector}) {
@@ -49,7 +50,7 @@ struct Engine::Tables {
     require_reconstructible(complete);
     raise_least_modulation(complete);
     noise = depth_noise(complete);
-    if (setup.settings.engine != EngineKind::reference) {
+    if (setup.settings.engine != EngineKind::reference && !unwraps_by_depth(complete)) {
       fused = FusedEngine::make(complete, corrections);
     }
     if (!fused) static_cast<void>(reference());

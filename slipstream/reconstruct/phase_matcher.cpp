@@ -293,7 +293,8 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
   require_reconstructible(first_);
   require_pair(first, second, match);
   const Unwrapping unwrapping = decode_.layout().unwrapping;
-  if (unwrapping != Unwrapping::none && unwrapping != Unwrapping::hierarchical) {
+  if ((unwrapping != Unwrapping::none && unwrapping != Unwrapping::hierarchical) ||
+      unwraps_by_depth(first_)) {
     throw Error(
         fmt::format("{}: no band of it that matches between cameras has so few periods that one "
                     "place alone fits; use one period, or bands that unwrap each other",

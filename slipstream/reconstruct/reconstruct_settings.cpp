@@ -62,17 +62,26 @@ DepthRange depth_range(const EngineSetup& setup) {
   return {settings.nearest.value_or(usual.nearest), settings.farthest.value_or(usual.farthest)};
 }
 
+bool unwraps_by_depth(const EngineSetup& setup) {
+  return !has_coordinate(setup.sequence.strategy) && setup.settings.nearest &&
+         setup.settings.farthest;
+}
+
 void require_reconstructible(const EngineSetup& setup) {
   const auto& [scanner, sequence, settings] = setup;
   const Strategy& strategy = sequence.strategy;
   require_valid(scanner);
   require_depth_visible(scanner, sequence.axis);
   require_valid(sequence.light);
+  if (sequence.both_axes) {
+    throw Error("patterns along both axes are read from a scan that is done; here take --axis x");
+  }
   require_resolved(strategy, projector_length(setup));
-  if (!has_coordinate(strategy)) {
+  if (!has_coordinate(strategy) && !unwraps_by_depth(setup)) {
     throw Error(fmt::format(
-        "{}: more than one period covers the field, so these frames alone give no depth; use one "
-        "period, or a strategy that unwraps: {}",
+        "{}: more than one period covers the field, so these frames alone give no depth; give "
+        "--nearest and --farthest, between which depth spans less than a period, use one period, "
+        "or a strategy that unwraps: {}",
         strategy.name(), fmt::join(names_with_coordinate(), ", ")));
   }
   require_valid(settings);

@@ -64,8 +64,13 @@ struct EngineSetup {
 /// these.
 DepthRange depth_range(const EngineSetup& setup);
 
+/// Whether the fringe order comes from the range of depth: frames that give no projector coordinate
+/// alone, and both ends of the range named.
+bool unwraps_by_depth(const EngineSetup& setup);
+
 /// Throws Error where the scanner or the settings are not valid or see no depth along that axis, or
-/// where the strategy is too fine for the projector or its frames give no projector coordinate. An
+/// where the strategy is too fine for the projector or its frames give no projector coordinate,
+/// alone or by the range of depth. An
 /// ambient light that is not known is taken for none: see needs_ambient_light.
 void require_reconstructible(const EngineSetup& setup);
 

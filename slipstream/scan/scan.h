@@ -19,6 +19,8 @@ struct Scan {
   Sequence sequence{};
   std::optional<Scanner> scanner{};  ///< where it is known
   std::vector<double> exposures{1};  ///< that were merged to these frames; one where none were
+  /// Where the patterns were shown along both axes: what the camera took of those along y.
+  std::vector<Scan> other_axis{};
   /// What further cameras took at the same time under the same projector, each with the scanner
   /// that it makes with that. The world is the frame of this scan's camera.
   std::vector<Scan> further_cameras{};
@@ -26,8 +28,9 @@ struct Scan {
   std::vector<std::string> warnings{};
 };
 
-/// The scan with the frames of its exposures merged to those of one, where there are several: all
-/// that decodes reads it then as any other. Throws Error where the frames are not as many.
+/// The scan with the frames of its exposures merged to those of one, where there are several, and
+/// those along the other axis as a scan beside it: all that decodes reads it then as any other.
+/// Throws Error where the frames are not as many.
 Scan merged(Scan scan);
 
 }  // namespace slipstream

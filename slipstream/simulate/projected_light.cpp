@@ -175,14 +175,15 @@ ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector
   }
   const double widest = widest_blur(seen);
   if (!photometry.physics.projector_pixels && widest == 0) {
-    return [=](const LitSample& sample) {
-      const double y = coordinate_along(patterns.axis, sample.pixel, projector);
+    return [=, axis = patterns.axis_of(n)](const LitSample& sample) {
+      const double y = coordinate_along(axis, sample.pixel, projector);
       return responded(patterns.intensity(n, y), photometry);
     };
   }
-  const int length = length_along(patterns.axis, projector);
+  const Axis axis = patterns.axis_of(n);
+  const int length = length_along(axis, projector);
   BlurredPattern pattern(sharp_profile(patterns, n, length, photometry), widest);
-  return [=, axis = patterns.axis, pattern = std::move(pattern)](const LitSample& sample) {
+  return [=, pattern = std::move(pattern)](const LitSample& sample) {
     const double pixel = axis == Axis::x ? sample.pixel.x() : sample.pixel.y();
     const double place = (pixel + 0.5) * places;
     return spread_light(sample, [&](double blur) { return pattern.at(place, blur); });

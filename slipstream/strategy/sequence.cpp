@@ -11,9 +11,33 @@
 #include "slipstream/error/error.h"
 
 namespace slipstream {
+namespace {
+
+constexpr std::string_view both = "both";
+
+}  // namespace
+
+Sequence along(Sequence sequence, Axis axis) {
+  sequence.axis = axis;
+  sequence.both_axes = false;
+  return sequence;
+}
+
+std::string_view axes_of(const Sequence& sequence) {
+  return sequence.both_axes ? both : name_of(sequence.axis);
+}
+
+void set_axes(Sequence& sequence, std::string_view axes) {
+  if (axes != both && axes != "x" && axes != "y") {
+    throw Error(fmt::format("axis '{}' is not known; it is x, y or both", axes));
+  }
+  sequence.both_axes = axes == both;
+  sequence.axis = sequence.both_axes ? Axis::x : axis_named(axes);
+}
 
 int frame_count(const Sequence& sequence) {
-  return static_cast<int>(sequence.exposures.size()) * frame_count(sequence.strategy);
+  return static_cast<int>(sequence.exposures.size()) * (sequence.both_axes ? 2 : 1) *
+         frame_count(sequence.strategy);
 }
 
 int cycle_length(const Sequence& sequence) {
@@ -25,9 +49,10 @@ PatternSet pattern_set(const Sequence& sequence) {
   patterns.shape = [shape = patterns.shape, N = patterns.count](int n, double y) {
     return shape(n % N, y);
   };
+  if (sequence.both_axes) patterns.turn = patterns.count;
+  const int each = frame_count(sequence) / static_cast<int>(sequence.exposures.size());
   for (const double exposure : sequence.exposures) {
-    patterns.exposures.insert(patterns.exposures.end(), static_cast<std::size_t>(patterns.count),
-                              exposure);
+    patterns.exposures.insert(patterns.exposures.end(), static_cast<std::size_t>(each), exposure);
   }
   patterns.count = frame_count(sequence);
   patterns.binary = sequence.binary;
@@ -57,16 +82,17 @@ void require_mergeable(const Sequence& sequence) {
 }
 
 std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
-  Sequence along_x = sequence, along_y = sequence;
-  along_x.axis = Axis::x;
+  Sequence along_x = along(sequence, Axis::x);
   along_x.marker = false;
-  along_y.axis = Axis::y;
-  return {pattern_set(along_x), pattern_set(along_y)};
+  return {pattern_set(along_x), pattern_set(along(sequence, Axis::y))};
 }
 
 void require_shown(const Sequence& sequence) {
   if (sequence.projector == Size{}) return;
-  require_resolved(sequence.strategy, length_along(sequence.axis, sequence.projector));
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    if (!sequence.both_axes && axis != sequence.axis) continue;
+    require_resolved(sequence.strategy, length_along(axis, sequence.projector));
+  }
 }
 
 }  // namespace slipstream

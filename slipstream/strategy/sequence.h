@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string_view>
 #include <vector>
 
 #include "slipstream/image/size.h"
@@ -13,6 +14,9 @@ namespace slipstream {
 struct Sequence {
   Strategy strategy{};
   Axis axis = Axis::x;
+  /// All patterns along x, which is then the axis, and after them all along y. The frames are read
+  /// as two scans, one along each: see along and Scan.
+  bool both_axes = false;
   PatternLight light{};  ///< of the patterns
   Size projector{};      ///< pixels; empty where not said
   /// Shown again and again, a dark frame after the last pattern marks where each cycle ends. It is
@@ -26,7 +30,15 @@ struct Sequence {
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };
 
-/// Frames of one scan: those of the strategy, for each exposure.
+/// The patterns along that axis alone.
+Sequence along(Sequence sequence, Axis axis);
+
+/// "x", "y" or, along x and then along y, "both".
+std::string_view axes_of(const Sequence& sequence);
+/// Sets what axes_of gives. Throws Error for another word.
+void set_axes(Sequence& sequence, std::string_view axes);
+
+/// Frames of one scan: those of the strategy along each axis, for each exposure.
 int frame_count(const Sequence& sequence);
 
 /// Frames from one scan to the next: with the marker.

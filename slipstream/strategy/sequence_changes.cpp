@@ -36,7 +36,7 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
     if (value) settings[name] = *value;
   }
   Sequence sequence = known;
-  sequence.axis = changes.axis.value_or(known.axis);
+  if (changes.axes) set_axes(sequence, *changes.axes);
   sequence.projector = changes.projector.value_or(known.projector);
   add_settings_in_pixels(changes, length_along(sequence.axis, sequence.projector), settings);
   sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);

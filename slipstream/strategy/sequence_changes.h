@@ -15,7 +15,7 @@ struct SequenceChanges {
   std::map<std::string, std::optional<std::string>> settings{};  ///< alone they change it
   std::optional<std::vector<double>> period_pixels{};  ///< of `periods`, in projector pixels
   std::optional<double> stripe_pixels{};               ///< of `stripes`, likewise
-  std::optional<Axis> axis{};
+  std::optional<std::string> axes{};                   ///< see set_axes
   std::optional<double> alpha_p{};
   std::optional<double> beta_p{};
   std::optional<Size> projector{};

@@ -239,6 +239,44 @@ TEST_F(Program, SimulatesPatternsOfOneBit) {
   EXPECT_LT(scan["rms_mm"], 2);
 }
 
+TEST_F(Program, TakesBothAxesInOneScan) {
+  for (const char* const exposures : {"1", "1,4"}) {
+    ASSERT_EQ(run_program({"simulate", path("both"), "--axis", "both", "--exposures", exposures,
+                           "--camera", "96x72"})
+                  .exit_code,
+              0);
+    EXPECT_NE(contents(path("both/scan.yaml")).find("axis: both"), std::string::npos);
+    const ProgramRun run =
+        run_program({"reconstruct", path("both"), "--epipolar", path("epipolar.tiff"), "--json"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const nlohmann::json scan = nlohmann::json::parse(run.out)["scans"][0];
+    EXPECT_LT(scan["epipolar"]["median_length_px"], scan["epipolar"]["median_sigma_px"]);
+    EXPECT_EQ(scan["findings"].size(), 0U) << run.out;
+    EXPECT_GT(scan["points"], 1000);
+    EXPECT_EQ(read_map(path("epipolar.tiff")).size(), (Size{96, 72}));
+    EXPECT_EQ(run_program({"check", path("both")}).exit_code, 0);
+  }
+  expect_refused(reconstruct({"--epipolar", path("epipolar.tiff")}), 2, {"--axis both"});
+}
+
+TEST_F(Program, TakesTheFringeOrderFromARangeOfDepth) {
+  ASSERT_EQ(run_program({"simulate", path("fine"), "--scene", "board", "--strategy", "pmp",
+                         "--frequency", "8", "--camera", "96x72"})
+                .exit_code,
+            0);
+  const auto at = [&](const char* farthest) {
+    return run_program({"reconstruct", path("fine"), "--nearest", "560", "--farthest", farthest,
+                        "-o", path("cloud.ply")});
+  };
+  expect_refused(run_program({"reconstruct", path("fine"), "-o", path("cloud.ply")}), 2,
+                 {"--nearest", "--farthest"});
+  expect_refused(at("2000"), 2, {"from 560 to", "periods"});
+  const ProgramRun run = at("640");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("RMS error"), std::string::npos) << run.out;
+  EXPECT_EQ(run_program({"check", path("fine")}).exit_code, 0);
+}
+
 TEST_F(Program, HasHelpWithExamples) {
   for (const char* command : {"patterns", "simulate", "reconstruct"}) {
     const ProgramRun run = run_program({command, "--help"});

@@ -36,6 +36,19 @@ TEST(ScanFiles, ComesBackAsItWasWritten) {
   EXPECT_EQ(read.second_camera, scan.second_camera);
 }
 
+TEST(ScanFiles, HaveOneAxisOrBoth) {
+  const TemporaryFolder folder;
+  for (const char* const axes : {"x", "y", "both"}) {
+    ScanFiles scan{.frames = {folder.path() / "a.png"}};
+    set_axes(scan.sequence, axes);
+    EXPECT_EQ(axes_of(scan.sequence), axes);
+    const std::string text = scan_yaml_of(scan, folder.path());
+    EXPECT_EQ(scan_files_from(text, "scan.yaml", folder.path()).sequence, scan.sequence) << text;
+  }
+  Sequence sequence;
+  EXPECT_THROW(set_axes(sequence, "z"), Error);
+}
+
 TEST(ScanFiles, IsAsTheDocumentationHasIt) {
   const TemporaryFolder folder;
   write_file(folder.path() / "scan.yaml",

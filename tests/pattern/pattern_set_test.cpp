@@ -47,6 +47,19 @@ TEST(Pattern, RendersAlongEitherAxisRoundedToGreyLevels) {
   }
 }
 
+TEST(Pattern, MayTurnToTheOtherAxis) {
+  PatternSet patterns{.count = 4, .shape = [](int, double y) { return y; }, .turn = 1};
+  for (int n = 0; n < 4; ++n) {
+    const Image<std::uint16_t> picture = render_pattern(patterns, n, {16, 8});
+    const bool along_x = n % 2 == 0;
+    EXPECT_EQ(picture(8, 0) > 0, along_x);
+    EXPECT_EQ(picture(0, 4) > 0, !along_x);
+    const PatternSet alone = pattern_alone(patterns, n);
+    EXPECT_EQ(alone.axis_of(0), along_x ? Axis::x : Axis::y);
+    EXPECT_EQ(render_pattern(alone, 0, {16, 8})(8, 0), picture(8, 0));
+  }
+}
+
 TEST(Pattern, RefusesWhatNoProjectorShows) {
   EXPECT_THROW(require_valid(PatternLight{.alpha_p = 250, .beta_p = 6}), Error);
   EXPECT_THROW(require_valid(PatternLight{.alpha_p = 0, .beta_p = 0}), Error);

@@ -37,21 +37,36 @@ ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrection
     : setup_(setup),
       triangulate_(setup.scanner, setup.sequence.axis, point_method(setup.settings.phase_method)),
       decode_(setup.sequence.strategy.layout(), projector_length(setup),
-              setup.settings.phase_method, corrections, cue_settings(setup)) {}
+              setup.settings.phase_method, corrections, cue_settings(setup)) {
+  if (unwraps_by_depth(setup)) unwrap_by_depth_.emplace(setup);
+}
 
 BasicMaps<double> ReferenceEngine::maps(const FrameViews& frames) const {
+  Image<Validity> order;
+  return maps(frames, order);
+}
+
+BasicMaps<double> ReferenceEngine::maps(const FrameViews& frames, Image<Validity>& order) const {
   const Size camera = setup_.scanner.camera.size;
   if (frames.size() != camera) {
     throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
                             frames.size().width, frames.size().height, camera.width,
                             camera.height));
   }
-  return decode_(frames, least_neighbour_modulation(setup_.settings, frames.full_scale()));
+  BasicMaps<double> decoded =
+      decode_(frames, least_neighbour_modulation(setup_.settings, frames.full_scale()));
+  if (unwrap_by_depth_) {
+    auto [coordinate, validity] = (*unwrap_by_depth_)(decoded, frames.full_scale());
+    decoded.coordinate = std::move(coordinate);
+    order = std::move(validity);
+  }
+  return decoded;
 }
 
 ReferenceResult ReferenceEngine::operator()(const FrameViews& frames) const {
-  BasicMaps<double> decoded = maps(frames);
-  BasicCloud<double> cloud = triangulated(decoded.coordinate, measured(decoded, frames));
+  Image<Validity> order;
+  BasicMaps<double> decoded = maps(frames, order);
+  BasicCloud<double> cloud = triangulated(decoded.coordinate, measured(decoded, frames, order));
   const double grey_level = frames.full_scale() / 255;
   std::transform(decoded.mean.begin(), decoded.mean.end(), cloud.intensity.begin(),
                  [&](double mean) { return static_cast<float>(mean / grey_level); });
@@ -59,7 +74,8 @@ ReferenceResult ReferenceEngine::operator()(const FrameViews& frames) const {
 }
 
 Image<Validity> ReferenceEngine::measured(const BasicMaps<double>& decoded,
-                                          const FrameViews& frames) const {
+                                          const FrameViews& frames,
+                                          const Image<Validity>& order) const {
   const ReconstructSettings& settings = setup_.settings;
   const double least = least_modulation(settings, frames.full_scale());
   const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
@@ -85,6 +101,8 @@ Image<Validity> ReferenceEngine::measured(const BasicMaps<double>& decoded,
         validity(column, row) = Validity::saturated;
       } else if (unconfirmed(column, row) != 0) {
         validity(column, row) = Validity::doubtful_order;
+      } else if (!order.empty()) {
+        validity(column, row) = order(column, row);
       }
     }
   });
@@ -157,9 +175,9 @@ Validity ReferenceEngine::validity_of(double coordinate, const Eigen::Vector3d& 
   const double end = farthest_past_field(projector_length(setup_));
   if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
 
-  const Axis across = sequence.axis == Axis::x ? Axis::y : Axis::x;
+  const Axis other = across(sequence.axis);
   const double place =
-      coordinate_along(across, project(scanner.projector, in_projector), scanner.projector.size);
+      coordinate_along(other, project(scanner.projector, in_projector), scanner.projector.size);
   if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin)) {
     return Validity::outside_field;
   }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/maps.h"
 #include "slipstream/cloud/uncertainty.h"
 #include "slipstream/geometry/triangulator.h"
+#include "slipstream/reconstruct/detail/depth_unwrapper.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/unwrap/decoder.h"
 
@@ -38,9 +40,11 @@ class ReferenceEngine {
   }
 
  private:
+  /// `validity`: of the fringe order, where the range of depth gives it; else empty.
+  [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames, Image<Validity>& validity) const;
   /// Why a pixel is left out before it is triangulated, and `valid` where it is not.
-  [[nodiscard]] Image<Validity> measured(const BasicMaps<double>& maps,
-                                         const FrameViews& frames) const;
+  [[nodiscard]] Image<Validity> measured(const BasicMaps<double>& maps, const FrameViews& frames,
+                                         const Image<Validity>& order) const;
   [[nodiscard]] BasicCloud<double> triangulated(const Image<double>& coordinates,
                                                 Image<Validity> validity) const;
   [[nodiscard]] Validity validity_of(double coordinate, const Eigen::Vector3d& point) const;
@@ -48,6 +52,7 @@ class ReferenceEngine {
   EngineSetup setup_;
   Triangulator triangulate_;
   Decoder decode_;
+  std::optional<DepthUnwrapper> unwrap_by_depth_;
 };
 
 }  // namespace slipstream

@@ -1,0 +1,170 @@
+// Patterns along both axes in one scan, each pixel held to its epipolar line.
+#include "slipstream/reconstruct/epipolar_check.h"
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
+
+namespace slipstream {
+namespace {
+
+const Sequence both{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}, .both_axes = true};
+
+struct TrueScan {
+  Scan scan;
+  Image<double> depth;
+};
+
+/// As it is loaded: the frames along x, those along y beside them; exchanged as `order` says.
+TrueScan scan_of(const char* scene, const Scanner& scanner, const Photometry& photometry,
+                 const Sequence& sequence = both, const std::vector<int>& order = {}) {
+  VirtualScan taken =
+      take_scan(scanner, scene_named(scene, scanner), pattern_set(sequence), photometry);
+  if (!order.empty()) taken.frames = reordered(std::move(taken.frames), order);
+  return {merged({.frames = std::move(taken.frames), .sequence = sequence, .scanner = scanner}),
+          std::move(taken.depth)};
+}
+
+struct Checked {
+  Cloud cloud;
+  Maps maps;
+  EpipolarCheck check;
+};
+
+Checked checked(const Scan& scan, ReconstructSettings settings = {}) {
+  const EngineSetup setup = setup_for(scan, settings);
+  Checked result;
+  Engine(setup).cloud_and_maps(scan.frames, result.cloud, result.maps);
+  result.check = check_epipolar(setup, scan.other_axis.front(), result.maps, result.cloud);
+  return result;
+}
+
+TEST(EpipolarDistance, IsNothingWithoutNoise) {
+  const Scanner scanner = example_scanner({160, 120});
+  for (const Strategy& strategy :
+       {Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1}),
+        Strategy(PhaseMeasuring{.steps = 5, .frequency = 1})}) {
+    const Sequence sequence{.strategy = strategy, .both_axes = true};
+    const auto [scan, depth] = scan_of("boxes", scanner, {.bits = std::nullopt}, sequence);
+    const Scan& other = scan.other_axis.front();
+    const ReferenceEngine along_x({scanner, scan.sequence, {}}, {});
+    const ReferenceEngine along_y({scanner, other.sequence, {}}, {});
+    const auto [cloud, maps] = along_x(scan.frames);
+    const BasicMaps<double> other_maps = along_y.maps(other.frames);
+    int points = 0;
+    for (int row = 0; row < cloud.size().height; ++row) {
+      for (int column = 0; column < cloud.size().width; ++column) {
+        if (cloud.validity(column, row) != Validity::valid) continue;
+        ++points;
+        ASSERT_NEAR(cloud.z(column, row), depth(column, row), 1e-6);
+        const auto [distance, normal] =
+            epipolar_distance(scanner, ray_through(scanner.camera, {column, row}),
+                              maps.coordinate(column, row), other_maps.coordinate(column, row));
+        ASSERT_LT(std::abs(distance), 1e-6);
+        ASSERT_NEAR(normal.norm(), 1, 1e-12);
+      }
+    }
+    EXPECT_GT(points, 1500);
+  }
+}
+
+TEST(EpipolarDistance, IsThatOfThePixelAcrossTheLine) {
+  Scanner scanner = example_scanner({160, 120});
+  scanner.projector.distortion = {};
+  const auto [width, height] = scanner.projector.size;
+  const Eigen::Vector3d ray = ray_through(scanner.camera, {70, 50});
+  const Eigen::Vector2d pixel = project(scanner.projector, in_projector_frame(scanner, 600 * ray));
+  const auto at = [&](const Eigen::Vector2d& place) {
+    return epipolar_distance(scanner, ray, place.x() / width, place.y() / height);
+  };
+  const Eigen::Vector2d normal = at(pixel).normal;
+  EXPECT_NEAR(at(pixel + 3 * normal).distance, 3, 1e-9);
+  EXPECT_NEAR(at(pixel - 2 * normal).distance, -2, 1e-9);
+  EXPECT_NEAR(at(pixel + Eigen::Vector2d(-normal.y(), normal.x())).distance, 0, 1e-9);
+}
+
+TEST(BothAxes, GiveTheCloudOfTheFirst) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Photometry photometry{.ambient = 5, .noise_variance = 1.6};
+  const TrueScan taken = scan_of("statue", scanner, photometry);
+  ASSERT_EQ(taken.scan.frames.count(), 6);
+  ASSERT_EQ(taken.scan.other_axis.front().sequence, along(both, Axis::y));
+  const Checked result = checked(taken.scan);
+  const Cloud alone =
+      reconstruct(scan_of("statue", scanner, photometry, along(both, Axis::x)).scan);
+  int points = 0, other = 0;
+  for (std::size_t i = 0; i < alone.z.pixel_count(); ++i) {
+    if (alone.validity.begin()[i] != Validity::valid) continue;
+    ++points;
+    if (result.cloud.z.begin()[i] != alone.z.begin()[i]) ++other;
+  }
+  EXPECT_FALSE(result.check.contradicts());
+  EXPECT_LT(std::abs(result.check.median), 0.01);
+  EXPECT_NEAR(result.check.median_length, 0.6745 * result.check.median_sigma,
+              0.1 * result.check.median_sigma);
+  EXPECT_GT(points, 20000);
+  EXPECT_LT(other, 0.005 * points);
+}
+
+TEST(BothAxes, SeeACalibrationThatIsTurned) {
+  const Scanner scanner = example_scanner({320, 240});
+  Scan scan = scan_of("board", scanner, {.noise_variance = 1.6}).scan;
+  EXPECT_FALSE(checked(scan).check.contradicts());
+  const double angle = 0.3 * std::numbers::pi / 180;
+  for (const int axis : {0, 1, 2}) {
+    scan.scanner->rotation =
+        Eigen::AngleAxisd(angle, Eigen::Vector3d::Unit(axis)) * scanner.rotation;
+    const auto [cloud, maps, check] = checked(scan);
+    EXPECT_TRUE(check.contradicts());
+    EXPECT_GT(check.median_length, 2);
+    EXPECT_EQ(point_count(cloud), 0U);
+  }
+}
+
+/// Whichever two of the frames are exchanged: what is still shown is as far off as half a projector
+/// pixel makes it.
+TEST(BothAxes, ShowNoWrongPointOfExchangedFrames) {
+  const Scanner scanner = example_scanner({160, 120});
+  std::size_t wrong_before = 0;
+  for (int a = 0; a < 12; ++a) {
+    for (int b = a + 1; b < 12; ++b) {
+      std::vector<int> order(12);
+      std::iota(order.begin(), order.end(), 0);
+      std::swap(order[static_cast<std::size_t>(a)], order[static_cast<std::size_t>(b)]);
+      const auto [scan, depth] = scan_of("boxes", scanner, {.noise_variance = 1.6}, both, order);
+      const Cloud cloud = checked(scan).cloud, along_x = reconstruct(scan);
+      for (std::size_t i = 0; i < depth.pixel_count(); ++i) {
+        wrong_before += std::abs(along_x.z.begin()[i] - depth.begin()[i]) > 3 ? 1 : 0;
+        if (cloud.validity.begin()[i] != Validity::valid) continue;
+        ASSERT_LT(std::abs(cloud.z.begin()[i] - depth.begin()[i]), 3) << a << ", " << b;
+      }
+    }
+  }
+  EXPECT_GT(wrong_before, 50000U);
+}
+
+TEST(BothAxes, AreNotTakenWhereOneIsExpected) {
+  const Scanner scanner = example_scanner({160, 120});
+  EXPECT_THROW(Engine(scanner, both), Error);
+  const Sequence fine{.strategy = PhaseMeasuring{.steps = 3, .frequency = 4}, .both_axes = true};
+  const Scan scan = scan_of("board", scanner, {}, fine).scan;
+  const EngineSetup setup = setup_for(scan, {.nearest = 560, .farthest = 640});
+  Maps maps;
+  Cloud cloud;
+  EXPECT_THROW(check_epipolar(setup, scan.other_axis.front(), maps, cloud), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -61,6 +61,8 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
   const Stripes stripes(scanner, axis);
   const double f = model.layout().bands[model.measuring_band()].periods;
   const std::size_t band = model.measuring_band();
+  // A code alone rises by whole stripes, and most pixels are beside one of the same.
+  const bool rises = model.layout().unwrapping != Unwrapping::code_alone;
   SampleReading here, next;
   std::vector<double> depths, slopes;
   int without = 0, outside = 0, out_of_range = 0;
@@ -84,7 +86,8 @@ GeometryEvidence geometry_evidence(const FrameModel& model, const ScanSamples& s
       if (z < range->nearest - more || z > range->farthest + more) ++out_of_range;
     }
     depths.push_back(z);
-    if (!samples.lit(g, ScanSamples::right) || !samples.lit(g, ScanSamples::below)) continue;
+    const bool has_next = samples.lit(g, ScanSamples::right) && samples.lit(g, ScanSamples::below);
+    if (!rises || !has_next) continue;
     const auto change = [&](ScanSamples::Place place) {
       model.read(samples.levels(g, place), order, next);
       return wrapped((next.phase[band] - here.phase[band]) / (2 * pi)) / f;

@@ -15,7 +15,8 @@ struct GeometryEvidence {
   double out_of_range = 0;   ///< share of points outside of the calibrated depths, with a margin
   /// Median over the pixels of how much the coordinate changes from one pixel to the next, over how
   /// much it would on a surface that faces the camera: about 1 where all is right, negative where
-  /// the stripes run the other way, near 0 where they run along the other axis.
+  /// the stripes run the other way, near 0 where they run along the other axis. 1
+  /// of a code alone.
   double slope = 1;
   double slope_doubt = 0;  ///< three standard errors of it, by how much the pixels scatter
 };

@@ -79,8 +79,10 @@ Image<Validity> ReferenceEngine::measured(const BasicMaps<double>& decoded,
   const ReconstructSettings& settings = setup_.settings;
   const double least = least_modulation(settings, frames.full_scale());
   const Image<std::uint8_t> lit = modulation_mask(decoded.modulation, least);
-  const Image<std::uint8_t> saturated =
-      saturation_mask(frames.chosen(measuring_frames(decode_.layout())));
+  const std::vector<int> measuring = measuring_frames(decode_.layout());
+  const Image<std::uint8_t> saturated = measuring.empty()
+                                            ? Image<std::uint8_t>(frames.size())
+                                            : saturation_mask(frames.chosen(measuring));
   const bool nothing_to_confirm = decoded.fringe_order_doubt.empty();
   const bool voted = decode_.layout().unwrapping == Unwrapping::vote;
   const Image<std::uint8_t> asked =

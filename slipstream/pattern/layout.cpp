@@ -72,6 +72,7 @@ void require_valid(const Band& band, int frames, std::string_view name) {
 std::string periods_text(const Layout& layout) {
   std::vector<double> periods;
   for (const Band& band : layout.bands) periods.push_back(band.periods);
+  for (const SingleFrame& single : layout.single_frames) periods.push_back(single.periods);
   return fmt::format("{:g}", fmt::join(periods, ", "));
 }
 
@@ -89,14 +90,16 @@ void require_beats(const Layout& layout, std::string_view name) {
   }
 }
 
+[[noreturn]] void refuse_repeating(const Layout& layout, std::string_view name) {
+  throw Error(
+      fmt::format("{}: {} periods repeat within the field; in projector pixels the lengths of "
+                  "the periods must have no common multiple below that of the field",
+                  name, periods_text(layout)));
+}
+
 void require_unlike(const Layout& layout, std::string_view name) {
   constexpr double least_margin = 1e-6;
-  if (unwrapping_margin(layout) < least_margin) {
-    throw Error(
-        fmt::format("{}: {} periods repeat within the field; in projector pixels the lengths of "
-                    "the periods must have no common multiple below that of the field",
-                    name, periods_text(layout)));
-  }
+  if (unwrapping_margin(layout) < least_margin) refuse_repeating(layout, name);
 }
 
 void require_code(const Layout& layout, std::string_view name) {
@@ -117,6 +120,15 @@ void require_single_frames(const Layout& layout, std::string_view name) {
   if (layout.single_frames.empty() || !all || layout.bands.size() != 1 ||
       !step_run(layout.bands.front())) {
     throw Error(fmt::format("{}: a run of steps and frames of one sinusoid each are wanted", name));
+  }
+  const double f = layout.bands.front().periods;
+  for (int k = 1; k < f; ++k) {
+    const bool repeats = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
+                                     [&](const SingleFrame& single) {
+                                       const double periods = single.periods * k / f;
+                                       return is_near(periods, std::round(periods));
+                                     });
+    if (repeats) refuse_repeating(layout, name);
   }
 }
 

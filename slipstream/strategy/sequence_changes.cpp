@@ -15,7 +15,7 @@ namespace {
 void add_settings_in_pixels(const SequenceChanges& changes, int length,
                             StrategySettings& settings) {
   if (!changes.period_pixels && !changes.stripe_pixels) return;
-  if (length == 0) throw Error("lengths in projector pixels need the projector's size");
+  if (length == 0) throw Error("lengths in projector pixels need its size: --projector 1920x1080");
   const auto across_field = [length](double pixels) {
     if (!(pixels > 0)) throw Error(fmt::format("{} projector pixels are no length", pixels));
     return length / pixels;

@@ -41,6 +41,11 @@ double highest_frequency(const Strategy& strategy) {
 }
 
 void require_resolved(const Strategy& strategy, int projector_length) {
+  const auto& code = strategy.layout().code;
+  if (code && code->stripes > projector_length) {
+    throw Error(fmt::format("{}: {} stripes are too narrow for {} projector pixels; at most {}",
+                            strategy.name(), code->stripes, projector_length, projector_length));
+  }
   const double highest = highest_frequency(strategy);
   if (2 * highest > projector_length) {
     throw Error(fmt::format(

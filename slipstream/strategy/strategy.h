@@ -82,7 +82,8 @@ bool has_coordinate(const Strategy& strategy);
 double highest_frequency(const Strategy& strategy);
 
 /// Throws Error when the highest frequency has less than two of the `projector_length` pixels along
-/// the axis for each period, so that no projector of that size can show it.
+/// the axis for each period, or a code less than one for each stripe, so that no projector of that
+/// size can show it.
 void require_resolved(const Strategy& strategy, int projector_length);
 
 /// What the projector shows.

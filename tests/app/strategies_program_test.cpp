@@ -1,0 +1,125 @@
+// Every strategy through the program: patterns, virtual scan, points, live; and what is said of
+// settings that cannot be.
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/image_file.h"
+#include "slipstream/strategy/registry.h"
+#include "tests/app/program.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+std::vector<std::string> every_name() {
+  std::vector<std::string> names;
+  for (const std::string_view name : strategy_names()) names.emplace_back(name);
+  return names;
+}
+
+std::string without_hyphens(std::string name) {
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+class StrategiesProgram : public testing::TestWithParam<std::string> {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+
+  /// With a little noise: without any, frames of equal patterns are taken for one frame twice.
+  void simulate() const {
+    const ProgramRun run = run_program(
+        {"simulate", path("scan"), "--strategy", GetParam(), "--world", "ideal", "--scene",
+         "sphere", "--camera", "160x120", "--virtual-noise", "0.01", "--camera-bits", "16"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST_P(StrategiesProgram, ReconstructsWhatItSimulates) {
+  simulate();
+  const ProgramRun run = run_program({"reconstruct", path("scan"), "--depth", path("depth.tiff"),
+                                      "--coordinate", path("coordinate.tiff")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  const Strategy strategy = make_strategy(GetParam(), {});
+  const auto& code = strategy.layout().code;
+  const bool code_alone = code && GetParam() != "gray-phase";
+  const std::string what = code_alone ? "coordinate.tiff" : "depth.tiff";
+  const Image<double> made = read_map(path(what)), depth = read_map(path("depth.tiff")),
+                      truth = read_map(path("scan/truth/" + what));
+  const double bound =
+      code_alone ? 1 / code->stripes : std::max(0.5, 2.5 / highest_frequency(strategy));  // mm
+  int points = 0;
+  for (std::size_t i = 0; i < made.pixel_count(); ++i) {
+    if (std::isnan(depth.begin()[i])) continue;
+    ++points;
+    ASSERT_NEAR(made.begin()[i], truth.begin()[i], bound) << i;
+  }
+  EXPECT_GT(points, 5000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesProgram, testing::ValuesIn(every_name()),
+                         [](const auto& info) { return without_hyphens(info.param); });
+
+class StrategiesLive : public StrategiesProgram {};
+
+TEST_P(StrategiesLive, HasTheCloudOfTheScan) {
+  simulate();
+  ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("cloud.ply")}).exit_code, 0);
+  const ProgramRun live = run_program({"live", "--source", "replay:" + path("scan"), "--rate", "0",
+                                       "--headless", "-o", path("live.ply")});
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  EXPECT_TRUE(contents(path("live.ply")) == contents(path("cloud.ply")));
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesLive,
+                         testing::Values("multi-frequency", "gray-phase", "micro"),
+                         [](const auto& info) { return without_hyphens(info.param); });
+
+class StrategiesRefused : public StrategiesProgram {
+ protected:
+  void expect_line(const std::vector<std::string>& arguments, const std::string& part) const {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_NE(run.err.find(part), std::string::npos) << run.err << "lacks: " << part;
+  }
+};
+
+TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
+  const auto patterns = [&](const std::string& strategy, std::vector<std::string> settings) {
+    settings.insert(settings.begin(), {"patterns", path("new"), "--strategy", strategy});
+    return settings;
+  };
+  expect_line(patterns("gray-phase", {"--bits", "3", "--periods", "32"}), "which take 5");
+  expect_line(patterns("multi-frequency", {"--periods", "12,16", "--unwrapping", "number-theory"}),
+              "no common multiple");
+  expect_line(patterns("multi-frequency", {"--steps", "3,3", "--periods", "1,6,36"}),
+              "one for all, or one for each");
+  expect_line(patterns("multi-frequency", {"--periods", "4,16", "--unwrapping", "hierarchical"}),
+              "at most 1 period");
+  expect_line(patterns("micro", {"--periods", "64,32"}), "no common multiple");
+  expect_line(patterns("gray", {"--bits", "12", "--projector", "1920x1080"}), "at most 1920");
+  expect_line(patterns("pcps", {"--steps", "5"}), "even");
+
+  simulate();
+  expect_line({"reconstruct", path("scan"), "--strategy", "gray-phase"},
+              "9 frames, but gray-phase with these steps and exposures takes 10");
+  std::filesystem::remove(path("scan/scan.yaml"));
+  expect_line({"reconstruct", path("scan"), "--strategy", "micro", "--period-pixels", "16,15,14"},
+              "--projector");
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, StrategiesRefused, testing::Values("multi-frequency"),
+                         [](const auto& info) { return without_hyphens(info.param); });
+
+}  // namespace
+}  // namespace slipstream

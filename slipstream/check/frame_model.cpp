@@ -110,7 +110,7 @@ double FrameModel::coordinate_of(const SampleReading& reading, const float* leve
                                  const FrameOrder& order) const {
   std::vector<double> I;
   for (const int frame : order) I.push_back(levels[frame]);
-  return (*alone_)({reading.phase, reading.modulation, I, 255}).y;
+  return (*alone_)({reading.phase, reading.modulation, I}).y;
 }
 
 double FrameModel::shown_range(int n, const ScanSamples& samples) const {

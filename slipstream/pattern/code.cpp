@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -26,6 +27,18 @@ unsigned others(const Code& code) {
   return ((1U << code.frames.size()) - 1) & ~place(code, *code.base);
 }
 
+double reference_of(const Code& code, std::span<const double> I) {
+  if (!code.reference.empty()) {
+    return std::inner_product(I.begin(), I.end(), code.reference.begin(), 0.0);
+  }
+  double darkest = std::numeric_limits<double>::infinity(), brightest = 0;
+  for (const int frame : code.frames) {
+    darkest = std::min(darkest, I[static_cast<std::size_t>(frame)]);
+    brightest = std::max(brightest, I[static_cast<std::size_t>(frame)]);
+  }
+  return (darkest + brightest) / 2;
+}
+
 }  // namespace
 
 void require_valid(const Code& code, int frames, std::string_view name) {
@@ -40,8 +53,10 @@ void require_valid(const Code& code, int frames, std::string_view name) {
   const auto is_frame = [&](int frame) { return frame >= 0 && frame < frames; };
   const bool all = std::all_of(code.frames.begin(), code.frames.end(), is_frame) &&
                    std::all_of(code.inverses.begin(), code.inverses.end(), is_frame);
-  const bool compared = code.inverses.empty() ? static_cast<int>(code.reference.size()) == frames
-                                              : code.inverses.size() == code.frames.size();
+  const bool compared =
+      code.inverses.empty()
+          ? code.reference.empty() || static_cast<int>(code.reference.size()) == frames
+          : code.inverses.size() == code.frames.size();
   if (!all || !compared || (code.base && !(*code.base >= 0 && *code.base < bits))) {
     throw Error(fmt::format("{}: the code's bits are not among its {} frames", name, frames));
   }
@@ -63,11 +78,9 @@ int stripe_of(const Code& code, unsigned shown) {
   return static_cast<int>(shown);
 }
 
-CodeReading read_code(const Code& code, std::span<const double> I, double full_scale) {
-  double reference = code.level * full_scale;
-  for (std::size_t n = 0; n < code.reference.size(); ++n) reference += code.reference[n] * I[n];
+CodeReading read_code(const Code& code, std::span<const double> I) {
+  const double reference = reference_of(code, I);
   double least = std::numeric_limits<double>::infinity(), second = least;
-  double brightest = 0, darkest = least;
   unsigned shown = 0;
   for (std::size_t bit = 0; bit < code.frames.size(); ++bit) {
     const double level = I[static_cast<std::size_t>(code.frames[bit])];
@@ -75,15 +88,10 @@ CodeReading read_code(const Code& code, std::span<const double> I, double full_s
                              ? level - reference
                              : (level - I[static_cast<std::size_t>(code.inverses[bit])]) / 2;
     shown = 2 * shown + (above > 0 ? 1U : 0U);
-    brightest = std::max(brightest, level);
-    darkest = std::min(darkest, level);
     second = std::min(second, std::max(least, std::abs(above)));
     least = std::min(least, std::abs(above));
   }
-  const double contrast = code.frames.size() > 1 ? second : least;
-  // A fixed level is far from what is dark in all frames, too.
-  return {stripe_of(code, shown),
-          code.level == 0 ? contrast : std::min(contrast, (brightest - darkest) / 2)};
+  return {stripe_of(code, shown), code.frames.size() > 1 ? second : least};
 }
 
 }  // namespace slipstream

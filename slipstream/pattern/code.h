@@ -15,9 +15,8 @@ struct Code {
   /// Where not empty, a frame for each bit that shows it with bright and dark exchanged.
   std::vector<int> inverses{};
   /// Else what is darker than a bright bit and brighter than a dark one: a weight for each frame of
-  /// the scan, their sum added to `level`, a share of the full scale.
+  /// the scan. Empty too: what lies half way between the brightest and the darkest of the bits.
   std::vector<double> reference{};
-  double level = 0;
   bool gray = true;  ///< neighbouring stripes differ in one bit
   /// The bit that the frames of all others show in exclusive-or with themselves.
   std::optional<int> base{};
@@ -38,13 +37,12 @@ bool is_bright(const Code& code, int bit, double y);
 struct CodeReading {
   int stripe = 0;  ///< counted from 0 at y = 0; past the last one where no stripe has that word
   /// How far the frames of the bits are from where bright turns to dark, grey levels: the second
-  /// least of all bits (at a stripe's edge one of them is rightly in between), the least of one;
-  /// under a fixed level at most half of what the bits differ by.
+  /// least of all bits (at a stripe's edge one of them is rightly in between), the least of one.
   double contrast = 0;
 };
 
-/// `intensities`: of all frames of the scan, one pixel's; `full_scale`: of those.
-CodeReading read_code(const Code& code, std::span<const double> intensities, double full_scale);
+/// `intensities`: of all frames of the scan, one pixel's.
+CodeReading read_code(const Code& code, std::span<const double> intensities);
 
 /// The bits of a word, from those that frames show, most significant first.
 int stripe_of(const Code& code, unsigned shown);

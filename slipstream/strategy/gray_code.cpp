@@ -40,14 +40,13 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
     code.frames.push_back(first + apart * bit);
     if (apart == 2) code.inverses.push_back(first + apart * bit + 1);
   }
-  if (apart == 2) return code;
+  if (apart == 2 || reference == "none") return code;
   code.reference.resize(static_cast<std::size_t>(frames));
   const auto add = [&](int from, int count, double weight) {
     std::fill_n(code.reference.begin() + from, count, weight);
   };
   if (reference == "white-black") add(first + bits, 2, 0.5);
   if (reference == "mean") add(first, bits, 1.0 / bits);
-  if (reference == "none") code.level = 0.5;
   return code;
 }
 
@@ -75,8 +74,8 @@ Layout layout_of(const Code& code, int frames) {
     const auto inverse = static_cast<std::size_t>(code.inverses.back());
     band.mean.resize(static_cast<std::size_t>(frames));
     band.mean[narrowest] = band.mean[inverse] = 0.5;
-  } else if (code.level != 0) {
-    band.mean.assign(band.mean.size(), 1.0 / frames);
+  } else if (code.reference.empty()) {
+    band.mean.assign(static_cast<std::size_t>(frames), 1.0 / frames);
   }
   for (std::size_t n = 0; n < band.mean.size(); ++n) band.cosine[n] = -band.mean[n];
   band.cosine[narrowest] += 1;
@@ -158,7 +157,8 @@ Layout GrayPhase::layout() const {
                 .unwrapping = Unwrapping::code};
   layout.code = code_in_frames(frames, code_first ? 0 : steps, shown, reference);
   layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
-  if (reference == "mean") layout.code->reference = layout.bands.front().mean;
+  if (reference == "mean" || reference == "none")
+    layout.code->reference = layout.bands.front().mean;
   return layout;
 }
 

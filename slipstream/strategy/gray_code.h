@@ -16,8 +16,8 @@ struct GrayCode {
 
   int bits = 10;
   /// What bright is told from dark by: "white-black", two frames after those of the bits;
-  /// "inverse", after each bit its negative; "mean" of all frames; "none", half of the camera's
-  /// full scale.
+  /// "inverse", after each bit its negative; "mean" of all frames; "none", half way
+  /// between the brightest and the darkest of the bits.
   std::string reference = "white-black";
   std::optional<double> stripes{};  ///< across the field; 2^bits where not given
   bool plain = false;               ///< binary numbers
@@ -74,7 +74,7 @@ struct GrayPhase {
   /// One bit more, of stripes half as wide, forgives edges of the code that are up to a quarter of
   /// a period from where the phase wraps; shown where not said otherwise.
   std::optional<bool> complementary{};
-  /// As GrayCode's, but "mean" is that of the sinusoids.
+  /// As GrayCode's, but "mean" is that of the sinusoids, as is "none".
   std::string reference = "mean";
   bool code_first = false;
   Shifts shifts{};

@@ -101,7 +101,7 @@ BandUnwrapper::Coordinate BandUnwrapper::likeliest(std::span<const double> phase
 }
 
 BandUnwrapper::Coordinate BandUnwrapper::by_code(const Reading& reading) const {
-  const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities, reading.full_scale);
+  const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities);
   const double y = (stripe + 0.5) / layout_.code->stripes;
   // Stripes begin between two pixels, whose centres are at whole numbers.
   if (layout_.unwrapping == Unwrapping::code_alone) {

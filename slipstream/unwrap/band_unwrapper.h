@@ -23,7 +23,6 @@ class BandUnwrapper {
     std::span<const double> modulations;
     /// Of all frames, with a code or single frames; else what there is.
     std::span<const double> intensities;
-    double full_scale = 255;  ///< of those
   };
   struct Coordinate {
     double y = 0;      ///< see BasicMaps

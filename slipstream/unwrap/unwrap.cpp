@@ -30,7 +30,6 @@ UnwrappedPhases unwrap_alone(const Layout& layout, const LayoutPhases& phases,
   if (unwrapped.can_doubt()) result.doubt = Image<double>(size);
   const std::size_t bands = phases.bands.size();
   if (layout.unwrapping == Unwrapping::code_alone) result.contrast = Image<double>(size);
-  const auto full_scale = phases.frames.full_scale();
   phases.frames.visit([&](const auto& frames) {
     for_each_row(size.height, [&](int row) {
       std::vector<double> phase(bands), modulation(bands), I(frames.size());
@@ -40,7 +39,7 @@ UnwrappedPhases unwrap_alone(const Layout& layout, const LayoutPhases& phases,
           modulation[i] = phases.bands[i].modulation(column, row);
         }
         for (std::size_t n = 0; n < I.size(); ++n) I[n] = frames[n](column, row);
-        const auto [y, doubt, contrast] = unwrapped({phase, modulation, I, full_scale});
+        const auto [y, doubt, contrast] = unwrapped({phase, modulation, I});
         result.coordinate(column, row) = y;
         if (!result.doubt.empty()) result.doubt(column, row) = doubt;
         if (!result.contrast.empty()) result.contrast(column, row) = contrast;

@@ -7,6 +7,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/check/random_scans.h"
+#include "tests/every_strategy.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {
@@ -66,6 +67,21 @@ TEST(LargePictures, AreLeftInPeace) {
   EXPECT_EQ(told(findings_of(world, make_strategy("dual-frequency",
                                                   {{"steps", 8}, {"low_steps", 3}, {"high", 6}}))),
             "");
+}
+
+TEST(EveryStrategy, IsLeftInPeace) {
+  std::vector<Strategy> all = every_phase_strategy();
+  for (const auto& more : {every_strategy_by_reference(), every_code()}) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  for (const char* const scene : {"boxes", "statue"}) {
+    VirtualWorld world{.scanner = example_scanner({640, 480})};
+    world.scene = scene_named(scene, world.scanner);
+    world.photometry = {.ambient = 3, .noise_variance = 1.5};
+    for (const Strategy& strategy : all) {
+      EXPECT_EQ(told(findings_of(world, strategy)), "") << label_of(strategy) << ", " << scene;
+    }
+  }
 }
 
 // Seen by a small thing in the middle of the field, the first frame is dark all over.

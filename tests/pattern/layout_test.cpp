@@ -170,8 +170,7 @@ TEST(Layout, BeatsAreUnwrappedByTheSurestChain) {
 TEST(Code, NumbersItsStripes) {
   for (const int base : {-1, 5, 4}) {
     for (const bool gray : {false, true}) {
-      Code code{.stripes = 50, .frames = {0, 1, 2, 3, 4, 5}, .level = 0.5, .gray = gray};
-      code.reference.resize(6);
+      Code code{.stripes = 50, .frames = {0, 1, 2, 3, 4, 5}, .gray = gray};
       if (base >= 0) code.base = base;
       require_valid(code, 6, "code");
       for (int stripe = 0; stripe < 50; ++stripe) {
@@ -179,8 +178,9 @@ TEST(Code, NumbersItsStripes) {
         for (int bit = 0; bit < 6; ++bit) {
           I.push_back(is_bright(code, bit, (stripe + 0.5) / 50) ? 200 : 55);
         }
-        const CodeReading reading = read_code(code, I, 255);
-        EXPECT_EQ(reading.stripe, stripe);
+        const CodeReading reading = read_code(code, I);
+        const bool all_alike = std::equal(I.begin() + 1, I.end(), I.begin());
+        if (!all_alike) EXPECT_EQ(reading.stripe, stripe);
         EXPECT_LE(reading.contrast, 72.5 + 1e-9);
       }
     }

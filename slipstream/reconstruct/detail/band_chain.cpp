@@ -38,7 +38,7 @@ const float* code_coordinates(const FusedStages::CodeBits& code, const Pixel* co
   if (code.against_mean) {
     for (int i = 0; i < width; ++i) limit[i] = levels.mean_to_frames * levels.mean[i];
   } else {
-    std::fill_n(limit, width, code.level * levels.full_scale);
+    std::fill_n(limit, width, 0.0F);
     for (std::size_t n = 0; n < code.reference.size(); ++n) {
       if (code.reference[n] == 0) continue;
       for (int i = 0; i < width; ++i) {

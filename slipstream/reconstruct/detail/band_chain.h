@@ -18,7 +18,6 @@ const float* first_of_chain(const FusedStages& stages, int width, FusedScratch& 
 struct CodeLevels {
   const float* mean = nullptr;  ///< a row of the first band's mean
   float mean_to_frames = 1;     ///< from that to grey levels of the frames
-  float full_scale = 255;
 };
 
 /// The middle of each pixel's stripe.

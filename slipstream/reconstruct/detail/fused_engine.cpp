@@ -221,7 +221,7 @@ const float* coarse_row(const Pass<Pixel>& pass, int row, const float* mean,
   const float to_frames = 1 / (pass.limits.front().mean_scale *
                                static_cast<float>(pass.stages.bands.front().sinusoid.steps));
   return code_coordinates(*pass.stages.code, pass.frame_rows(row, scratch), pass.width(),
-                          {mean, to_frames, static_cast<float>(pass.full_scale)}, scratch);
+                          {mean, to_frames}, scratch);
 }
 
 /// Turns of all bands to coordinates, along the chain. Where `maps` are wanted of the row they get

@@ -157,8 +157,7 @@ FusedStages::CodeBits code_bits(const Layout& layout) {
                                        .gray = code.gray,
                                        .stripe = static_cast<float>(1 / code.stripes)},
                              .against_mean = code.reference == layout.bands.front().mean,
-                             .reference = {},
-                             .level = static_cast<float>(code.level)};
+                             .reference = {}};
   if (code.base) {
     const int count = static_cast<int>(code.frames.size());
     bits.stage.base = 1 << (count - 1 - *code.base);

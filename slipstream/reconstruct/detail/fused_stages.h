@@ -36,8 +36,7 @@ struct FusedStages {
   struct CodeBits {
     CodeStage stage;
     bool against_mean = false;     ///< of the first band
-    std::vector<float> reference;  ///< else a weight for each frame, and what is added
-    float level = 0;               ///< of the full scale
+    std::vector<float> reference;  ///< else a weight for each frame, or inverses
   };
 
   /// A cue in the frames of the first band says which period it is, and the neighbourhood votes.

@@ -240,7 +240,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
-  const auto& [strategy, axis, both_axes, light, projector, marker, exposures, binary] =
+  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes] =
       scan.sequence;
   yaml << YAML::Key << "name" << YAML::Value << strategy.name();
   for (const auto& [name, value] : strategy.settings()) {

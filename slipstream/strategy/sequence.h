@@ -14,9 +14,6 @@ namespace slipstream {
 struct Sequence {
   Strategy strategy{};
   Axis axis = Axis::x;
-  /// All patterns along x, which is then the axis, and after them all along y. The frames are read
-  /// as two scans, one along each: see along and Scan.
-  bool both_axes = false;
   PatternLight light{};  ///< of the patterns
   Size projector{};      ///< pixels; empty where not said
   /// Shown again and again, a dark frame after the last pattern marks where each cycle ends. It is
@@ -26,6 +23,9 @@ struct Sequence {
   /// by exposure. Several are merged to one set of frames: see merged_exposures.
   std::vector<double> exposures{1};
   bool binary = false;  ///< shown a bit at a time, see PatternSet; the frames hold the same
+  /// All patterns along x, which is then the axis, and after them all along y. The frames are read
+  /// as two scans, one along each: see along and Scan.
+  bool both_axes = false;
 
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };

@@ -27,7 +27,7 @@ const Strategy four_steps = PhaseMeasuring{.steps = 4};
 TEST(OpenSource, VirtualKnowsItsScannerAndWhatIsShown) {
   SourceRequest request{.rate = 0, .world = some_world()};
   request.sequence.strategy = "pmp";
-  request.sequence.settings = {{"steps", 4}};
+  request.sequence.settings = {{"steps", "4"}};
   NamedSource source = open_source(request);
   EXPECT_EQ(source.sequence.strategy, four_steps);
   EXPECT_EQ(source.scanner, as_calibrated(some_world()));
@@ -55,7 +55,7 @@ TEST(OpenSource, ReplayedFolderSaysWhatItShowsUnlessToldOtherwise) {
   other.translation.x() += 1;
   write_scanner(folder.path() / "other.yaml", other);
   request.scanner = folder.path() / "other.yaml";
-  request.sequence.axis = Axis::y;
+  request.sequence.axes = "y";
   EXPECT_EQ(open_source(request).scanner, other);
   EXPECT_EQ(open_source(request).sequence.axis, Axis::y);
 }

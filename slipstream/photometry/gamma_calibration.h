@@ -22,8 +22,8 @@ struct GammaCalibration {
   BlindGamma fit{};   ///< to all pixels with all harmonics, a power law
   double misfit = 0;  ///< of the power law, about the phase error it leaves, rad
   /// The power law where it leaves no more than noise, else what curve_that_serves, else the curve
-  /// that the pixels see of 12 steps and more, if it takes 95 % of the error away; none where nothing
-  /// does, and for other curves with less than 8 steps: they fit curves that are not there.
+  /// that the pixels see of 12 steps and more, if it takes 95 % of the error away; none where
+  /// nothing does, and for other curves with less than 8 steps: they fit curves that are not there.
   std::optional<NamedResponse> response{};
   std::optional<PixelGamma> pixels{};  ///< from B_1 and B_2, where there are 5 steps and more
 };

@@ -41,9 +41,9 @@ inline std::vector<Strategy> every_strategy_by_reference() {
 
 /// Those that say it to a stripe.
 inline std::vector<Strategy> every_code() {
-  return {GrayCode{},
+  return {GrayCode{.bits = 9},
           GrayCode{.bits = 9, .reference = "inverse", .stripes = 400, .least_first = true},
-          GrayCode{.bits = 7, .reference = "none", .plain = true}, ExclusiveOrGray{},
+          GrayCode{.bits = 7, .reference = "none", .plain = true}, ExclusiveOrGray{.bits = 9},
           ExclusiveOrGray{.bits = 8, .base = 2, .reference = "white-black"}};
 }
 

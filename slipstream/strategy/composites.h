@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -9,56 +10,54 @@
 // Codings that are said by which sinusoids each frame shows, and how far shifted.
 namespace slipstream {
 
+/// A sinusoid whose angles, in degrees, are those of the frames; NaN: not in the frame.
+ShownSinusoid shown_in_frames(double periods, double share, const std::vector<double>& degrees,
+                              const Shifts& shifts);
+
+/// One sinusoid in a few frames: `Frames` says their name, and what each is shifted by.
+template <class Frames>
+struct OneSinusoid {
+  static constexpr std::string_view name = Frames::name;
+
+  double frequency = 1;  ///< periods across the field
+  Shifts shifts{};
+
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit("frequency", "periods across the projector field", self.frequency);
+    visit_shifts(self.shifts, visit);
+  }
+  void require_valid() const {
+    slipstream::require_valid(Sinusoid{.frequency = frequency}, Frames::name);
+  }
+  [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const {
+    return {shown_in_frames(frequency, 1, Frames::degrees(), shifts)};
+  }
+};
+
+struct TwoPlusOneFrames {
+  static constexpr const char* name = "two-plus-one";
+  static std::vector<double> degrees() { return {90, 0, std::numeric_limits<double>::quiet_NaN()}; }
+};
 /// 2+1: a sine, a cosine and the mean (Wizinowich 1990; Zhang 2007). Where things move, two frames
 /// alone must fall together.
-struct TwoPlusOne {
-  static constexpr std::string_view name = "two-plus-one";
+using TwoPlusOne = OneSinusoid<TwoPlusOneFrames>;
 
-  double frequency = 1;  ///< periods across the field
-  Shifts shifts{};
-
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
-    visit("frequency", "periods across the projector field", self.frequency);
-    visit_shifts(self.shifts, visit);
-  }
-  void require_valid() const;
-  [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
+struct FastThreeStepFrames {
+  static constexpr const char* name = "fast-three-step";
+  static std::vector<double> degrees() { return {120, 0, -120}; }
 };
-
 /// Three frames shifted by -120, 0 and 120 degrees, as fast three-step phase shifting shows them
 /// (Huang and Zhang 2006). See PhaseMethod::intensity_ratio for its way to the phase.
-struct FastThreeStep {
-  static constexpr std::string_view name = "fast-three-step";
+using FastThreeStep = OneSinusoid<FastThreeStepFrames>;
 
-  double frequency = 1;  ///< periods across the field
-  Shifts shifts{};
-
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
-    visit("frequency", "periods across the projector field", self.frequency);
-    visit_shifts(self.shifts, visit);
-  }
-  void require_valid() const;
-  [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
+struct DoubleThreeStepFrames {
+  static constexpr const char* name = "double-three-step";
+  static std::vector<double> degrees() { return {0, 120, 240, 60, 180, 300}; }
 };
-
 /// Two runs of three steps, the second 60 degrees after the first: the error that a response makes
 /// twice in a period has opposite signs in both (Huang, Hu and Chiang 2002).
-struct DoubleThreeStep {
-  static constexpr std::string_view name = "double-three-step";
-
-  double frequency = 1;  ///< periods across the field
-  Shifts shifts{};
-
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
-    visit("frequency", "periods across the projector field", self.frequency);
-    visit_shifts(self.shifts, visit);
-  }
-  void require_valid() const;
-  [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
-};
+using DoubleThreeStep = OneSinusoid<DoubleThreeStepFrames>;
 
 /// One period and N of them in one grating (Li, Su and Su 1997): 2 N frames, the grating moved by
 /// parts of the long period, which leaves the short one where it is, and then by parts of the

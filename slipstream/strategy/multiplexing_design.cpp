@@ -16,11 +16,6 @@ namespace {
 
 using std::numbers::pi;
 
-/// Probability that a standard normal number is above x.
-double upper_tail(double x) {
-  return 0.5 * std::erfc(x / std::numbers::sqrt2);
-}
-
 double reference_sigma(const Layout& layout, const PatternLight& light, double alpha,
                        double ambient, double noise_variance, double R) {
   const Band& band = layout.bands[0];
@@ -56,6 +51,10 @@ std::optional<Design> design_at(const DesignGoal& goal, const PatternLight& ligh
 }
 
 }  // namespace
+
+double upper_tail(double x) {
+  return 0.5 * std::erfc(x / std::numbers::sqrt2);
+}
 
 void require_valid(const DesignGoal& goal) {
   const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {

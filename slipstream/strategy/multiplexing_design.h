@@ -32,6 +32,9 @@ struct Design {
 /// Throws Error for a goal outside its ranges.
 void require_valid(const DesignGoal& goal);
 
+/// Probability that a standard normal number is above x.
+double upper_tail(double x);
+
 /// Share of the pixels, evenly over the field, whose cue names the right period: from the noise of
 /// the cue, Eqs. (3.67), (3.76), (3.101), against half a period. Of a layout that votes.
 double predicted_unwrapping(const Layout& layout, const PatternLight& light, double alpha,

@@ -17,10 +17,6 @@
 namespace slipstream {
 namespace {
 
-double upper_tail(double deviations) {
-  return 0.5 * std::erfc(deviations / std::sqrt(2.0));
-}
-
 double modulation_at(double alpha) {
   return alpha * PatternLight{}.alpha_p / 2;
 }
@@ -61,19 +57,17 @@ std::vector<Strategy> candidates(int frames, int most_periods) {
 }  // namespace
 
 void require_valid(const StrategyGoal& goal) {
-  const auto require = [](bool holds, const char* name, double value, const char* range) {
-    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
-  };
-  require(goal.frames >= 3 && goal.frames <= 64, "frames", goal.frames, "3 to 64");
-  require(goal.alpha > 0 && goal.alpha <= 1, "reflectivity", goal.alpha, "above 0, at most 1");
-  require(goal.noise_variance > 0 && std::isfinite(goal.noise_variance), "noise variance",
-          goal.noise_variance, "above 0");
-  require(goal.success >= 0.5 && goal.success < 1, "success", goal.success,
-          "0.5 and more, below 1");
-  require(goal.most_periods >= 2 && goal.most_periods <= 1000, "most periods", goal.most_periods,
-          "2 to 1000");
-  const double sigma = goal.coordinate_sigma.value_or(1);
-  require(sigma > 0, "noise of the coordinate", sigma, "above 0");
+  require_valid(DesignGoal{.alpha = goal.alpha,
+                           .noise_variance = goal.noise_variance,
+                           .success = goal.success,
+                           .most_periods = goal.most_periods});
+  if (goal.frames < 3 || goal.frames > 64) {
+    throw Error(fmt::format("frames {} are out of range; 3 to 64", goal.frames));
+  }
+  if (!(goal.coordinate_sigma.value_or(1) > 0)) {
+    throw Error(
+        fmt::format("noise of the coordinate {} is out of range; above 0", *goal.coordinate_sigma));
+  }
 }
 
 double predicted_success(const Layout& layout, double alpha, double noise_variance) {

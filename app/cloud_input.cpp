@@ -51,7 +51,7 @@ SoundScan sound_scan(Scan& scan, const std::string& name, const CloudInputFlags&
   sound.gamma = gamma_of(scan, flags.input);
   sound.setup = setup_for(scan, flags.settings);
   sound.choosing = watch.lap();
-  require_reconstructible(sound.setup);
+  scan.further_cameras.empty() ? require_reconstructible(sound.setup) : require_valid(sound.setup);
   sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
   refuse_or_warn(sound.checked, name, flags.anyway, output);
   if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags.input);  // may be another

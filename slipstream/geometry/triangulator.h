@@ -29,6 +29,7 @@ class Triangulator {
   Triangulator(const Scanner& scanner, Axis axis, PointMethod method);
 
   [[nodiscard]] const Scanner& scanner() const { return scanner_; }
+  [[nodiscard]] Axis axis() const { return axis_; }
 
   /// Point in the camera's frame, mm, for the pixel and the projector coordinate y, [0, 1), as
   /// decoded. NaN where there is none: the ray misses the plane, or the lens model has no inverse.

@@ -1,11 +1,10 @@
 #include "slipstream/reconstruct/phase_matcher.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,6 +15,8 @@
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/phase/modulation_mask.h"
+#include "slipstream/reconstruct/detail/epipolar_line.h"
+#include "slipstream/reconstruct/detail/second_camera_orders.h"
 
 namespace slipstream {
 namespace {
@@ -23,24 +24,12 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Modulation and phase as one number, B exp(i phi): unlike the phase it has no seam, and it stays
-/// smooth where gamma bends the phase, so that it can be interpolated.
-using Phasor = std::complex<double>;
-
 Image<Phasor> phasors(const Image<double>& modulation, const Image<double>& phase) {
   Image<Phasor> result(phase.size());
   std::transform(modulation.begin(), modulation.end(), phase.begin(), result.begin(),
                  [](double B, double phi) { return std::polar(B, phi); });
   return result;
 }
-
-/// What one camera knows of every pixel.
-struct CameraPhases {
-  BasicMaps<double> maps;
-  /// Of each band, from few periods to many; of a single one twice, for it is looked for twice.
-  std::vector<Image<Phasor>> bands;
-  Image<Validity> validity;  ///< too dark, saturated, or valid
-};
 
 CameraPhases phases_of(const FrameViews& frames, const Decoder& decode, const PhaseDecoder& phase,
                        const ReconstructSettings& settings) {
@@ -64,76 +53,6 @@ CameraPhases phases_of(const FrameViews& frames, const Decoder& decode, const Ph
   }
   return phases;
 }
-
-/// Weights of the four pixels around a place `t` past the second of them: cubic convolution (Keys).
-std::array<double, 4> cubic_weights(double t) {
-  const double u = 1 - t;
-  return {-0.5 * t * u * u, 1 + t * t * (1.5 * t - 2.5), 1 + u * u * (1.5 * u - 2.5),
-          -0.5 * u * t * t};
-}
-
-/// From the first camera's frame to the second's.
-struct Stereo {
-  Stereo(const Scanner& first, const Scanner& second)
-      : rotation(second.rotation.transpose() * first.rotation),
-        translation(second.rotation.transpose() * (first.translation - second.translation)) {}
-
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation;  ///< mm
-};
-
-/// The second camera along one ray of the first: what it sees at each depth.
-class EpipolarLine {
- public:
-  EpipolarLine(const Stereo& stereo, const Lens& camera, Eigen::Vector3d ray,
-               const CameraPhases& seen)
-      : stereo_(stereo), camera_(camera), ray_(std::move(ray)), seen_(seen) {}
-
-  [[nodiscard]] Eigen::Vector2d pixel(double depth) const {
-    const Eigen::Vector3d point = stereo_.rotation * (depth * ray_) + stereo_.translation;
-    if (!(point.z() > 0)) return {nan, nan};
-    return project(camera_, point);
-  }
-
-  /// Phase there minus that of `reference`, around the circle; NaN where a pixel beside the place
-  /// is not valid.
-  [[nodiscard]] double difference(const Image<Phasor>& phase, Phasor reference,
-                                  double depth) const {
-    const Eigen::Vector2d place = pixel(depth);
-    if (!(place.x() >= 1 && place.y() >= 1 && place.x() < phase.width() - 2 &&
-          place.y() < phase.height() - 2)) {
-      return nan;
-    }
-    const int left = static_cast<int>(place.x()), top = static_cast<int>(place.y());
-    const auto valid = [&](int column, int row) {
-      return seen_.validity(column, row) == Validity::valid;
-    };
-    if (!valid(left, top) || !valid(left + 1, top) || !valid(left, top + 1) ||
-        !valid(left + 1, top + 1)) {
-      return nan;
-    }
-    const auto across = cubic_weights(place.x() - left), down = cubic_weights(place.y() - top);
-    Phasor sum = 0;
-    for (int j = 0; j < 4; ++j) {
-      const Phasor* row = phase.row(top - 1 + j) + left - 1;
-      sum += down[static_cast<std::size_t>(j)] *
-             (across[0] * row[0] + across[1] * row[1] + across[2] * row[2] + across[3] * row[3]);
-    }
-    return std::arg(sum * std::conj(reference));
-  }
-
-  /// Depth that moves the place in the second camera by one pixel, mm.
-  [[nodiscard]] double depth_of_a_pixel(double depth) const {
-    const double step = 1e-3 * depth;
-    return step / (pixel(depth + step) - pixel(depth)).norm();
-  }
-
- private:
-  const Stereo& stereo_;
-  const Lens& camera_;
-  Eigen::Vector3d ray_;
-  const CameraPhases& seen_;
-};
 
 /// Where the phases agree.
 struct Match {
@@ -270,6 +189,38 @@ std::vector<double> fringes_of(const Layout& layout) {
   return fringes;
 }
 
+/// Coordinates of one band of many periods, each camera's orders told by the other.
+struct SearchedOrders {
+  double period = 1;  ///< of the field
+  Image<double> first, second;
+
+  /// Whether the second camera finds the point there too: where the right place is hidden from it,
+  /// a wrong one agrees by chance, but not both ways.
+  [[nodiscard]] bool seen_from_second(const Eigen::Vector2d& place, double y) const {
+    const double other =
+        second(static_cast<int>(std::lround(place.x())), static_cast<int>(std::lround(place.y())));
+    return std::abs(other - y) < period / 2;
+  }
+};
+
+SearchedOrders search_orders(const CameraPhases& first, const CameraPhases& second,
+                             const EngineSetup& setup, const Scanner& second_scanner,
+                             const Triangulator& of_first) {
+  const Triangulator of_second(second_scanner, setup.sequence.axis, PointMethod::form3);
+  const SeeingCamera here{setup.scanner, first, of_first};
+  const SeeingCamera there{second_scanner, second, of_second};
+  const Stereo back(second_scanner, setup.scanner);
+  const DepthRange depths = depth_range(setup);
+  const auto within = [&](double z) { return z > depths.nearest && z < depths.farthest; };
+  const double periods = highest_frequency(setup.sequence.strategy);
+  return {1 / periods,
+          order_by_other_camera(here, there, periods,
+                                [&](const Eigen::Vector3d& point) { return within(point.z()); }),
+          order_by_other_camera(there, here, periods, [&](const Eigen::Vector3d& point) {
+            return within((back.rotation * point + back.translation).z());
+          })};
+}
+
 void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
   if (frames.size() != scanner.camera.size) {
     throw Error(
@@ -290,14 +241,13 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
       triangulate_(first, sequence.axis, PointMethod::form3),
       decode_(sequence.strategy.layout(), projector_length(first_), settings.phase_method),
       phase_(settings.phase_method, step_counts(sequence.strategy)) {
-  require_reconstructible(first_);
+  require_valid(first_);
   require_pair(first, second, match);
   const Unwrapping unwrapping = decode_.layout().unwrapping;
-  if ((unwrapping != Unwrapping::none && unwrapping != Unwrapping::hierarchical) ||
-      unwraps_by_depth(first_)) {
+  if (unwrapping != Unwrapping::none && unwrapping != Unwrapping::hierarchical) {
     throw Error(
-        fmt::format("{}: no band of it that matches between cameras has so few periods that one "
-                    "place alone fits; use one period, or bands that unwrap each other",
+        fmt::format("{}: its frames do not match between cameras; use a strategy of sinusoids, one "
+                    "band or bands that unwrap each other, or --one-camera",
                     sequence.strategy.name()));
   }
 }
@@ -314,6 +264,12 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
   const std::vector<double> fringes = fringes_of(decode_.layout());
   const Size size = first_frames.size();
 
+  std::optional<SearchedOrders> searched;
+  if (!has_coordinate(first_.sequence.strategy)) {
+    searched = search_orders(first, second, first_, second_, triangulate_);
+    first.maps.coordinate = searched->first;
+  }
+
   Matches matches(size);
   Image<PixelPosition> directions(size);
   for_each_row(size.height, [&](int row) {
@@ -321,11 +277,18 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
       if (first.validity(column, row) != Validity::valid) continue;
       const Eigen::Vector3d ray = ray_through(first_.scanner.camera, {column, row});
       directions(column, row) = {ray.x(), ray.y()};
-      const double guess = triangulate_(column, row, first.maps.coordinate(column, row)).z();
+      const double y = first.maps.coordinate(column, row);
+      const double guess = triangulate_(column, row, y).z();
       if (!ray.allFinite() || !(guess > 0)) continue;
       const EpipolarLine line(stereo, second_.camera, ray, second);
       const Match match = match_pixel(line, first, second, column, row, guess, fringes);
       if (!std::isfinite(match.depth) || !std::isfinite(match.slope) || match.slope == 0) continue;
+      if (searched) {
+        const double quarter = searched->period / 4;
+        const double beside = triangulate_(column, row, y + quarter).z();
+        if (!(std::abs(match.depth - guess) < std::abs(beside - guess))) continue;
+        if (!searched->seen_from_second(line.pixel(match.depth), y)) continue;
+      }
       matches.depth(column, row) = match.depth;
       matches.weight(column, row) = std::norm(match.slope * first.bands.back()(column, row));
       matches.pixel_step(column, row) = line.depth_of_a_pixel(match.depth);
@@ -341,7 +304,8 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
       Validity& pixel = cloud.validity(column, row);
       if (pixel != Validity::valid) continue;
       if (!std::isfinite(matches.depth(column, row))) {
-        pixel = Validity::no_point;
+        pixel = searched && std::isnan(searched->first(column, row)) ? Validity::doubtful_order
+                                                                     : Validity::no_point;
         continue;
       }
       const double Z = plane_depth(matches, column, row, match_.window);

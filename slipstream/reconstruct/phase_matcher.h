@@ -21,13 +21,14 @@ struct PhaseMatchSettings {
 
 /// Two cameras and one projector, Liu 2010, Section 4.4: the point of a pixel is where the ray of
 /// the first camera meets a place that the second sees under the same phase. Gamma bends both
-/// phases alike and drops out. The projector's place only says where to begin to look.
+/// phases alike and drops out. The projector's place only says where to begin to look; where one
+/// band of many periods leaves the fringe order open, the second camera's phase says it as well.
 class PhaseMatcher {
  public:
   /// `first`, `second`: each camera with the one projector. Phases are matched as they are
   /// measured, without a correction. Throws Error where a scanner or the settings are not valid,
-  /// the projectors differ, the cameras stand in one place, or the strategy's frames do not give a
-  /// projector coordinate by bands alone.
+  /// the projectors differ, the cameras stand in one place, or the strategy is not of one band or
+  /// bands that unwrap each other.
   PhaseMatcher(const Scanner& first, const Scanner& second, const Sequence& sequence,
                const ReconstructSettings& settings = {}, const PhaseMatchSettings& match = {});
 

@@ -67,24 +67,27 @@ bool unwraps_by_depth(const EngineSetup& setup) {
          setup.settings.farthest;
 }
 
-void require_reconstructible(const EngineSetup& setup) {
+void require_valid(const EngineSetup& setup) {
   const auto& [scanner, sequence, settings] = setup;
-  const Strategy& strategy = sequence.strategy;
   require_valid(scanner);
   require_depth_visible(scanner, sequence.axis);
   require_valid(sequence.light);
   if (sequence.both_axes) {
     throw Error("patterns along both axes are read from a scan that is done; here take --axis x");
   }
-  require_resolved(strategy, projector_length(setup));
-  if (!has_coordinate(strategy) && !unwraps_by_depth(setup)) {
-    throw Error(fmt::format(
-        "{}: more than one period covers the field, so these frames alone give no depth; give "
-        "--nearest and --farthest, between which depth spans less than a period, use one period, "
-        "or a strategy that unwraps: {}",
-        strategy.name(), fmt::join(names_with_coordinate(), ", ")));
-  }
+  require_resolved(sequence.strategy, projector_length(setup));
   require_valid(settings);
+}
+
+void require_reconstructible(const EngineSetup& setup) {
+  require_valid(setup);
+  const Strategy& strategy = setup.sequence.strategy;
+  if (has_coordinate(strategy) || unwraps_by_depth(setup)) return;
+  throw Error(fmt::format(
+      "{}: more than one period covers the field, so these frames alone give no depth; give "
+      "--nearest and --farthest, between which depth spans less than a period, use one period, a "
+      "second camera, or a strategy that unwraps: {}",
+      strategy.name(), fmt::join(names_with_coordinate(), ", ")));
 }
 
 void require_ambient_known(const EngineSetup& setup, std::string_view scanner) {

@@ -69,9 +69,12 @@ DepthRange depth_range(const EngineSetup& setup);
 bool unwraps_by_depth(const EngineSetup& setup);
 
 /// Throws Error where the scanner or the settings are not valid or see no depth along that axis, or
-/// where the strategy is too fine for the projector or its frames give no projector coordinate,
-/// alone or by the range of depth. An
-/// ambient light that is not known is taken for none: see needs_ambient_light.
+/// where the strategy is too fine for the projector. An ambient light that is not known is taken
+/// for none: see needs_ambient_light.
+void require_valid(const EngineSetup& setup);
+
+/// Likewise, and where the frames of one camera give no projector coordinate, alone or by the range
+/// of depth.
 void require_reconstructible(const EngineSetup& setup);
 
 /// Throws Error, naming `scanner`, where the layout has a cue that cannot be read without an

@@ -14,7 +14,6 @@
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/phase_matcher.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
@@ -149,15 +148,6 @@ TEST(DepthRangeTooWide, IsToldWhatWouldDo) {
   EXPECT_NO_THROW(Engine(scanner, sequence, settings)) << message;
   settings.farthest.reset();
   EXPECT_THROW(Engine(scanner, sequence, settings), Error);
-}
-
-TEST(DepthRangeWithTwoCameras, IsRefused) {
-  const Scanner scanner = example_scanner({160, 120});
-  Scanner second = scanner;
-  second.translation.x() += 50;
-  EXPECT_THROW(
-      PhaseMatcher(scanner, second, {.strategy = fringes(4)}, {.nearest = 550, .farthest = 650}),
-      Error);
 }
 
 /// Three frames of sixteen periods alone, which cannot tell all of the depths that six frames show:

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <random>
+
+#include "slipstream/camera/detail/big_endian.h"
+#include "tests/fuzz/mutate.h"
+
+namespace slipstream {
+
+inline constexpr std::uint16_t discover = 0x02, read_register = 0x80, write_register = 0x82,
+                               read_memory = 0x84, write_memory = 0x86;
+
+/// A command of GigE Vision's control protocol that asks for an answer.
+inline Bytes command(std::uint16_t code, std::initializer_list<std::uint32_t> numbers,
+                     std::uint16_t id = 7) {
+  Bytes bytes{0x42, 1};
+  append_big_endian(bytes, code);
+  append_big_endian(bytes, static_cast<std::uint16_t>(4 * numbers.size()));
+  append_big_endian(bytes, id);
+  for (const std::uint32_t number : numbers) append_big_endian(bytes, number);
+  return bytes;
+}
+
+/// What ended, or might end, a camera: numbers at the edges, lengths of zero and beyond, damaged
+/// commands and noise.
+inline Bytes hostile_packet(std::mt19937& random) {
+  static constexpr std::array<std::uint32_t, 12> edges{0,       0x100,      0x200,      0x938,
+                                                       0xa00,   0xd00,      0xfffc,     0x10000,
+                                                       0x13e66, 0x7fffffff, 0xfffffffc, 0xffffffff};
+  const auto number = [&] {
+    const auto noise = static_cast<std::uint32_t>(random());
+    return noise % 4 == 0 ? noise : edges[noise % edges.size()] + (noise >> 16) % 9 - 4;
+  };
+  static constexpr std::array<std::uint16_t, 7> codes{
+      discover, read_register, write_register, read_memory, write_memory, 0x40, 0x88};
+  const std::uint16_t code = codes[random() % codes.size()];
+  const auto id = static_cast<std::uint16_t>(random());
+  switch (random() % 6) {
+    case 0:
+      return command(code, {number()}, id);
+    case 1:
+      return command(code, {number(), number()}, id);
+    case 2:
+      return command(code, {number(), number(), number()}, id);
+    case 3: {
+      Bytes noise(random() % 1500);
+      for (std::uint8_t& byte : noise) byte = static_cast<std::uint8_t>(random());
+      return noise;
+    }
+    default:
+      return mutated(command(code, {number(), number()}, id), random);
+  }
+}
+
+}  // namespace slipstream

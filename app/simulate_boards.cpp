@@ -33,7 +33,9 @@ void simulate_boards(const fs::path& folder, const SimulateBoardsFlags& flags,
                      const VirtualWorld& world, const Sequence& sequence, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
   const Scanner& scanner = world.scanner;
-  require_resolved(sequence.strategy, length_along(Axis::y, scanner.projector.size));
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    require_resolved(sequence.strategy, axis, scanner.projector.size);
+  }
   const Body sheet = sheet_of(board, scanner);
   const int count = flags.count.value_or(0);
   const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);

@@ -35,7 +35,12 @@ inline std::vector<Strategy> every_strategy_by_reference() {
   const Shifts elsewhere{.origin = 2.1, .backwards = true};
   return {PhaseChannelMultiplexing{.steps = 5, .shifts = {0.7, true}},
           MultiFrequency{.steps = {3}, .periods = {13, 15}, .unwrapping = "number-theory"},
-          MicroPhaseShifting{.periods = {25, 23, 22, 19}, .shifts = elsewhere}, PeriodCoded{},
+          MicroPhaseShifting{.periods = {25, 23, 22, 19}, .shifts = elsewhere},
+          ModulatedPhaseShifting{},
+          ModulatedPhaseShifting{.carrier_steps = 2, .carrier = 40},
+          ModulatedPhaseShifting{
+              .steps = 4, .carrier_steps = 3, .periods = {1, 5, 20}, .shifts = elsewhere},
+          PeriodCoded{},
           PeriodCoded{.steps = 6, .high = 16, .shifts = elsewhere}};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <numeric>
 
@@ -32,7 +33,8 @@ Eigen::MatrixXd complement_of(const Strategy& strategy) {
   Eigen::MatrixXd products = Eigen::MatrixXd::Ones(count, count);
   for (int i = 0; i < places; ++i) {
     Eigen::VectorXd pattern(count);
-    for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, (i + 0.5) / places);
+    const double across = std::fmod(i * std::numbers::phi, 1);
+    for (int n = 0; n < count; ++n) pattern[n] = strategy.shape(n, (i + 0.5) / places, across);
     products += pattern * pattern.transpose() / places;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
@@ -90,11 +92,19 @@ FrameOrder FrameModel::identity() const {
 void FrameModel::read(const float* levels, const FrameOrder& order, SampleReading& reading) const {
   reading.phase.resize(layout_.bands.size());
   reading.modulation.resize(layout_.bands.size());
+  double with_carrier = 0;  // phase of the measuring band's first sinusoid
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
-    const double C = dot(layout_.bands[b].cosine, levels, order);
-    const double S = dot(layout_.bands[b].sine, levels, order);
-    reading.modulation[b] = std::hypot(C, S);
-    reading.phase[b] = wrapped_angle(S, C);
+    const Band& band = layout_.bands[b];
+    const auto component = [&](const auto& cosine, const auto& sine) {
+      return std::complex(dot(cosine, levels, order), dot(sine, levels, order));
+    };
+    std::complex<double> sinusoid = component(band.cosine, band.sine);
+    if (b == measuring_band()) with_carrier = std::arg(sinusoid);
+    if (band.carrier > 0) {
+      sinusoid = demodulated(sinusoid, component(band.mirrored_cosine, band.mirrored_sine));
+    }
+    reading.modulation[b] = std::abs(sinusoid);
+    reading.phase[b] = wrapped_angle(sinusoid.imag(), sinusoid.real());
     if (const int steps = corrected_steps_[b]; steps != 0) {
       const Shifts shifts = step_run(layout_.bands[b])->shifts;
       const double shifted = unshifted_phase({}, shifted_phase(shifts, reading.phase[b]));
@@ -103,6 +113,9 @@ void FrameModel::read(const float* levels, const FrameOrder& order, SampleReadin
   }
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);
   if (alone_) reading.coordinate = coordinate_of(reading, levels, order);
+  if (const Band& band = layout_.bands[measuring_band()]; band.carrier > 0) {
+    reading.across = (with_carrier / two_pi - band.periods / 2 * reading.coordinate) / band.carrier;
+  }
   explain(levels, order, reading);
 }
 
@@ -119,7 +132,7 @@ double FrameModel::shown_range(int n, const ScanSamples& samples) const {
   const FrameOrder order = identity();
   for (std::size_t g = 0; g < samples.groups(); ++g) {
     read(samples.levels(g, ScanSamples::middle), order, reading);
-    shapes.push_back(sequence_.strategy.shape(n, std::clamp(reading.coordinate, 0.0, 1.0)));
+    shapes.push_back(shape(n, reading));
   }
   if (shapes.empty()) return 0;
   const double most = quantile(shapes, 0.95);
@@ -143,10 +156,13 @@ void FrameModel::unwrap(SampleReading& reading, double cue) const {
   reading.coordinate = y;
 }
 
-double FrameModel::light(int n, double y) const {
+double FrameModel::shape(int n, const SampleReading& reading) const {
+  return sequence_.strategy.shape(n, std::clamp(reading.coordinate, 0.0, 1.0), reading.across);
+}
+
+double FrameModel::light(int n, const SampleReading& reading) const {
   const auto& [alpha_p, beta_p] = sequence_.light;
-  return light_at(photometry_.response->response,
-                  (alpha_p * sequence_.strategy.shape(n, y) + beta_p) / 255);
+  return light_at(photometry_.response->response, (alpha_p * shape(n, reading) + beta_p) / 255);
 }
 
 void FrameModel::explain(const float* levels, const FrameOrder& order,
@@ -154,12 +170,11 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
   reading.unexplained.assign(unexplained_count(), 0);
   if (unexplained_count() == 0) return;
   // A known response makes harmonics that are no fault: those of this place are taken away.
-  const double y = std::clamp(reading.coordinate, 0.0, 1.0);
   double alpha = 0;
   if (photometry_.response) {
     double sum = 0, square = 0, level_sum = 0, product = 0;
     for (int n = 0; n < layout_.frames; ++n) {
-      const double shown = light(n, y), seen = levels[order[static_cast<std::size_t>(n)]];
+      const double shown = light(n, reading), seen = levels[order[static_cast<std::size_t>(n)]];
       sum += shown;
       square += shown * shown;
       level_sum += seen;
@@ -170,7 +185,7 @@ void FrameModel::explain(const float* levels, const FrameOrder& order,
   }
   for (int n = 0; n < layout_.frames; ++n) {
     double left = levels[order[static_cast<std::size_t>(n)]];
-    if (photometry_.response) left -= alpha * light(n, y);
+    if (photometry_.response) left -= alpha * light(n, reading);
     for (std::size_t i = 0; i < reading.unexplained.size(); ++i) {
       reading.unexplained[i] += complement_(static_cast<Eigen::Index>(i), n) * left;
     }

@@ -25,6 +25,7 @@ struct SampleReading {
   std::vector<double> modulation;  ///< of each band, grey levels of 255
   double coarse = 0;               ///< y by the cue, or by the band of fewest periods
   double coordinate = 0;           ///< y by all bands
+  double across = 0;               ///< with a carrier: where along it, up to whole periods of it
   /// From few periods to many r = f y - phi / (2 pi), y by the bands before or by the cue: whole
   /// numbers but for noise where all is right.
   std::vector<double> relations;
@@ -77,7 +78,8 @@ class FrameModel {
   [[nodiscard]] double coordinate_of(const SampleReading& reading, const float* levels,
                                      const FrameOrder& order) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
-  [[nodiscard]] double light(int n, double y) const;
+  [[nodiscard]] double shape(int n, const SampleReading& reading) const;
+  [[nodiscard]] double light(int n, const SampleReading& reading) const;
 
   Sequence sequence_;
   Layout layout_;

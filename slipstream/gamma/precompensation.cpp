@@ -5,8 +5,8 @@ namespace slipstream {
 PatternSet precompensated(const PatternSet& patterns, const Response& response) {
   PatternSet changed = patterns;
   changed.light = {.alpha_p = 255, .beta_p = 0};
-  changed.shape = [patterns, response](int n, double y) {
-    return value_for(response, patterns.intensity(n, y) / 255);
+  changed.shape = [patterns, response](int n, double y, double across) {
+    return value_for(response, patterns.intensity(n, y, across) / 255);
   };
   return changed;
 }

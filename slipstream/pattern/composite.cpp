@@ -16,11 +16,12 @@ ShownSinusoid turned(ShownSinusoid sinusoid, const Shifts& shifts) {
   return sinusoid;
 }
 
-double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, double y) {
+double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, double y,
+                           double across) {
   const auto frame = static_cast<std::size_t>(n);
   double sum = 0;
   for (const ShownSinusoid& sinusoid : sinusoids) {
-    const double phi = 2 * std::numbers::pi * sinusoid.periods * y;
+    const double phi = 2 * std::numbers::pi * (sinusoid.periods * y + sinusoid.carrier * across);
     if (sinusoid.shown[frame]) sum += sinusoid.share * std::cos(phi - sinusoid.angle[frame]);
   }
   return 0.5 + 0.5 * sum;
@@ -55,11 +56,17 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
   std::vector<Band> bands;
   for (Eigen::Index i = 0; i < count; ++i) {
     const ShownSinusoid& sinusoid = sinusoids[static_cast<std::size_t>(i)];
-    bands.push_back({.periods = sinusoid.periods,
+    if (sinusoid.carrier < 0) {
+      bands.back().mirrored_cosine = row(1 + 2 * i);
+      bands.back().mirrored_sine = row(2 + 2 * i);
+      continue;
+    }
+    bands.push_back({.periods = (sinusoid.carrier > 0 ? 2 : 1) * sinusoid.periods,
                      .share = sinusoid.share,
                      .cosine = row(1 + 2 * i),
                      .sine = row(2 + 2 * i),
-                     .mean = row(0)});
+                     .mean = row(0),
+                     .carrier = sinusoid.carrier});
   }
   return bands;
 }

@@ -67,6 +67,13 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   require_weights(band.cosine, frames, 0, name, "a cosine");
   require_weights(band.sine, frames, 0, name, "a sine");
   require_weights(band.mean, frames, 1, name, "a mean");
+  if (band.carrier == 0) return;
+  if (!(band.carrier > 0 && std::isfinite(band.carrier))) {
+    throw Error(
+        fmt::format("{}: a carrier of {} periods is out of range; above 0", name, band.carrier));
+  }
+  require_weights(band.mirrored_cosine, frames, 0, name, "a mirrored cosine");
+  require_weights(band.mirrored_sine, frames, 0, name, "a mirrored sine");
 }
 
 std::string periods_text(const Layout& layout) {
@@ -289,6 +296,7 @@ bool is_channel(const Band& band, const StepRun& run, int channel) {
 }
 
 std::optional<StepRun> step_run(const Band& band) {
+  if (band.carrier > 0) return std::nullopt;
   const auto has_weight = [](double weight) { return weight != 0; };
   const auto first = std::find_if(band.mean.begin(), band.mean.end(), has_weight);
   const auto end = std::find_if_not(first, band.mean.end(), has_weight);
@@ -307,7 +315,9 @@ double component_noise(const Band& band) {
   const auto squares = [](const std::vector<double>& weights) {
     return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
   };
-  return (squares(band.cosine) + squares(band.sine)) / 2;
+  return (squares(band.cosine) + squares(band.sine) + squares(band.mirrored_cosine) +
+          squares(band.mirrored_sine)) /
+         2;
 }
 
 std::vector<int> step_counts(const Layout& layout) {
@@ -357,6 +367,12 @@ bool has_coordinate(const Layout& layout) {
 
 bool needs_ambient_light(const Layout& layout) {
   return layout.cue && std::abs(layout.cue->dc()) > 0.5;
+}
+
+double carrier_periods(const Layout& layout) {
+  double most = 0;
+  for (const Band& band : layout.bands) most = std::max(most, band.carrier);
+  return most;
 }
 
 double highest_frequency(const Layout& layout) {

@@ -20,6 +20,14 @@ struct Band {
   std::vector<double> cosine{};  ///< a weight for each frame of the scan, as `sine` and `mean`
   std::vector<double> sine{};
   std::vector<double> mean{};
+  /// Where above 0, periods of a carrier across the axis: these frames show a product of sinusoids,
+  /// cos(pi periods y) cos(2 pi carrier x), which is two of half as many periods. C + i S, of the
+  /// phase pi periods y + 2 pi carrier x, is then the one; C' + i S', of pi periods y - 2 pi
+  /// carrier x, the other; the band's phase that of (C + i S)(C' + i S'), in which the carrier's is
+  /// no more; and B the lesser of both.
+  double carrier = 0;
+  std::vector<double> mirrored_cosine{};  ///< weights for C'; none without a carrier
+  std::vector<double> mirrored_sine{};
 
   friend bool operator==(const Band&, const Band&) = default;
 };
@@ -140,7 +148,8 @@ std::optional<StepRun> step_run(const Band& band);
 /// Whether the band is that phase channel of the run.
 bool is_channel(const Band& band, const StepRun& run, int channel);
 
-/// Variance of C and of S, on average, over that of a frame: 2 / N for N steps, Eq. (3.36).
+/// Variance of C and of S, on average, over that of a frame: 2 / N for N steps, Eq. (3.36). With a
+/// carrier that of C' and of S' besides, as the phase has the noise of both.
 double component_noise(const Band& band);
 
 /// N of each band that is a run of steps, in the order of the bands.
@@ -158,6 +167,8 @@ std::vector<int> measuring_frames(const Layout& layout);
 bool has_coordinate(const Layout& layout);
 /// Whether that takes the ambient light: a cue in the DC channel.
 bool needs_ambient_light(const Layout& layout);
+/// Most periods of a carrier; 0 where no pattern varies across the axis.
+double carrier_periods(const Layout& layout);
 /// Most periods across the field.
 double highest_frequency(const Layout& layout);
 

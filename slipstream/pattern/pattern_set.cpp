@@ -16,11 +16,15 @@ namespace {
 /// The intensities of pattern n at the pixels' centres, along the rows whatever its axis.
 Image<double> levels_along_rows(const PatternSet& patterns, int n, Size size) {
   Image<double> levels(size);
-  for (int column = 0; column < size.width; ++column) {
-    levels(column, 0) = patterns.intensity(n, coordinate_of_pixel(column, size.width));
-  }
-  for (int row = 1; row < size.height; ++row) {
-    std::copy(levels.row(0), levels.row(1), levels.row(row));
+  for (int row = 0; row < size.height; ++row) {
+    if (row > 0 && !patterns.carrier) {
+      std::copy(levels.row(0), levels.row(1), levels.row(row));
+      continue;
+    }
+    const double across = coordinate_of_pixel(row, size.height);
+    for (int column = 0; column < size.width; ++column) {
+      levels(column, row) = patterns.intensity(n, coordinate_of_pixel(column, size.width), across);
+    }
   }
   return levels;
 }
@@ -42,15 +46,17 @@ PatternSet pattern_alone(const PatternSet& patterns, int n) {
   alone.count = 1;
   alone.axis = patterns.axis_of(n);
   alone.turn = 0;
-  alone.shape = [shape = patterns.shape, n](int, double y) { return shape(n, y); };
+  alone.shape = [shape = patterns.shape, n](int, double y, double across) {
+    return shape(n, y, across);
+  };
   alone.exposures = {patterns.exposure(n)};
   return alone;
 }
 
 PatternSet with_marker(PatternSet patterns, double shape) {
   const int marker = patterns.count++;
-  patterns.shape = [patterned = patterns.shape, marker, shape](int n, double y) {
-    return n == marker ? shape : patterned(n, y);
+  patterns.shape = [patterned = patterns.shape, marker, shape](int n, double y, double across) {
+    return n == marker ? shape : patterned(n, y, across);
   };
   return patterns;
 }

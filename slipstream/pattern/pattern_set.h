@@ -1,7 +1,9 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "slipstream/image/image.h"
@@ -22,14 +24,31 @@ struct PatternLight {
 /// Throws Error when alpha_p, beta_p are not in the ranges above.
 void require_valid(const PatternLight& light);
 
+/// s of pattern n at projector coordinate y in [0, 1) along its axis and, where a carrier runs
+/// across it, at `across`, the coordinate along the other one. Made of functions of n and y too.
+class PatternShape {
+ public:
+  PatternShape() = default;
+  template <std::invocable<int, double> Along>
+  PatternShape(Along along)  // NOLINT(google-explicit-constructor)
+      : shape_([along = std::move(along)](int n, double y, double) { return along(n, y); }) {}
+  template <std::invocable<int, double, double> OverField>
+  PatternShape(OverField over_field)  // NOLINT(google-explicit-constructor)
+      : shape_(std::move(over_field)) {}
+
+  double operator()(int n, double y, double across) const { return shape_(n, y, across); }
+
+ private:
+  std::function<double(int n, double y, double across)> shape_;
+};
+
 /// What a projector shows in one scan: `count` patterns, each a function of the projector
-/// coordinate along an axis.
+/// coordinate along an axis, or of both coordinates.
 struct PatternSet {
   int count = 0;
   Axis axis = Axis::x;  ///< of the first
   PatternLight light;
-  /// s of pattern n at projector coordinate y in [0, 1): see PatternLight.
-  std::function<double(int n, double y)> shape;
+  PatternShape shape;  ///< s: see PatternLight
   /// How long the camera looks at each pattern, relative to its usual exposure; 1 where not said.
   std::vector<double> exposures{};
   /// Shown by pixels that are dark (0) or bright (255) alone, whose mean is the intensity: for a
@@ -37,6 +56,7 @@ struct PatternSet {
   bool binary = false;
 
   int turn = 0;  ///< so many along the one axis, so many along the other, and so on; 0: all alike
+  bool carrier = false;  ///< whether the shape varies across the axis too
 
   [[nodiscard]] Axis axis_of(int n) const {
     return turn > 0 && n / turn % 2 == 1 ? across(axis) : axis;
@@ -46,8 +66,8 @@ struct PatternSet {
     return index < exposures.size() ? exposures[index] : 1;
   }
   /// I_n^p in grey levels of an 8-bit projector, not quantised.
-  [[nodiscard]] double intensity(int n, double y) const {
-    return light.alpha_p * shape(n, y) + light.beta_p;
+  [[nodiscard]] double intensity(int n, double y, double across = 0) const {
+    return light.alpha_p * shape(n, y, across) + light.beta_p;
   }
 };
 

@@ -1,6 +1,8 @@
 #include "slipstream/phase/equations.h"
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <numbers>
 
@@ -40,6 +42,11 @@ double wrapped_angle(double S, double C) {
   double angle = std::atan2(S, C);
   if (angle < 0) angle += 2 * pi;
   return angle > 2 * pi - 1e-12 ? 0.0 : angle;
+}
+
+std::complex<double> demodulated(std::complex<double> one, std::complex<double> mirrored) {
+  const double larger = std::max(std::abs(one), std::abs(mirrored));
+  return larger > 0 ? one * mirrored / larger : 0;
 }
 
 }  // namespace slipstream

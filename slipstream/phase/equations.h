@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <span>
 #include <vector>
 
@@ -33,5 +34,9 @@ class PhaseEquations {
 /// of a sum never carries a phase of zero to the other end of the circle; no modulation (both
 /// below 1e-12 grey levels) has no angle and gives 0.
 double wrapped_angle(double S, double C);
+
+/// C + i S of a band with a carrier from those of its two sinusoids: the phase of their product,
+/// the lesser of their modulations. See Band::carrier.
+std::complex<double> demodulated(std::complex<double> one, std::complex<double> mirrored);
 
 }  // namespace slipstream

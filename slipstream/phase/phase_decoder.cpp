@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cmath>
+#include <complex>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -91,6 +93,19 @@ PhaseMaps decode_by_tables(const Frames<std::uint8_t>& frames, const PhaseTables
   });
 }
 
+/// Of maps that hold C and S, as modulation and wrapped phase.
+void demodulate(PhaseMaps& maps, const FrameViews& frames, const Band& band) {
+  const Image<double> cosine = weighted_sum(frames, band.mirrored_cosine);
+  const Image<double> sine = weighted_sum(frames, band.mirrored_sine);
+  for (std::size_t i = 0; i < cosine.pixel_count(); ++i) {
+    double& C = maps.modulation.begin()[i];
+    double& S = maps.wrapped_phase.begin()[i];
+    const std::complex<double> both = demodulated({C, S}, {cosine.begin()[i], sine.begin()[i]});
+    C = both.real();
+    S = both.imag();
+  }
+}
+
 }  // namespace
 
 std::string_view name_of(PhaseMethod method) {
@@ -155,6 +170,7 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, const Band& band) c
   }
   PhaseMaps maps{weighted_sum(frames, band.mean), weighted_sum(frames, band.cosine),
                  weighted_sum(frames, band.sine)};
+  if (band.carrier > 0) demodulate(maps, frames, band);
   for_each_row(frames.size().height, [&](int row) {
     for (int column = 0; column < frames.size().width; ++column) {
       const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);

@@ -75,7 +75,7 @@ void require_valid(const EngineSetup& setup) {
   if (sequence.both_axes) {
     throw Error("patterns along both axes are read from a scan that is done; here take --axis x");
   }
-  require_resolved(sequence.strategy, projector_length(setup));
+  require_resolved(sequence.strategy, sequence.axis, scanner.projector.size);
   require_valid(settings);
 }
 

@@ -170,17 +170,19 @@ ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photom
 
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen) {
-  if (patterns.binary) {
+  const Axis axis = patterns.axis_of(n);
+  const double widest = widest_blur(seen);
+  const bool exact = !photometry.physics.projector_pixels && widest == 0;
+  if (patterns.binary || (patterns.carrier && !exact)) {
     return light_of_picture(in_8_bits(render_pattern(patterns, n, projector)), photometry);
   }
-  const double widest = widest_blur(seen);
-  if (!photometry.physics.projector_pixels && widest == 0) {
-    return [=, axis = patterns.axis_of(n)](const LitSample& sample) {
+  if (exact) {
+    return [=](const LitSample& sample) {
       const double y = coordinate_along(axis, sample.pixel, projector);
-      return responded(patterns.intensity(n, y), photometry);
+      const double x = coordinate_along(across(axis), sample.pixel, projector);
+      return responded(patterns.intensity(n, y, x), photometry);
     };
   }
-  const Axis axis = patterns.axis_of(n);
   const int length = length_along(axis, projector);
   BlurredPattern pattern(sharp_profile(patterns, n, length, photometry), widest);
   return [=, pattern = std::move(pattern)](const LitSample& sample) {

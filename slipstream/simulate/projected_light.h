@@ -16,7 +16,8 @@ double responded(double intensity, const Photometry& photometry);
 ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry);
 
 /// The light of pattern n from a projector of that size, for the samples of `seen`: exact, or where
-/// physics say so by pixels of 256 levels, blurred; of binary patterns that of their pictures.
+/// physics say so by pixels of 256 levels, blurred; of binary patterns, and of those with a carrier
+/// where anything is blurred, that of their pictures.
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen);
 

@@ -9,6 +9,7 @@
 #include "slipstream/strategy/dual_frequency.h"
 #include "slipstream/strategy/gray_code.h"
 #include "slipstream/strategy/micro_phase_shifting.h"
+#include "slipstream/strategy/modulated_phase_shifting.h"
 #include "slipstream/strategy/multi_frequency.h"
 #include "slipstream/strategy/period_coded.h"
 #include "slipstream/strategy/phase_channel_multiplexing.h"
@@ -18,10 +19,10 @@
 namespace slipstream {
 
 /// The registry: every coding that can be asked for by its name. A new one is added here.
-using KnownCodings =
-    std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing, MultiFrequency, GrayCode,
-                 GrayPhase, ExclusiveOrGray, TwoPlusOne, FastThreeStep, DoubleThreeStep,
-                 TwoFrequency2N, TwoFrequency4N, MicroPhaseShifting, PeriodCoded>;
+using KnownCodings = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing,
+                                  MultiFrequency, GrayCode, GrayPhase, ExclusiveOrGray, TwoPlusOne,
+                                  FastThreeStep, DoubleThreeStep, TwoFrequency2N, TwoFrequency4N,
+                                  MicroPhaseShifting, ModulatedPhaseShifting, PeriodCoded>;
 
 /// What is shown where nobody says what.
 Strategy default_strategy();

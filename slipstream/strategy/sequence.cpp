@@ -46,8 +46,8 @@ int cycle_length(const Sequence& sequence) {
 
 PatternSet pattern_set(const Sequence& sequence) {
   PatternSet patterns = pattern_set(sequence.strategy, sequence.axis, sequence.light);
-  patterns.shape = [shape = patterns.shape, N = patterns.count](int n, double y) {
-    return shape(n % N, y);
+  patterns.shape = [shape = patterns.shape, N = patterns.count](int n, double y, double across) {
+    return shape(n % N, y, across);
   };
   if (sequence.both_axes) patterns.turn = patterns.count;
   const int each = frame_count(sequence) / static_cast<int>(sequence.exposures.size());
@@ -91,7 +91,7 @@ void require_shown(const Sequence& sequence) {
   if (sequence.projector == Size{}) return;
   for (const Axis axis : {Axis::x, Axis::y}) {
     if (!sequence.both_axes && axis != sequence.axis) continue;
-    require_resolved(sequence.strategy, length_along(axis, sequence.projector));
+    require_resolved(sequence.strategy, axis, sequence.projector);
   }
 }
 

@@ -15,8 +15,8 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
   layout_ = {.frames = static_cast<int>(sinusoids.front().angle.size()),
              .bands = fitted_bands(sinusoids, name_),
              .unwrapping = sinusoids.size() > 1 ? Unwrapping::hierarchical : Unwrapping::none};
-  shape_ = [sinusoids = std::move(sinusoids)](int n, double y) {
-    return composite_intensity(sinusoids, n, y);
+  shape_ = [sinusoids = std::move(sinusoids)](int n, double y, double across) {
+    return composite_intensity(sinusoids, n, y, across);
   };
 }
 
@@ -40,26 +40,32 @@ double highest_frequency(const Strategy& strategy) {
   return highest_frequency(strategy.layout());
 }
 
-void require_resolved(const Strategy& strategy, int projector_length) {
+void require_resolved(const Strategy& strategy, Axis axis, Size projector) {
+  const int projector_length = length_along(axis, projector);
   const auto& code = strategy.layout().code;
   if (code && code->stripes > projector_length) {
     throw Error(fmt::format("{}: {} stripes are too narrow for {} projector pixels; at most {}",
                             strategy.name(), code->stripes, projector_length, projector_length));
   }
-  const double highest = highest_frequency(strategy);
-  if (2 * highest > projector_length) {
-    throw Error(fmt::format(
-        "frequency {} is too high for {} projector pixels; at most {} periods can be shown",
-        highest, projector_length, projector_length / 2));
-  }
+  const auto require_shown = [](const char* what, double periods, int length) {
+    if (2 * periods <= length) return;
+    throw Error(
+        fmt::format("{} {} is too high for {} projector pixels; at most {} periods can be shown",
+                    what, periods, length, length / 2));
+  };
+  require_shown("frequency", highest_frequency(strategy), projector_length);
+  require_shown("carrier", carrier_periods(strategy.layout()),
+                length_along(across(axis), projector));
 }
 
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light) {
   require_valid(light);
-  return {.count = frame_count(strategy),
-          .axis = axis,
-          .light = light,
-          .shape = [strategy](int n, double y) { return strategy.shape(n, y); }};
+  return {
+      .count = frame_count(strategy),
+      .axis = axis,
+      .light = light,
+      .shape = [strategy](int n, double y, double across) { return strategy.shape(n, y, across); },
+      .carrier = carrier_periods(strategy.layout()) > 0};
 }
 
 }  // namespace slipstream

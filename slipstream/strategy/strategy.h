@@ -55,8 +55,10 @@ class Strategy {
   /// Those that make_strategy needs to give the same strategy again.
   [[nodiscard]] const StrategySettings& settings() const { return settings_; }
   [[nodiscard]] const Layout& layout() const { return layout_; }
-  /// Intensity of pattern n, in [0, 1], at projector coordinate y in [0, 1].
-  [[nodiscard]] double shape(int n, double y) const { return shape_(n, y); }
+  /// Intensity of pattern n, in [0, 1], at projector coordinate y in [0, 1]; see PatternShape.
+  [[nodiscard]] double shape(int n, double y, double across = 0) const {
+    return shape_(n, y, across);
+  }
 
   /// Of name, settings and layout.
   friend bool operator==(const Strategy& a, const Strategy& b) {
@@ -69,7 +71,7 @@ class Strategy {
   std::string name_;
   StrategySettings settings_;
   Layout layout_;
-  std::function<double(int n, double y)> shape_;
+  PatternShape shape_;
 };
 
 std::string_view name_of(const Strategy& strategy);
@@ -81,10 +83,10 @@ std::vector<int> step_counts(const Strategy& strategy);
 bool has_coordinate(const Strategy& strategy);
 double highest_frequency(const Strategy& strategy);
 
-/// Throws Error when the highest frequency has less than two of the `projector_length` pixels along
-/// the axis for each period, or a code less than one for each stripe, so that no projector of that
-/// size can show it.
-void require_resolved(const Strategy& strategy, int projector_length);
+/// Throws Error when the highest frequency has less than two of the projector's pixels along the
+/// axis for each period, a carrier less than two across it, or a code less than one for each
+/// stripe, so that no projector of that size can show it.
+void require_resolved(const Strategy& strategy, Axis axis, Size projector);
 
 /// What the projector shows.
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light = {});

@@ -47,6 +47,31 @@ TEST(Pattern, RendersAlongEitherAxisRoundedToGreyLevels) {
   }
 }
 
+TEST(Pattern, WithACarrierVariesAcrossItsAxisToo) {
+  const PatternSet patterns{.count = 2,
+                            .shape =
+                                [](int n, double y, double across) {
+                                  return 0.5 + 0.3 * std::cos(2 * pi * (2 * y + 3 * across) - n);
+                                },
+                            .turn = 1,
+                            .carrier = true};
+  const PatternSet marked = with_marker(patterns);
+  const Size projector{40, 30};
+  for (int n = 0; n < 2; ++n) {
+    const Image<std::uint16_t> picture = render_pattern(patterns, n, projector);
+    for (int row = 0; row < 30; ++row) {
+      for (int column = 0; column < 40; ++column) {
+        const double x = column / 40.0, y = row / 30.0;
+        const double exact = n == 0 ? patterns.intensity(0, x, y) : patterns.intensity(1, y, x);
+        ASSERT_NEAR(picture(column, row), exact, 0.5 + 1e-9);
+      }
+    }
+    EXPECT_EQ(render_pattern(pattern_alone(patterns, n), 0, projector)(7, 5), picture(7, 5));
+    EXPECT_EQ(render_pattern(marked, n, projector)(7, 5), picture(7, 5));
+  }
+  EXPECT_EQ(render_pattern(marked, 2, projector)(7, 5), 0);
+}
+
 TEST(Pattern, MayTurnToTheOtherAxis) {
   PatternSet patterns{.count = 4, .shape = [](int, double y) { return y; }, .turn = 1};
   for (int n = 0; n < 4; ++n) {

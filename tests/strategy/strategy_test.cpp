@@ -57,8 +57,8 @@ TEST(Strategy, OffersUsualOnesThatGiveACoordinate) {
 }
 
 TEST(Strategy, RefusesFrequenciesThatTheProjectorCannotShow) {
-  EXPECT_NO_THROW(require_resolved(DualFrequency{.high = 16}, 1824));
-  EXPECT_THROW(require_resolved(DualFrequency{.high = 16}, 31), Error);
+  EXPECT_NO_THROW(require_resolved(DualFrequency{.high = 16}, Axis::x, {1824, 2}));
+  EXPECT_THROW(require_resolved(DualFrequency{.high = 16}, Axis::y, {64, 31}), Error);
 }
 
 }  // namespace

@@ -54,8 +54,8 @@ FrameSet BoardExperiment::averaged(const PatternSet& shown, Photometry light, in
 FrameSet BoardExperiment::precompensated(int steps, double gamma, double ambient,
                                          const Response& response) const {
   PatternSet shown = slipstream::precompensated(patterns(steps), response);
-  shown.shape = [exact = shown.shape](int n, double y) {
-    return std::round(255 * exact(n, y)) / 255;
+  shown.shape = [exact = shown.shape](int n, double y, double across) {
+    return std::round(255 * exact(n, y, across)) / 255;
   };
   return averaged(shown, photometry(gamma, ambient), repetitions);
 }

@@ -361,9 +361,9 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   const auto& [scanner, sequence, settings] = setup;
   const Layout& layout = sequence.strategy.layout();
   const bool votes = layout.unwrapping == Unwrapping::vote;
-  const bool by_reference = layout.unwrapping == Unwrapping::likelihood ||
-                            layout.unwrapping == Unwrapping::code_alone ||
-                            layout.unwrapping == Unwrapping::single_frames;
+  const bool by_reference =
+      layout.unwrapping == Unwrapping::likelihood || layout.unwrapping == Unwrapping::code_alone ||
+      layout.unwrapping == Unwrapping::single_frames || carrier_periods(layout) > 0;
   if (by_reference || (votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;

@@ -9,16 +9,17 @@
 #include <mutex>
 #include <random>
 #include <thread>
+#include <utility>
 
 #include <arpa/inet.h>
 #include <arv.h>
 #include <fmt/format.h>
 #include <ifaddrs.h>
 #include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
-#include "slipstream/camera/detail/gige_control.h"
-#include "slipstream/camera/detail/gige_packets.h"
-#include "slipstream/camera/detail/udp_socket.h"
+#include "slipstream/camera/detail/gige_protocol.h"
 #include "slipstream/camera/g_object.h"
 #include "slipstream/error/error.h"
 
@@ -38,35 +39,88 @@ constexpr std::uint16_t control_port = 3956;  // of GigE Vision
                   address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
 }
 
-std::uint32_t host_from(const std::string& address) {
+in_addr host_from(const std::string& address) {
   in_addr host{};
-  if (::inet_pton(AF_INET, address.c_str(), &host) != 1) {
-    throw Error(fmt::format("{} is no address as 127.0.0.1", address));
-  }
-  return ntohl(host.s_addr);
+  if (::inet_pton(AF_INET, address.c_str(), &host) == 1) return host;
+  throw Error(fmt::format("{} is no address as 127.0.0.1", address));
 }
 
 /// Where what is meant for all goes on the network of the interface that has that address.
-std::uint32_t broadcast_of(const std::string& address) {
+in_addr broadcast_of(const std::string& address) {
+  const in_addr host = host_from(address);
   const auto host_of = [](const sockaddr* end) {
-    return ntohl(reinterpret_cast<const sockaddr_in*>(end)->sin_addr.s_addr);
+    return reinterpret_cast<const sockaddr_in*>(end)->sin_addr.s_addr;
   };
-  const std::uint32_t host = host_from(address);
   ifaddrs* first = nullptr;
   ::getifaddrs(&first);
   const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> all(first, &::freeifaddrs);
   for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
     const bool has_address = each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET;
-    if (!has_address || host_of(each->ifa_addr) != host) continue;
-    const std::uint32_t broadcast = host | ~host_of(each->ifa_netmask);
-    return broadcast == host ? INADDR_BROADCAST : broadcast;
+    if (!has_address || host_of(each->ifa_addr) != host.s_addr) continue;
+    const in_addr broadcast{host.s_addr | ~host_of(each->ifa_netmask)};
+    return broadcast.s_addr == host.s_addr ? in_addr{INADDR_BROADCAST} : broadcast;
   }
   throw_no_interface(address);
 }
 
+/// A socket for UDP.
+class UdpSocket {
+ public:
+  /// Port 0: any. `shared`: others may listen there, too.
+  UdpSocket(in_addr host, std::uint16_t port, bool shared)
+      : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    const int share = shared ? 1 : 0;
+    ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &share, sizeof(share));
+    sockaddr_in at{};
+    at.sin_family = AF_INET;
+    at.sin_port = htons(port);
+    at.sin_addr = host;
+    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return;
+    const std::string reason = std::strerror(errno);
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw WorldError(
+        fmt::format("cannot listen on UDP port {} of {}: {}", port, ::inet_ntoa(host), reason));
+  }
+  UdpSocket(const UdpSocket&) = delete;
+  UdpSocket& operator=(const UdpSocket&) = delete;
+  ~UdpSocket() { ::close(descriptor_); }
+
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// The next packet, empty where there is none or one longer than any of the protocol.
+  std::vector<std::uint8_t> receive(sockaddr_in& from) const {
+    std::vector<std::uint8_t> packet(1024);
+    socklen_t size = sizeof(from);
+    const ssize_t length =
+        ::recvfrom(descriptor_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_TRUNC,
+                   reinterpret_cast<sockaddr*>(&from), &size);
+    const bool fits = length >= 0 && static_cast<std::size_t>(length) <= packet.size();
+    packet.resize(fits ? static_cast<std::size_t>(length) : 0);
+    return packet;
+  }
+  /// A packet that cannot be sent is lost.
+  void send(std::span<const std::uint8_t> packet, const sockaddr_in& to) const {
+    ::sendto(descriptor_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+             sizeof(to));
+  }
+
+ private:
+  int descriptor_;
+};
+
 /// The registers of Aravis' fake camera and its description, as its own server shows them.
-std::vector<std::uint8_t> fake_camera_memory(const std::string& serial) {
+std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr host, Size sensor) {
   const GObjectPointer<ArvFakeCamera> camera(arv_fake_camera_new(serial.c_str()));
+  const GObjectPointer<GInetAddress> address(
+      g_inet_address_new_from_bytes(reinterpret_cast<const guint8*>(&host), G_SOCKET_FAMILY_IPV4));
+  arv_fake_camera_set_inet_address(camera.get(), address.get());
+  const auto [width, height] = sensor;
+  for (const auto& [at, pixels] : {std::pair{ARV_FAKE_CAMERA_REGISTER_SENSOR_WIDTH, width},
+                                   std::pair{ARV_FAKE_CAMERA_REGISTER_SENSOR_HEIGHT, height},
+                                   std::pair{ARV_FAKE_CAMERA_REGISTER_WIDTH, width},
+                                   std::pair{ARV_FAKE_CAMERA_REGISTER_HEIGHT, height}}) {
+    arv_fake_camera_write_register(camera.get(), static_cast<guint32>(at),
+                                   static_cast<guint32>(pixels));
+  }
   constexpr std::uint32_t last = 4;  // it refuses to be read up to its end
   std::vector<std::uint8_t> memory(ARV_FAKE_CAMERA_MEMORY_SIZE);
   arv_fake_camera_read_memory(camera.get(), 0, ARV_FAKE_CAMERA_MEMORY_SIZE - last, memory.data());
@@ -96,7 +150,8 @@ void require_valid(const std::vector<Reel>& reels, const std::string& serial) {
 
 struct VirtualGigeCamera::Served {
   std::vector<Reel> reels;
-  const UdpSocket subnet_discovery, global_discovery, control_socket, stream_socket;
+  std::array<UdpSocket, 3> control_sockets;  ///< the first is the camera's own, others for all
+  UdpSocket stream_socket;
   GigeControl control;
   std::size_t reel = 0;     ///< that the client sees
   bool seen_whole = false;  ///< by it, or one before
@@ -107,13 +162,14 @@ struct VirtualGigeCamera::Served {
   std::minstd_rand random;
   std::jthread thread;  ///< uses the rest; goes first
 
-  Served(std::vector<Reel> frames, const std::string& address, const std::string& serial)
+  Served(std::vector<Reel> frames, in_addr host, in_addr broadcast, const std::string& serial)
       : reels(std::move(frames)),
-        subnet_discovery({broadcast_of(address), control_port}, true),
-        global_discovery({INADDR_BROADCAST, control_port}, true),
-        control_socket({host_from(address), control_port}, false),
-        stream_socket({host_from(address), 0}, false),
-        control(fake_camera_memory(serial)) {}
+        control_sockets{UdpSocket(host, control_port, false),
+                        UdpSocket(in_addr{INADDR_BROADCAST}, control_port, true),
+                        UdpSocket(broadcast, control_port, true)},
+        stream_socket(host, 0, false),
+        control(fake_camera_memory(serial, host, reels.front().frames.front().format().size)),
+        thread([this](const std::stop_token& stop) { run(stop); }) {}
 
   /// What frame k since the client's start shows.
   const Image<std::uint8_t>& picture(std::size_t k) {
@@ -126,57 +182,54 @@ struct VirtualGigeCamera::Served {
     return std::get<Image<std::uint8_t>>(frames[order[k % order.size()]].pixels);
   }
 
-  /// Frame k since the client's start, and its number, counted from 1.
+  /// Frame k since the client's start, and its number, counted from 1. Clients make room for frames
+  /// when the first packet has come: the rest of the first frame waits for that.
   void send(const GigeStream& stream, std::size_t k) {
     constexpr std::size_t largest_number = 65535;
     const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
-    for_each_packet(picture(k), stream.region, stream.packet_bytes, number,
-                    steady_clock::now().time_since_epoch(), [&](auto packet) {
-                      const bool lost = std::uniform_real_distribution()(random) < packet_loss;
-                      if (!lost) stream_socket.send(packet, stream.to);
-                    });
+    for_each_packet(picture(k), stream, number, [&, is_first = k == 0](auto packet) mutable {
+      const bool lost = std::uniform_real_distribution()(random) < packet_loss;
+      if (!lost) stream_socket.send(packet, stream.to);
+      if (std::exchange(is_first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    });
     ++sent;
   }
 
   /// At most one packet of each socket, so that a flood of them keeps no frame waiting. Waits less
   /// than a second for the first.
-  void answer_packets(steady_clock::duration longest_wait) {
-    const std::array sockets{&control_socket, &global_discovery, &subnet_discovery};
+  void answer_packets(std::chrono::nanoseconds longest_wait) {
     std::array<pollfd, 3> waiting{};
-    for (std::size_t i = 0; i < sockets.size(); ++i) {
-      waiting[i] = {.fd = sockets[i]->descriptor(), .events = POLLIN, .revents = 0};
-    }
+    std::transform(control_sockets.begin(), control_sockets.end(), waiting.begin(),
+                   [](const UdpSocket& socket) {
+                     return pollfd{.fd = socket.descriptor(), .events = POLLIN, .revents = 0};
+                   });
     const timespec wait{.tv_sec = 0, .tv_nsec = std::max(0L, longest_wait.count())};
     if (::ppoll(waiting.data(), waiting.size(), &wait, nullptr) <= 0) return;
-    for (const UdpSocket* socket : sockets) {
-      std::array<std::uint8_t, 1024> room;  // longer than any packet of the protocol
-      UdpAddress from;
-      const auto packet = socket->receive(room, from);
-      const std::lock_guard lock(mutex);
-      const auto answer = control.answer(packet, from, steady_clock::now());
-      if (!answer.empty()) control_socket.send(answer, from);
+    const std::lock_guard lock(mutex);
+    for (const UdpSocket& socket : control_sockets) {
+      sockaddr_in from{};
+      const auto answer = control.answer(socket.receive(from), from, steady_clock::now());
+      if (!answer.empty()) control_sockets.front().send(answer, from);
     }
   }
 
   void run(const std::stop_token& stop) {
-    constexpr std::chrono::milliseconds idle(50);
+    constexpr std::chrono::nanoseconds idle = std::chrono::milliseconds(50);
     steady_clock::time_point due = steady_clock::now();
     for (std::size_t k = 0; !stop.stop_requested();) {
       std::unique_lock lock(mutex);
       const auto stream = control.stream(steady_clock::now());
-      const bool is_due = stream && stream->ready && steady_clock::now() >= due;
+      const bool is_ready = stream && (stream->is_free || stream->is_triggered);
+      const bool is_due = is_ready && steady_clock::now() >= due;
       if (is_due) control.write(GigeRegister::software_trigger, 0);
       lock.unlock();
       if (!stream) k = 0;  // who starts sees the first
       if (is_due) {
         send(*stream, k++);
-        const std::chrono::microseconds period =
-            stream->is_free ? stream->period : trigger_period.load();
+        const auto period = stream->is_free ? stream->period : trigger_period.load();
         due = std::max(due + period, steady_clock::now());
       }
-      const bool is_ready = stream && stream->ready;
-      answer_packets(is_ready ? std::min<steady_clock::duration>(due - steady_clock::now(), idle)
-                              : idle);
+      answer_packets(is_ready ? std::min(due - steady_clock::now(), idle) : idle);
     }
   }
 };
@@ -188,17 +241,8 @@ VirtualGigeCamera::VirtualGigeCamera(std::vector<Frame> loop, const std::string&
 VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string& address,
                                      const std::string& serial) {
   require_valid(reels, serial);
-  const Size size = reels.front().frames.front().format().size;
-  served_ = std::make_unique<Served>(std::move(reels), address, serial);
-  const auto width = static_cast<std::uint32_t>(size.width);
-  const auto height = static_cast<std::uint32_t>(size.height);
-  GigeControl& control = served_->control;
-  control.set_up(GigeRegister::host, host_from(address));
-  control.set_up(GigeRegister::sensor_width, width);
-  control.set_up(GigeRegister::sensor_height, height);
-  control.set_up(GigeRegister::width, width);
-  control.set_up(GigeRegister::height, height);
-  served_->thread = std::jthread([this](const std::stop_token& stop) { served_->run(stop); });
+  served_ =
+      std::make_unique<Served>(std::move(reels), host_from(address), broadcast_of(address), serial);
 }
 
 VirtualGigeCamera::~VirtualGigeCamera() = default;
@@ -208,7 +252,7 @@ void VirtualGigeCamera::set_frame_rate(double rate) {
     throw Error(fmt::format("a rate of {} Hz; 0.001 to a million", rate));
   }
   const std::lock_guard lock(served_->mutex);
-  served_->control.set_up(GigeRegister::frame_period, static_cast<std::uint32_t>(1e6 / rate));
+  served_->control.write(GigeRegister::frame_period, static_cast<std::uint32_t>(1e6 / rate));
 }
 
 void VirtualGigeCamera::set_trigger_rate(double rate) {

@@ -4,7 +4,8 @@
 #include <initializer_list>
 #include <random>
 
-#include "slipstream/camera/detail/big_endian.h"
+#include <netinet/in.h>
+
 #include "tests/fuzz/mutate.h"
 
 namespace slipstream {
@@ -12,14 +13,27 @@ namespace slipstream {
 inline constexpr std::uint16_t discover = 0x02, read_register = 0x80, write_register = 0x82,
                                read_memory = 0x84, write_memory = 0x86;
 
+inline constexpr std::uint32_t loopback = 0x7f000001;
+
+inline sockaddr_in address_of(std::uint32_t host, std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(host);
+  return address;
+}
+
 /// A command of GigE Vision's control protocol that asks for an answer.
 inline Bytes command(std::uint16_t code, std::initializer_list<std::uint32_t> numbers,
                      std::uint16_t id = 7) {
   Bytes bytes{0x42, 1};
-  append_big_endian(bytes, code);
-  append_big_endian(bytes, static_cast<std::uint16_t>(4 * numbers.size()));
-  append_big_endian(bytes, id);
-  for (const std::uint32_t number : numbers) append_big_endian(bytes, number);
+  const auto append = [&](std::uint32_t number, int size) {
+    while (size-- > 0) bytes.push_back(static_cast<std::uint8_t>(number >> (8 * size)));
+  };
+  append(code, 2);
+  append(static_cast<std::uint32_t>(4 * numbers.size()), 2);
+  append(id, 2);
+  for (const std::uint32_t number : numbers) append(number, 4);
   return bytes;
 }
 

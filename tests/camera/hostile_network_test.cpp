@@ -5,8 +5,9 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
-#include "slipstream/camera/detail/udp_socket.h"
 #include "slipstream/camera/genicam.h"
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
@@ -18,28 +19,43 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-constexpr std::uint32_t loopback = 0x7f000001;
-constexpr UdpAddress camera_address{loopback, 3956};
+/// Of UDP, at any free port.
+class Sender {
+ public:
+  Sender() = default;
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+  ~Sender() { ::close(socket_); }
+
+  void send(const Bytes& packet, std::uint16_t port) const {
+    const sockaddr_in to = address_of(loopback, port);
+    ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+             sizeof(to));
+  }
+  /// What the camera answers within a second, other answers aside; empty where it does not.
+  [[nodiscard]] Bytes ask(const Bytes& packet) const {
+    send(packet, camera_port);
+    for (const auto end = steady_clock::now() + 1s; steady_clock::now() < end;) {
+      Bytes answer(2048);
+      const ssize_t size = ::recv(socket_, answer.data(), answer.size(), MSG_DONTWAIT);
+      if (size < 8) {
+        std::this_thread::yield();
+      } else if (std::equal(packet.begin() + 6, packet.begin() + 8, answer.begin() + 6)) {
+        return {answer.begin(), answer.begin() + size};
+      }
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::uint16_t camera_port = 3956;
+  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
 
 /// 10^4, or as many as SLIPSTREAM_HOSTILE_PACKETS says.
 int packets_wanted() {
   const char* asked = std::getenv("SLIPSTREAM_HOSTILE_PACKETS");
   return asked == nullptr ? 10'000 : std::atoi(asked);
-}
-
-/// What the camera answers within a second, other answers aside; empty where it does not.
-Bytes ask(const UdpSocket& socket, const Bytes& packet) {
-  socket.send(packet, camera_address);
-  Bytes room(2048);
-  for (const auto end = steady_clock::now() + 1s; steady_clock::now() < end;) {
-    UdpAddress from;
-    const auto answer = socket.receive(room, from);
-    const bool is_answer = answer.size() >= 8 &&
-                           std::equal(packet.begin() + 6, packet.begin() + 8, answer.begin() + 6);
-    if (is_answer) return {answer.begin(), answer.end()};
-    if (answer.empty()) std::this_thread::yield();
-  }
-  return {};
 }
 
 class HostileNetwork : public testing::Test {
@@ -69,14 +85,14 @@ TEST_F(HostileNetwork, NoPacketEndsTheServedCameraOrCostsItsClientAFrame) {
   const std::uint64_t first = frame.stamp.sequence;
   std::atomic<int> sent = 0, unanswered = 0;
   std::jthread hostile([&](const std::stop_token& stop) {
-    const UdpSocket socket({loopback, 0}, false);
+    const Sender sender;
     std::mt19937 random(18);
     Bytes last;
     for (int i = 0; i < packets_wanted() && !stop.stop_requested(); ++i, ++sent) {
       Bytes packet = random() % 16 == 0 ? last : hostile_packet(random);
-      socket.send(packet, camera_address);
+      sender.send(packet, 3956);
       last = std::move(packet);
-      if (i % 32 == 0 && ask(socket, command(read_register, {0xa00}, 0xbeef)).empty()) ++unanswered;
+      if (i % 32 == 0 && sender.ask(command(read_register, {0xa00}, 0xbeef)).empty()) ++unanswered;
     }
   });
   std::uint64_t frames = 1;

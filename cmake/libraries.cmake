@@ -17,6 +17,7 @@ set(slipstream_libraries
   "pugixml::pugixml              pugixml         pugixml"
   "tinyobjloader::tinyobjloader  tinyobjloader   tinyobjloader"
   "nlohmann_json::nlohmann_json  nlohmann_json   nlohmann_json"
+  "PNG::PNG                      libpng          PNG"
   "ZLIB::ZLIB                    zlib            ZLIB"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"

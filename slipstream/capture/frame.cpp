@@ -6,6 +6,12 @@
 
 namespace slipstream {
 
+std::uint64_t byte_count(const FrameFormat& format) {
+  const auto [width, height] = format.size;
+  return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) *
+         (format.bits > 8 ? 2 : 1);
+}
+
 void require_valid(const FrameFormat& format) {
   const auto [width, height] = format.size;
   if (width < 1 || height < 1) {

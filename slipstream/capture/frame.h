@@ -17,6 +17,9 @@ struct FrameFormat {
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };
 
+/// Of its pixels.
+std::uint64_t byte_count(const FrameFormat& format);
+
 /// Throws Error unless the size is positive and the bits are 8 to 16.
 void require_valid(const FrameFormat& format);
 

@@ -1,17 +1,19 @@
 #include "slipstream/io/file.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cctype>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <random>
 #include <system_error>
 #include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "slipstream/error/error.h"
@@ -20,70 +22,197 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// A file under a temporary name, removed again unless it is renamed to its own.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& target)
-      : target_(target),
-        path_(fmt::format("{}.{}.part", target.string(), ::getpid())),
-        descriptor_(::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)) {
-    if (descriptor_ < 0) fail();
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!renamed_) ::unlink(path_.c_str());
-  }
+/// The names of what is being written at once. Who takes one out of its place, its owner or a
+/// signal handler, is the only one who has it.
+std::array<std::atomic<std::string*>, 64> temporary_names{};
 
-  void write(std::span<const std::uint8_t> bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail();
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    }
+/// Puts `after` where `before` is; false where it is nowhere.
+bool replace_name(std::string* before, std::string* after) {
+  for (std::atomic<std::string*>& place : temporary_names) {
+    std::string* there = before;
+    if (place.compare_exchange_strong(there, after)) return true;
   }
+  return false;
+}
 
-  void rename_to_target() {
-    const int descriptor = std::exchange(descriptor_, -1);
-    if (::close(descriptor) != 0) fail();
-    if (::rename(path_.c_str(), target_.c_str()) != 0) fail();
-    renamed_ = true;
-  }
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
 
- private:
-  [[noreturn]] void fail() const {
-    throw WorldError(fmt::format("cannot write {}: {}", target_.string(), std::strerror(errno)));
-  }
+/// No longer than names may be where the path's own is not.
+std::string temporary_name(const fs::path& path) {
+  std::random_device random;
+  return folder_of(path) / fmt::format("{}.{:08x}{:08x}.part",
+                                       path.filename().string().substr(0, 200), random(), random());
+}
 
-  fs::path target_;
-  std::string path_;
-  int descriptor_;
-  bool renamed_ = false;
-};
+int create(const std::string& name) {
+  return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+}
+
+/// False, with errno, where what was written may not be on the disk. Some file systems cannot say.
+bool is_synced(int descriptor) {
+  return ::fsync(descriptor) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+}
+
+bool is_folder_synced(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return errno == EACCES;
+  const bool synced = is_synced(descriptor);
+  const int reason = errno;
+  ::close(descriptor);
+  errno = reason;
+  return synced;
+}
 
 }  // namespace
 
-std::vector<std::uint8_t> read_file(const fs::path& path) {
-  if (!fs::exists(path)) throw Error(fmt::format("{}: no such file", path.string()));
-  if (fs::is_directory(path)) {
-    throw Error(fmt::format("{}: is a folder; a file is wanted", path.string()));
+InputFile::InputFile(const fs::path& path, std::uint64_t largest)
+    : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
+  const auto refuse = [&](const std::string& why) {
+    if (descriptor_ >= 0) ::close(descriptor_);
+    throw Error(fmt::format("{}: {}", path.string(), why));
+  };
+  struct stat status {};
+  if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0) {
+    refuse(errno == ENOENT ? "no such file" : std::strerror(errno));
   }
-  std::ifstream stream(path, std::ios::binary);
-  std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw Error(fmt::format("{}: cannot be read", path.string()));
+  if (S_ISDIR(status.st_mode)) refuse("is a folder; a file is wanted");
+  if (!S_ISREG(status.st_mode)) refuse("is a device or a pipe; a file is wanted");
+  size_ = static_cast<std::uint64_t>(status.st_size);
+  if (size_ > largest) refuse(fmt::format("has {} bytes; at most {} are read", size_, largest));
+}
+
+InputFile::~InputFile() {
+  ::close(descriptor_);
+}
+
+bool InputFile::read(std::uint64_t offset,
+                     std::initializer_list<std::span<std::uint8_t>> parts) const {
+  for (std::span<std::uint8_t> rest : parts) {
+    while (!rest.empty()) {
+      const ssize_t got =
+          ::pread(descriptor_, rest.data(), rest.size(), static_cast<off_t>(offset));
+      if (got < 0 && errno == EINTR) continue;
+      if (got < 0) {
+        throw WorldError(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)));
+      }
+      if (got == 0) return false;
+      offset += static_cast<std::uint64_t>(got);
+      rest = rest.subspan(static_cast<std::size_t>(got));
+    }
+  }
+  return true;
+}
+
+std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest) {
+  const InputFile file(path, largest);
+  std::vector<std::uint8_t> bytes(file.size());
+  if (!file.read(0, {bytes})) throw Error(fmt::format("{}: became shorter", path.string()));
   return bytes;
 }
 
+std::string read_text(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = read_file(path, largest_text);
+  return {bytes.begin(), bytes.end()};
+}
+
+void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes, const fs::path& path) {
+  if (frames <= largest_scan / frame_bytes) return;
+  throw Error(fmt::format("{}: {} frames of {} bytes; at most {} bytes are read of a scan",
+                          path.string(), frames, frame_bytes, largest_scan));
+}
+
+OutputFile::OutputFile(const fs::path& path, Writing writing)
+    : path_(path), folder_(folder_of(path)), writing_(writing) {
+  std::error_code unknown;
+  const fs::file_status there = fs::symlink_status(path, unknown);
+  if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_symlink(there)) {
+    throw WorldError(fmt::format("cannot write {}: it is no file", path.string()));
+  }
+  if (writing == Writing::over_time) {
+    descriptor_ = create(path.string());
+    if (descriptor_ < 0 && errno != EEXIST) fail();
+    if (descriptor_ >= 0) name_ = path.string();
+  }
+  if (descriptor_ >= 0) return;
+  name_ = temporary_name(path);
+  remembered_ = writing == Writing::at_once && replace_name(nullptr, &name_);
+  descriptor_ = create(name_);
+  if (descriptor_ >= 0) return;
+  const int reason = errno;
+  discard();
+  errno = reason;
+  fail();
+}
+
+OutputFile::~OutputFile() {
+  if (writing_ == Writing::at_once) discard();
+  if (is_open()) ::close(descriptor_);
+}
+
+void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> parts) {
+  for (std::span<const std::uint8_t> rest : parts) {
+    while (!rest.empty()) {
+      const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
+      if (written < 0 && errno == EINTR) continue;
+      if (written < 0) fail();
+      rest = rest.subspan(static_cast<std::size_t>(written));
+    }
+  }
+}
+
+void OutputFile::sync() {
+  if (!is_synced(descriptor_) || !is_folder_synced(folder_)) fail();
+}
+
+void OutputFile::cut(std::uint64_t size) noexcept {
+  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(size));
+}
+
+void OutputFile::keep() {
+  const bool synced = is_synced(descriptor_);
+  const int reason = errno;
+  const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
+  if (!synced) errno = reason;
+  if (!synced || !closed || ::rename(name_.c_str(), path_.c_str()) != 0) fail();
+  let_go();
+  if (!is_folder_synced(folder_)) fail();
+}
+
+void OutputFile::discard() noexcept {
+  if (is_open()) ::close(std::exchange(descriptor_, -1));
+  if (!name_.empty()) ::unlink(name_.c_str());
+  let_go();
+}
+
+void OutputFile::let_go() noexcept {
+  while (remembered_ && !replace_name(&name_, nullptr)) ::pause();  // a handler ends the program
+  remembered_ = false;
+  name_.clear();
+}
+
+void OutputFile::fail() const {
+  const char* const reason = std::strerror(errno);
+  const bool stays = writing_ == Writing::over_time && !name_.empty() && name_ != path_;
+  throw WorldError(fmt::format("cannot write {}: {}{}", path_.string(), reason,
+                               stays ? "; what came until then is in " + name_ : ""));
+}
+
 void write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
-  TemporaryFile file(path);
-  file.write(bytes);
-  file.rename_to_target();
+  OutputFile file(path);
+  file.write({bytes});
+  file.keep();
 }
 
 void write_file(const fs::path& path, std::string_view text) {
   write_file(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+void remove_temporary_files() noexcept {
+  for (std::atomic<std::string*>& place : temporary_names) {
+    if (const std::string* const name = place.exchange(nullptr)) ::unlink(name->c_str());
+  }
 }
 
 void make_folder(const fs::path& folder) {

@@ -8,16 +8,87 @@
 #include <string_view>
 #include <vector>
 
+#include "slipstream/io/limits.h"
+
 namespace slipstream {
 
-/// The bytes of a file. Throws Error when it is missing, a folder or unreadable.
-std::vector<std::uint8_t> read_file(const std::filesystem::path& path);
+/// A regular file that is read. Opening never waits: a pipe or a device is refused.
+class InputFile {
+ public:
+  /// Throws Error, naming the file, where it is missing, no regular file, larger than `largest`
+  /// bytes or unreadable.
+  explicit InputFile(const std::filesystem::path& path, std::uint64_t largest = largest_file);
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+  ~InputFile();
 
-/// Writes a file whole or not at all: to a temporary name beside it, then renamed. Throws
-/// WorldError when the folder is missing or not writable, or the disk is full; nothing is left
-/// behind then, and a file that was there before is untouched.
+  /// Bytes, when it was opened.
+  [[nodiscard]] std::uint64_t size() const { return size_; }
+  /// Fills all parts from that offset on; false where the file ends before. Throws WorldError
+  /// where the disk does not give it.
+  [[nodiscard]] bool read(std::uint64_t offset,
+                          std::initializer_list<std::span<std::uint8_t>> parts) const;
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_;
+  std::uint64_t size_ = 0;
+};
+
+/// The bytes of a file. Throws as InputFile.
+std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
+                                    std::uint64_t largest = largest_file);
+/// A text of at most largest_text bytes. Throws as InputFile.
+std::string read_text(const std::filesystem::path& path);
+
+/// Throws Error, naming the file, where so many frames of so many bytes are more than largest_scan.
+void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes,
+                       const std::filesystem::path& path);
+
+/// A file that is written under a temporary name beside its own, which nobody can foresee, and that
+/// has its own once it is on the disk: what was there before is there until then. Each member
+/// throws WorldError: when the folder is missing or not writable, when something other than a file
+/// has the name, when the disk is full.
+class OutputFile {
+ public:
+  enum class Writing {
+    at_once,   ///< gone where it is not kept, or by remove_temporary_files
+    over_time  ///< under its own name from the start where that is free; stays, not kept too
+  };
+  explicit OutputFile(const std::filesystem::path& path, Writing writing = Writing::at_once);
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  ~OutputFile();
+
+  void write(std::initializer_list<std::span<const std::uint8_t>> parts);
+  /// Returns once what was written so far, and the name, would survive a loss of power.
+  void sync();
+  /// Cuts off what is behind so many bytes, if the disk lets it.
+  void cut(std::uint64_t size) noexcept;
+  /// Syncs and closes the file and gives it its own name.
+  void keep();
+  /// Closes and removes the file.
+  void discard() noexcept;
+  /// Neither kept nor discarded.
+  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
+
+ private:
+  void let_go() noexcept;
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path path_, folder_;
+  std::string name_{};  ///< under which it is written
+  Writing writing_;
+  bool remembered_ = false;
+  int descriptor_ = -1;
+};
+
+/// Writes a file whole or not at all. Throws as OutputFile.
 void write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// Removes what is being written at once. For a signal handler that then ends the program.
+void remove_temporary_files() noexcept;
 
 /// Makes a folder and those above it. Throws WorldError when that fails.
 void make_folder(const std::filesystem::path& folder);

@@ -10,9 +10,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/detail/picture_size.h"
+#include "slipstream/io/detail/png_reader.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/mat.h"
-#include "slipstream/io/png_check.h"
 #include "slipstream/io/quiet_opencv.h"
 
 namespace slipstream {
@@ -21,32 +22,41 @@ namespace {
 
 constexpr std::array<std::string_view, 5> image_extensions{".png", ".tif", ".tiff", ".bmp", ".pgm"};
 
-cv::Mat read_mat(const fs::path& path) {
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  if (is_png(bytes)) {
-    if (const std::string fault = png_fault(bytes); !fault.empty()) {
-      throw Error(fmt::format("{}: {}; a whole PNG file is wanted", path.string(), fault));
-    }
-  }
-  if (bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) {
-    throw Error(
-        fmt::format("{}: a JPEG, whose lossy compression spoils the phase; a PNG, TIFF, BMP "
-                    "or PGM file is wanted",
-                    path.string()));
-  }
+cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
+  if (is_png(bytes)) return read_png(bytes);
   const QuietOpenCv quiet;
   cv::Mat mat;
   try {
-    if (!bytes.empty()) mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+    mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     mat.release();
   }
-  if (mat.empty()) {
-    throw Error(
-        fmt::format("{}: not a picture, or truncated; a whole PNG, TIFF, BMP or PGM file is wanted",
-                    path.string()));
-  }
+  if (mat.empty()) throw Error("not a picture, or truncated; a whole file is wanted");
   return mat;
+}
+
+cv::Mat read_mat(const fs::path& path) {
+  const std::vector<std::uint8_t> bytes = read_file(path, largest_picture_file);
+  const auto refuse = [&](std::string_view why) {
+    throw Error(fmt::format("{}: {}", path.string(), why));
+  };
+  if (bytes.size() > 2 && bytes[0] == 0xff && bytes[1] == 0xd8 && bytes[2] == 0xff) {
+    refuse(
+        "a JPEG, whose lossy compression spoils the phase; a PNG, TIFF, BMP or PGM file is "
+        "wanted");
+  }
+  const auto pixels = stated_pixels(bytes);
+  if (!pixels) refuse("not a picture; a whole PNG, TIFF, BMP or PGM file is wanted");
+  if (*pixels > largest_picture) {
+    refuse(
+        fmt::format("says that it has {} pixels; at most {} are read", *pixels, largest_picture));
+  }
+  try {
+    return decoded(bytes);
+  } catch (const Error& error) {
+    refuse(error.what());
+  }
+  return {};
 }
 
 cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) {
@@ -146,6 +156,8 @@ LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
                               path.string()));
     }
     require_like_first(path, mats.back(), paths.front(), mats.front());
+    if (mats.size() == 1)
+      require_scan_fits(paths.size(), mats[0].total() * mats[0].elemSize(), path);
   }
   if (bits > 8 && !mats.empty() && mats.front().depth() == CV_8U) {
     throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",

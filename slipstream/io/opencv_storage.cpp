@@ -43,11 +43,11 @@ StoredMatrix matrix_from(std::string_view rows, std::string_view columns,
     matrix.numbers.push_back(*number);
   }
   const auto count = static_cast<double>(matrix.numbers.size());
-  const double row_count = number_from(rows).value_or(0),
-               column_count = number_from(columns).value_or(0);
-  if (!(row_count >= 1 && column_count >= 1 && row_count * column_count == count)) return {};
-  matrix.rows = static_cast<int>(row_count);
-  matrix.columns = static_cast<int>(column_count);
+  const int row_count = number_in<int>(rows).value_or(0),
+            column_count = number_in<int>(columns).value_or(0);
+  if (row_count < 1 || column_count < 1 || 1.0 * row_count * column_count != count) return {};
+  matrix.rows = row_count;
+  matrix.columns = column_count;
   return matrix;
 }
 
@@ -185,8 +185,7 @@ std::string text_in(const fs::path& path) {
     if (const auto& scanner = recording.header().scanner) return text_of(*scanner);
     throw Error(fmt::format("{}: a recording that does not know its scanner", path.string()));
   }
-  const std::vector<std::uint8_t> bytes = read_file(path);
-  return {bytes.begin(), bytes.end()};
+  return read_text(path);
 }
 
 }  // namespace

@@ -22,11 +22,12 @@ constexpr std::uint64_t searched_cycles = 8, kept_cycles = 4;
 
 std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence) {
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
-  const FrameFormat& format = recording.header().format;
-  PatternWindows windows(
-      sequence, sequence.marker ? PatternIndexing::marker : PatternIndexing::told, format.size);
+  PatternWindows windows(sequence,
+                         sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
+                         recording.header().format.size);
   const std::uint64_t searched = std::min(recording.count(), searched_cycles * cycle);
-  Pool<Frame> pool(std::min(searched, kept_cycles * cycle + 1), [&] { return Frame(format); });
+  // Frames take their memory when they are read.
+  Pool<Frame> pool(std::min(searched, kept_cycles * cycle + 1), [] { return Frame(); });
   std::vector<Pooled<Frame>> window;
   for (std::uint64_t n = 0; n < searched; ++n) {
     Pooled<Frame> frame = pool.take();

@@ -12,10 +12,7 @@ namespace slipstream {
 namespace {
 
 std::size_t capacity_of(std::size_t memory, const FrameFormat& format) {
-  const std::size_t frame_bytes = static_cast<std::size_t>(format.size.width) *
-                                  static_cast<std::size_t>(format.size.height) *
-                                  (format.bits > 8 ? 2 : 1);
-  return std::clamp<std::size_t>(memory / frame_bytes, 8, 1024);
+  return std::clamp<std::size_t>(memory / byte_count(format), 8, 1024);
 }
 
 }  // namespace

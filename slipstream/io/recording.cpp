@@ -1,21 +1,17 @@
 #include "slipstream/io/recording.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
+#include <ranges>
 #include <span>
 #include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 #include "slipstream/error/error.h"
@@ -34,8 +30,8 @@ constexpr std::array<char, 4> end_mark{'E', 'N', 'D', '.'};
 constexpr std::uint32_t version = 1;
 /// Headers and records take multiples of so many bytes.
 constexpr std::uint64_t alignment = 64;
-constexpr std::size_t longest_text = 1 << 20;
-constexpr std::uint32_t largest_side = 65536;
+/// Of an interrupted recording, from its end, frame by frame: more than is unsynced at any time.
+constexpr std::uint64_t searched_bytes = 4 * RecordingWriter::most_unsynced;
 
 struct FileHeader {
   std::array<char, 8> magic{};
@@ -90,24 +86,19 @@ constexpr std::uint64_t aligned(std::uint64_t size) {
   return (size + alignment - 1) / alignment * alignment;
 }
 
-std::uint64_t pixel_size(const FrameFormat& format) {
-  return static_cast<std::uint64_t>(format.size.width) *
-         static_cast<std::uint64_t>(format.size.height) * (format.bits > 8 ? 2 : 1);
-}
-
 std::uint64_t record_size(const FrameFormat& format) {
-  return sizeof(RecordHeader) + aligned(pixel_size(format));
+  return sizeof(RecordHeader) + aligned(byte_count(format));
 }
 
 std::span<std::uint8_t> pixel_bytes(Frame& frame) {
-  const std::uint64_t size = pixel_size(frame.format());
+  const std::uint64_t size = byte_count(frame.format());
   return std::visit(
       [&](auto& image) { return std::span(reinterpret_cast<std::uint8_t*>(image.begin()), size); },
       frame.pixels);
 }
 
 Bytes pixel_bytes(const Frame& frame) {
-  const std::uint64_t size = pixel_size(frame.format());
+  const std::uint64_t size = byte_count(frame.format());
   return std::visit(
       [&](const auto& image) {
         return Bytes(reinterpret_cast<const std::uint8_t*>(image.begin()), size);
@@ -132,38 +123,6 @@ std::uint32_t checksum_of(const End& end) {
 
 std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
   return checksum({bytes_of(header).first(sizeof(header) - sizeof(header.checksum)), texts});
-}
-
-/// Writes all of the parts; false, with errno, where that fails.
-bool write_all(int descriptor, std::initializer_list<Bytes> parts) {
-  for (const Bytes part : parts) {
-    Bytes rest = part;
-    while (!rest.empty()) {
-      const ssize_t written = ::write(descriptor, rest.data(), rest.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return false;
-      rest = rest.subspan(static_cast<std::size_t>(written));
-    }
-  }
-  return true;
-}
-
-/// Reads into all of the parts from that offset on; false where the file ends before.
-bool read_all(int descriptor, std::uint64_t offset,
-              std::initializer_list<std::span<std::uint8_t>> parts, const fs::path& path) {
-  for (std::span<std::uint8_t> rest : parts) {
-    while (!rest.empty()) {
-      const ssize_t got = ::pread(descriptor, rest.data(), rest.size(), static_cast<off_t>(offset));
-      if (got < 0 && errno == EINTR) continue;
-      if (got < 0) {
-        throw WorldError(fmt::format("cannot read {}: {}", path.string(), std::strerror(errno)));
-      }
-      if (got == 0) return false;
-      offset += static_cast<std::uint64_t>(got);
-      rest = rest.subspan(static_cast<std::size_t>(got));
-    }
-  }
-  return true;
 }
 
 /// The texts of the header, padded so that the records begin at a multiple of the alignment.
@@ -197,8 +156,9 @@ std::string text_of(const FrameFormat& format) {
 
 bool is_recording(const fs::path& path) {
   std::array<char, magic.size()> begin{};
-  return fs::is_regular_file(path) &&
-         std::ifstream(path, std::ios::binary).read(begin.data(), begin.size()) && begin == magic;
+  std::error_code unknown;
+  return fs::is_regular_file(path, unknown) &&
+         InputFile(path, no_limit).read(0, {writable_bytes_of(begin)}) && begin == magic;
 }
 
 RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header)
@@ -206,9 +166,9 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
   require_valid(header);
   const std::string scan = scan_text(header);
   const std::string scanner = scanner_text(header);
-  if (scanner.size() > longest_text) {
+  if (scanner.size() > largest_text) {
     throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
-                            scanner.size(), longest_text));
+                            scanner.size(), largest_text));
   }
   const std::string texts = texts_of(scan, scanner);
   header_size_ = sizeof(FileHeader) + texts.size();
@@ -225,23 +185,25 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
   const Bytes text_bytes(reinterpret_cast<const std::uint8_t*>(texts.data()), texts.size());
   written.checksum = checksum_of(written, text_bytes);
 
-  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (descriptor_ < 0 || !write_all(descriptor_, {bytes_of(written), text_bytes})) {
-    const int reason = errno;
-    if (descriptor_ >= 0) {
-      ::close(descriptor_);
-      ::unlink(path.c_str());
-    }
-    throw WorldError(fmt::format("cannot write {}: {}", path.string(), std::strerror(reason)));
+  file_ = std::make_unique<OutputFile>(path, OutputFile::Writing::over_time);
+  try {
+    file_->write({bytes_of(written), text_bytes});
+  } catch (const WorldError&) {
+    file_->discard();
+    throw;
   }
 }
 
 RecordingWriter::~RecordingWriter() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  try {
+    if (file_) file_->keep();
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; what was written stays.
+  }
 }
 
 void RecordingWriter::append(const Frame& frame) {
-  if (descriptor_ < 0) throw Error(fmt::format("{}: the recording is closed", path_.string()));
+  if (!file_) throw Error(fmt::format("{}: the recording is closed", path_.string()));
   if (frame.format() != format_) {
     throw Error(fmt::format("{}: a frame of {} came, the recording is of {}; all are alike",
                             path_.string(), text_of(frame.format()), text_of(format_)));
@@ -256,52 +218,45 @@ void RecordingWriter::append(const Frame& frame) {
   const Bytes pixels = pixel_bytes(frame);
   const Bytes padding = Bytes(zeros).first(aligned(pixels.size()) - pixels.size());
   header.checksum = checksum_of(header, pixels, padding);
-  if (!write_all(descriptor_, {bytes_of(header), pixels, padding})) give_up();
+  write({bytes_of(header), pixels, padding});
   ++count_;
 }
 
 void RecordingWriter::finish() {
-  if (descriptor_ < 0) throw Error(fmt::format("{}: the recording is closed", path_.string()));
+  if (!file_) throw Error(fmt::format("{}: the recording is closed", path_.string()));
   End end{.count = count_};
   end.checksum = checksum_of(end);
-  if (!write_all(descriptor_, {bytes_of(end)})) give_up();
-  if (::close(std::exchange(descriptor_, -1)) != 0) {
-    throw WorldError(fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno)));
-  }
+  write({bytes_of(end)});
+  std::exchange(file_, nullptr)->keep();
 }
 
-void RecordingWriter::give_up() {
-  const int reason = errno;
-  const std::uint64_t whole = header_size_ + count_ * record_size(format_);
-  // Should this fail as well, the reader still leaves the broken frame out.
-  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(whole));
-  ::close(std::exchange(descriptor_, -1));
-  throw WorldError(fmt::format("cannot write {}: {}; it holds the {} frames before", path_.string(),
-                               std::strerror(reason), count_));
-}
-
-RecordingReader::RecordingReader(const fs::path& path) : path_(path) {
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) {
-    throw Error(fmt::format("{}: {}", path.string(),
-                            errno == ENOENT ? "no such file" : std::strerror(errno)));
-  }
+void RecordingWriter::write(std::initializer_list<Bytes> parts) {
   try {
-    struct stat status {};
-    if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-      throw Error(fmt::format("{}: is no file; a recording is wanted", path.string()));
-    }
-    file_size_ = static_cast<std::uint64_t>(status.st_size);
-    read_header();
-    find_end();
-  } catch (...) {
-    ::close(descriptor_);
-    throw;
+    file_->write(parts);
+    unsynced_ += record_size(format_);
+    if (unsynced_ < most_unsynced) return;
+    file_->sync();
+    unsynced_ = 0;
+  } catch (const WorldError& failure) {
+    give_up(failure.what());
   }
 }
 
-RecordingReader::~RecordingReader() {
-  ::close(descriptor_);
+void RecordingWriter::give_up(const std::string& why) {
+  const std::unique_ptr<OutputFile> file = std::exchange(file_, nullptr);
+  if (count_ == 0) {
+    file->discard();
+    throw WorldError(why);
+  }
+  // Should this fail, the reader still leaves the broken frame out.
+  file->cut(header_size_ + count_ * record_size(format_));
+  file->keep();
+  throw WorldError(fmt::format("{}; it holds the {} frames before", why, count_));
+}
+
+RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path, no_limit) {
+  read_header();
+  find_end();
 }
 
 void RecordingReader::read_header() {
@@ -309,7 +264,7 @@ void RecordingReader::read_header() {
     throw Error(fmt::format("{}: {}", path_.string(), why));
   };
   FileHeader header;
-  if (!read_all(descriptor_, 0, {writable_bytes_of(header)}, path_) || header.magic != magic) {
+  if (!file_.read(0, {writable_bytes_of(header)}) || header.magic != magic) {
     refuse("is no recording of slipstream");
   }
   if (header.version != version) {
@@ -317,19 +272,19 @@ void RecordingReader::read_header() {
   }
   const std::size_t text_size = std::size_t{header.scan_length} + header.scanner_length;
   std::string texts;
-  if (text_size <= 2 * longest_text && header.header_size == sizeof(header) + aligned(text_size)) {
+  if (text_size <= 2 * largest_text && header.header_size == sizeof(header) + aligned(text_size)) {
     texts.resize(aligned(text_size));
   }
   const std::span<std::uint8_t> text_bytes(reinterpret_cast<std::uint8_t*>(texts.data()),
                                            texts.size());
   if (header.header_size != sizeof(header) + texts.size() ||
-      !read_all(descriptor_, sizeof(header), {text_bytes}, path_) ||
+      !file_.read(sizeof(header), {text_bytes}) ||
       header.checksum != checksum_of(header, text_bytes)) {
     refuse("its header is damaged");
   }
-  if (header.width > largest_side || header.height > largest_side) {
-    refuse(fmt::format("frames of {}x{} pixels; at most {} a side", header.width, header.height,
-                       largest_side));
+  if (std::uint64_t{header.width} * header.height > largest_picture) {
+    refuse(fmt::format("frames of {}x{} pixels; at most {} are read", header.width, header.height,
+                       largest_picture));
   }
   header_.format = {{static_cast<int>(header.width), static_cast<int>(header.height)},
                     static_cast<int>(header.bits)};
@@ -353,16 +308,24 @@ void RecordingReader::read_header() {
 
 void RecordingReader::find_end() {
   const std::uint64_t record = record_size(header_.format);
-  count_ = (file_size_ - header_size_) / record;
-  const std::uint64_t rest = (file_size_ - header_size_) % record;
+  const std::uint64_t size = file_.size() - header_size_, rest = size % record;
+  count_ = size / record;
   End end;
-  finished_ = rest == sizeof(end) &&
-              read_all(descriptor_, file_size_ - rest, {writable_bytes_of(end)}, path_) &&
+  finished_ = rest == sizeof(end) && file_.read(file_.size() - rest, {writable_bytes_of(end)}) &&
               end.mark == end_mark && end.checksum == checksum_of(end) && end.count == count_;
   if (finished_) return;
-  dropped_ = rest > 0 ? 1 : 0;
+  const std::uint64_t there = count_ + (rest > 0 ? 1 : 0);
   // After a loss of power the file may have its length but not its last bytes.
-  for (Frame frame; count_ > 0 && !read(count_ - 1, frame); --count_) ++dropped_;
+  Frame frame;
+  const auto is_whole = [&](std::uint64_t index) { return read(index, frame); };
+  const std::uint64_t first = count_ - std::min(count_, searched_bytes / record + 1);
+  while (count_ > first && !is_whole(count_ - 1)) --count_;
+  if (count_ == first) {
+    const auto before = std::views::iota(std::uint64_t{0}, count_);
+    count_ =
+        static_cast<std::uint64_t>(std::ranges::partition_point(before, is_whole) - before.begin());
+  }
+  dropped_ = there - count_;
 }
 
 namespace {
@@ -379,16 +342,19 @@ bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   if (index >= count_) {
     throw Error(fmt::format("{}: there is no frame {}; it has {}", path_.string(), index, count_));
   }
-  if (frame.format() != header_.format) frame = Frame(header_.format);
   RecordHeader header;
+  const std::uint64_t offset = header_size_ + index * record_size(header_.format);
+  if (!file_.read(offset, {writable_bytes_of(header)}) || header.index != index ||
+      !is_possible(header.device_time) || !is_possible(header.host_time)) {
+    return false;
+  }
+  if (frame.format() != header_.format) frame = Frame(header_.format);
   std::array<std::uint8_t, alignment> rest{};
   const std::span<std::uint8_t> pixels = pixel_bytes(frame);
   const std::span<std::uint8_t> padding =
       std::span(rest).first(aligned(pixels.size()) - pixels.size());
-  const std::uint64_t offset = header_size_ + index * record_size(header_.format);
-  if (!read_all(descriptor_, offset, {writable_bytes_of(header), pixels, padding}, path_) ||
-      header.index != index || header.checksum != checksum_of(header, pixels, padding) ||
-      !is_possible(header.device_time) || !is_possible(header.host_time)) {
+  if (!file_.read(offset + sizeof(header), {pixels, padding}) ||
+      header.checksum != checksum_of(header, pixels, padding)) {
     return false;
   }
   frame.stamp.sequence = header.sequence;

@@ -3,11 +3,15 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "slipstream/capture/frame.h"
 #include "slipstream/geometry/scanner.h"
+#include "slipstream/io/file.h"
 #include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
@@ -24,9 +28,13 @@ struct RecordingHeader {
 bool is_recording(const std::filesystem::path& path);
 
 /// Writes frames without loss, one behind another. What is on the disk can be read at any time up
-/// to the last whole frame, however the writing ends.
+/// to the last whole frame, however the writing ends. A file that was there before stays until the
+/// new one is whole, and the new one has a temporary name as long.
 class RecordingWriter {
  public:
+  /// So many bytes at most are not yet synced to the disk, beside one frame.
+  static constexpr std::uint64_t most_unsynced = 64 << 20;
+
   /// Throws Error where the header is not valid, WorldError where the file cannot be made; nothing
   /// is left behind then.
   RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header);
@@ -43,13 +51,15 @@ class RecordingWriter {
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:
-  [[noreturn]] void give_up();
+  void write(std::initializer_list<std::span<const std::uint8_t>> parts);
+  [[noreturn]] void give_up(const std::string& why);
 
   std::filesystem::path path_;
-  int descriptor_ = -1;
+  std::unique_ptr<OutputFile> file_;  ///< none once closed
   FrameFormat format_;
   std::uint64_t header_size_ = 0;
   std::uint64_t count_ = 0;
+  std::uint64_t unsynced_ = 0;
   std::chrono::steady_clock::time_point first_host_time_;
 };
 
@@ -59,15 +69,13 @@ class RecordingReader {
   /// Throws Error, naming the file, when it is missing, no recording, or has a damaged header. One
   /// that was interrupted opens up to its last whole frame.
   explicit RecordingReader(const std::filesystem::path& path);
-  RecordingReader(const RecordingReader&) = delete;
-  RecordingReader& operator=(const RecordingReader&) = delete;
-  ~RecordingReader();
 
   [[nodiscard]] const RecordingHeader& header() const { return header_; }
   [[nodiscard]] std::uint64_t count() const { return count_; }
   /// Whether the recording was ended by finish().
   [[nodiscard]] bool finished() const { return finished_; }
-  /// Frames at the end of an interrupted recording that are not whole and are left out.
+  /// Frames at the end of an interrupted recording that are not whole and are left out. Where the
+  /// last 256 MiB hold none that is whole, those before are searched by halves.
   [[nodiscard]] std::uint64_t dropped() const { return dropped_; }
 
   /// Reads frame `index` (below count()) into `frame`, whose memory is used where it is of the
@@ -80,8 +88,7 @@ class RecordingReader {
   void find_end();
 
   std::filesystem::path path_;
-  int descriptor_ = -1;
-  std::uint64_t file_size_ = 0;
+  InputFile file_;
   std::uint64_t header_size_ = 0;
   RecordingHeader header_;
   std::uint64_t count_ = 0;

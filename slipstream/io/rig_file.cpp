@@ -59,8 +59,7 @@ std::vector<RigSetting> settings_in(const YAML::Node& root, const std::string& f
 }  // namespace
 
 std::vector<RigSetting> read_rig(const std::filesystem::path& file) {
-  const std::vector<std::uint8_t> bytes = read_file(file);
-  return rig_from({bytes.begin(), bytes.end()}, file.string());
+  return rig_from(read_text(file), file.string());
 }
 
 std::vector<RigSetting> rig_from(const std::string& text, const std::string& name) {

@@ -28,6 +28,8 @@ FrameSet recorded_frames(const ScanFiles& files) {
     throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is of pictures",
                             files.path.string(), bits, files.bits));
   }
+  require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
+                    byte_count(recording.header().format), files.path);
   std::optional<FrameSet> frames = first_cycle(recording, files.sequence);
   if (!frames) {
     throw Error(fmt::format("{}: {} frames, and no whole cycle of {} among the first",

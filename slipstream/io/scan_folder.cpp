@@ -210,8 +210,7 @@ bool before_in_order(const std::string& a, const std::string& b) {
 }
 
 ScanFiles read_scan_files(const fs::path& file) {
-  const std::vector<std::uint8_t> bytes = read_file(file);
-  ScanFiles scan = scan_files_from({bytes.begin(), bytes.end()}, file.string(), file.parent_path());
+  ScanFiles scan = scan_files_from(read_text(file), file.string(), file.parent_path());
   scan.path = file.parent_path();
   scan.described = true;
   if (scan.frames.empty()) throw Error(fmt::format("{}: key 'frames' is missing", file.string()));

@@ -140,7 +140,7 @@ TEST(CloudFile, RefusesWhatIsNoCloud) {
   write_file(path, "solid\n");
   expect_error([&] { read_cloud(path); }, {path.string(), "'ply'"});
   expect_error([&] { read_cloud(folder.path() / "missing.ply"); }, {"missing.ply"});
-  expect_error([&] { read_cloud(folder.path() / "missing"); }, {"missing: no such file"});
+  expect_error([&] { read_cloud(folder.path() / "missing.ply"); }, {"missing.ply: no such file"});
 }
 
 TEST(CloudFile, PlyTakesNormals) {

@@ -1,9 +1,14 @@
 #include "slipstream/io/file.h"
 
+#include <filesystem>
+#include <fstream>
+
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
+#include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {
@@ -34,6 +39,106 @@ TEST(ReadFile, NamesWhatIsMissing) {
   const TemporaryFolder folder;
   expect_error([&] { read_file(folder.path() / "none.png"); }, {"none.png", "no such file"});
   expect_error([&] { read_file(folder.path()); }, {"folder"});
+}
+
+TEST(ReadFile, RefusesWhatIsNoFileAtOnce) {
+  const TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe", loop = folder.path() / "loop";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink(loop, loop);
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "zero");
+  expect_error([&] { read_file(pipe); }, {"pipe", "a file is wanted"});
+  expect_error([&] { read_file(folder.path() / "zero"); }, {"zero", "a file is wanted"});
+  expect_error([&] { read_file("/dev/null"); }, {"/dev/null", "a file is wanted"});
+  expect_error([&] { read_file(loop); }, {"loop", "symbolic links"});
+  expect_error([&] { read_file(std::string(5000, 'a')); }, {"aaa", "too long"});
+}
+
+TEST(ReadFile, RefusesWhatIsTooLargeBeforeItIsRead) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "large";
+  write_file(path, "");
+  std::filesystem::resize_file(path, std::uintmax_t{1} << 40);
+  expect_error([&] { read_file(path); }, {"large", "1099511627776 bytes", "at most"});
+  expect_error([&] { read_text(path); }, {"large", "at most 1048576"});
+}
+
+TEST(WriteFile, FollowsNoLinkAndSharesNoName) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "note", other = folder.path() / "other";
+  write_file(other, "mine");
+  std::filesystem::create_symlink(other, path);
+  write_file(path, "yours");
+  EXPECT_EQ(read_text(other), "mine");
+  EXPECT_EQ(read_text(path), "yours");
+  EXPECT_FALSE(std::filesystem::is_symlink(path));
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(write_file(pipe, "text"), WorldError);
+}
+
+TEST(WriteFile, NamesAsLongAsTheyMayBe) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / std::string(255, 'n');
+  write_file(path, "text");
+  EXPECT_EQ(read_text(path), "text");
+}
+
+TEST(OutputFile, TemporaryNamesAreNoTwiceTheSame) {
+  const TemporaryFolder folder;
+  const OutputFile first(folder.path() / "note"), second(folder.path() / "note");
+  EXPECT_EQ(entries_in(folder.path()), 2);
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    EXPECT_EQ(entry.path().extension(), ".part");
+  }
+}
+
+TEST(OutputFile, HandlersRemoveWhatIsBeingWritten) {
+  const TemporaryFolder folder;
+  write_file(folder.path() / "note", "first");
+  OutputFile kept(folder.path() / "note");
+  kept.keep();
+  // In a process of its own: a file that was taken away stands still until the program ends.
+  EXPECT_EXIT(
+      {
+        OutputFile file(folder.path() / "other");
+        remove_temporary_files();
+        std::_Exit(entries_in(folder.path()));
+      },
+      testing::ExitedWithCode(1), "");
+}
+
+TEST(OutputFile, OverTimeHasItsOwnNameWhereThatIsFree) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "note";
+  const auto put = [](OutputFile& file, std::string_view text) {
+    file.write({std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size())});
+  };
+  {
+    OutputFile file(path, OutputFile::Writing::over_time);
+    put(file, "first");
+    file.sync();
+    EXPECT_EQ(read_text(path), "first");
+  }
+  EXPECT_EQ(read_text(path), "first");
+  OutputFile again(path, OutputFile::Writing::over_time);
+  put(again, "second");
+  EXPECT_EQ(read_text(path), "first");
+  again.keep();
+  EXPECT_EQ(read_text(path), "second");
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(OutputFile, FullDiskLeavesWhatWasThere) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "note";
+  write_file(path, "first");
+  {
+    const SmallDisk disk(100);
+    EXPECT_THROW(write_file(path, std::string(1000, 'x')), WorldError);
+  }
+  EXPECT_EQ(read_text(path), "first");
+  EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
 }  // namespace

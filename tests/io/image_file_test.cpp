@@ -90,13 +90,71 @@ TEST(Frames, BadOnesAreNamed) {
   auto damaged = bytes;
   damaged[bytes.size() / 2] ^= 1;
   write_file(path("damaged.png"), damaged);
-  expect_error([&] { read_frames({path("damaged.png")}); }, {"damaged.png", "check sum"});
+  expect_error([&] { read_frames({path("damaged.png")}); }, {"damaged.png", "not a whole PNG"});
   write_file(path("text.png"), "no picture");
   expect_error([&] { read_frames({path("text.png")}); }, {"text.png"});
   write_file(path("empty.png"), "");
   expect_error([&] { read_frames({path("empty.png")}); }, {"empty.png"});
   write_file(path("jpeg.png"), "\xff\xd8\xff\xe0");
   expect_error([&] { read_frames({path("jpeg.png")}); }, {"jpeg.png", "JPEG", "phase"});
+}
+
+TEST(Frames, PngOfEveryKindComesBackAsOpenCvReadsIt) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "frame.png";
+  const auto expect_like_opencv = [&] {
+    const cv::Mat expected = cv::imread(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+    const LoadedFrames loaded = read_frames({path});
+    loaded.frames.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+      ASSERT_EQ(frames[0].width(), expected.cols);
+      for (int row = 0; row < expected.rows; ++row) {
+        for (int column = 0; column < expected.cols; ++column) {
+          const int value = expected.depth() == CV_16U ? expected.at<std::uint16_t>(row, column)
+                                                       : expected.at<std::uint8_t>(row, column);
+          ASSERT_NEAR(static_cast<double>(frames[0](column, row)), value, 1)
+              << column << ' ' << row;
+        }
+      }
+    });
+  };
+  write_image(path, random_image<std::uint16_t>({33, 17}, 65535));
+  expect_like_opencv();
+  write_one_bit_image(path, random_image<std::uint8_t>({33, 17}, 1));
+  expect_like_opencv();
+  for (const int kind : {CV_8UC3, CV_8UC4, CV_16UC3, CV_16UC4}) {
+    cv::Mat colours(17, 33, kind);
+    cv::randu(colours, 0, 255);
+    cv::imwrite(path.string(), colours);
+    expect_like_opencv();
+  }
+}
+
+/// A file of those bytes with numbers, little-endian, put in at the end.
+std::string with_numbers(std::string bytes, std::initializer_list<std::uint32_t> numbers) {
+  for (const std::uint32_t number : numbers) {
+    for (int byte = 0; byte < 4; ++byte) bytes += static_cast<char>(number >> (8 * byte));
+  }
+  return bytes;
+}
+
+TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
+  const TemporaryFolder folder;
+  const auto expect_refused = [&](const std::string& name, const std::string& bytes) {
+    write_file(folder.path() / name, bytes);
+    expect_error([&] { read_frames({folder.path() / name}); },
+                 {name, "900000000 pixels", "at most 160000000"});
+  };
+  const std::string sides("\0\0\x75\x30\0\0\x75\x30", 8);  // 30000, big-endian, twice
+  expect_refused("frame.png", "\x89PNG\r\n\x1a\n" + std::string("\0\0\0\x0dIHDR", 8) + sides);
+  expect_refused("frame.pgm", "P5\n# some words, 7\n30000 30000\n255\n");
+  expect_refused("frame.bmp",
+                 with_numbers(std::string("BM") + std::string(12, 'x'), {40, 30000, 0U - 30000U}));
+  const std::string tiff("II*\0\x08\0\0\0", 8), two("\x02\0", 2);
+  const auto entry = [](char tag, char type, std::uint32_t value) {
+    return with_numbers({tag, 1, type, 0}, {1, value});
+  };
+  expect_refused("frame.tif", tiff + two + entry(0, 3, 30000) + entry(1, 4, 30000));
+  expect_refused("tiles.tif", tiff + two + entry(66, 4, 30000) + entry(67, 9, 30000));
 }
 
 TEST(Maps, KeepNanAndThirtyTwoBits) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -81,7 +82,7 @@ TEST(Recording, InterruptedOpensUpToItsLastWholeFrame) {
   const std::vector<std::uint8_t> whole = read_file(path);
   constexpr std::size_t header = 64, record_size = 64 + 320;
   for (std::size_t length = header; length < whole.size(); ++length) {
-    write_file(path, std::span(whole).first(length));
+    put_bytes(path, std::span(whole).first(length));
     const RecordingReader reader(path);
     const std::size_t rest = (length - header) % record_size;
     EXPECT_EQ(reader.count(), (length - header) / record_size) << length;
@@ -90,7 +91,7 @@ TEST(Recording, InterruptedOpensUpToItsLastWholeFrame) {
     if (rest == 0) expect_first_frames(reader);
   }
   for (std::size_t length = 0; length < header; ++length) {
-    write_file(path, std::span(whole).first(length));
+    put_bytes(path, std::span(whole).first(length));
     expect_error([&] { RecordingReader reader(path); }, {path.string()});
   }
 }
@@ -117,7 +118,7 @@ TEST(Recording, EachChangedByteOfAFrameIsFound) {
   for (std::size_t at = 64; at < 64 + 64 + 320; ++at) {
     std::vector<std::uint8_t> damaged = whole;
     damaged[at] ^= 0x10;
-    write_file(path, damaged);
+    put_bytes(path, damaged);
     const RecordingReader reader(path);
     EXPECT_EQ(reader.count(), 2U);
     EXPECT_FALSE(reader.read(0, frame)) << at;
@@ -132,11 +133,77 @@ TEST(Recording, LastFramesThatNeverReachedTheDiskAreDropped) {
   std::vector<std::uint8_t> bytes = read_file(path);
   constexpr std::size_t two_frames = 64 + 2 * (64 + 320);
   std::fill(bytes.begin() + two_frames, bytes.end(), std::uint8_t{0});
-  write_file(path, bytes);
+  put_bytes(path, bytes);
   const RecordingReader reader(path);
   EXPECT_EQ(reader.count(), 2U);
   EXPECT_EQ(reader.dropped(), 3U);  // two frames and the end mark
   expect_first_frames(reader);
+}
+
+TEST(Recording, PowerLossKeepsAllFramesThatWereSynced) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  constexpr std::size_t header = 64, record_size = 64 + 320, frames = 12;
+  record(path, frames);
+  const std::vector<std::uint8_t> whole = read_file(path);
+  std::mt19937 random(1);
+  for (int tries = 0; tries < 2000; ++tries) {
+    // What came after a sync is there in part, in any order: blocks of it, and any length.
+    const std::size_t synced = random() % (frames + 1);
+    std::vector<std::uint8_t> bytes = whole;
+    for (std::size_t at = header + synced * record_size; at < bytes.size();) {
+      const std::size_t end = std::min(at + 1 + random() % 600, bytes.size());
+      if (random() % 2 == 0)
+        std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(at),
+                  bytes.begin() + static_cast<std::ptrdiff_t>(end), 0);
+      at = end;
+    }
+    const std::size_t least = header + synced * record_size;
+    bytes.resize(least + random() % (bytes.size() - least + 1));
+    put_bytes(path, bytes);
+    const RecordingReader reader(path);
+    ASSERT_GE(reader.count(), synced);
+    Frame frame;
+    for (std::uint64_t i = 0; i < reader.count(); ++i) {
+      const bool read = reader.read(i, frame);
+      if (i < synced) ASSERT_TRUE(read);
+      if (read) ASSERT_TRUE(same_pixels(frame, some_frame(static_cast<int>(i))));
+    }
+  }
+}
+
+TEST(Recording, LengthWithoutFramesIsNotSearchedForEver) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 5);
+  const auto before = fs::file_size(path) - 16;
+  for (const std::uintmax_t length : {std::uintmax_t{1} << 33, std::uintmax_t{1} << 42}) {
+    fs::resize_file(path, before);
+    fs::resize_file(path, length);
+    const RecordingReader reader(path);
+    EXPECT_EQ(reader.count(), 5U);
+    EXPECT_FALSE(reader.finished());
+    expect_first_frames(reader);
+  }
+}
+
+TEST(Recording, OldOneStaysUntilTheNewOneIsWhole) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 3);
+  RecordingWriter writer(path, {.format = some_format});
+  for (int i = 0; i < 5; ++i) writer.append(some_frame(i));
+  EXPECT_EQ(RecordingReader(path).count(), 3U);
+  writer.finish();
+  EXPECT_EQ(RecordingReader(path).count(), 5U);
+  EXPECT_EQ(entries_in(folder.path()), 1);
+  {
+    const SmallDisk disk(100);
+    RecordingWriter none(path, {.format = some_format});
+    EXPECT_THROW(none.append(some_frame(0)), WorldError);
+  }
+  EXPECT_EQ(RecordingReader(path).count(), 5U);
+  EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
 TEST(Recording, TimesThatCannotBeAddedAreDamage) {
@@ -166,7 +233,7 @@ TEST(Recording, ChangedHeaderIsRefused) {
   for (std::size_t at = 0; at < 64; ++at) {
     std::vector<std::uint8_t> damaged = whole;
     damaged[at] ^= 0x01;
-    write_file(path, damaged);
+    put_bytes(path, damaged);
     expect_error([&] { RecordingReader reader(path); }, {path.string()});
   }
 }
@@ -174,7 +241,7 @@ TEST(Recording, ChangedHeaderIsRefused) {
 TEST(Recording, RefusesWhatIsNoRecording) {
   const TemporaryFolder folder;
   expect_error([&] { RecordingReader reader(folder.path() / "none"); }, {"none", "no such file"});
-  expect_error([&] { RecordingReader reader(folder.path()); }, {"recording is wanted"});
+  expect_error([&] { RecordingReader reader(folder.path()); }, {"a file is wanted"});
   write_file(folder.path() / "text", std::string(100, 'x'));
   expect_error([&] { RecordingReader reader(folder.path() / "text"); }, {"is no recording"});
 }

@@ -287,7 +287,6 @@ bool holds_points(const fs::path& path) {
 }
 
 StoredPoints read_points(const fs::path& path) {
-  if (!fs::exists(path)) throw Error(fmt::format("{}: no such file", path.string()));
   const Parse parse = parse_for(path);
   if (parse == nullptr) {
     throw Error(

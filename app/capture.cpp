@@ -304,7 +304,7 @@ void add_capture(CLI::App& program, Command& chosen) {
       ->default_str("0");
   command.add("--headless", flags.headless, "no window: a line whenever the verdict changes");
   command.add("--size", flags.size, "of the window that guides, pixels");
-  command.add("--screenshot", flags.screenshot, "that window as it was last: .png");
+  command.add_output("--screenshot", flags.screenshot, "that window as it was last: .png");
   command.add("--rate", flags.source.rate, "frames per second of a camera that runs freely");
   command.add_file("--scanner", flags.source.scanner, "scanner file, which is kept with the scan");
   add_board_flags(command.app, flags.board);

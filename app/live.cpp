@@ -205,10 +205,7 @@ void live(const LiveFlags& flags, Output& output) {
                         {.indexing = indexing, .most_frames = flags.frames});
 
   const RunEnd end(flags.duration);
-  if (!flags.record.empty()) {
-    require_not_replayed(request, flags.record);
-    recorder.record_to(flags.record);
-  }
+  if (!flags.record.empty()) recorder.record_to(flags.record);
   pipeline.start();
   const std::string scheme = scheme_of(flags.source.source);
   LiveSession session{pipeline,
@@ -247,8 +244,8 @@ void add_live(CLI::App& program, Command& chosen) {
   command.add("--duration", flags.duration, "seconds, then it ends");
   command.add("--frames", flags.frames, "so many frames, then it ends");
   command.add("--headless", flags.headless, "no window");
-  command.add("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
-  command.add("--record", flags.record, "all frames, for replay:PATH");
+  command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
+  command.add_output("--record", flags.record, "all frames, for replay:PATH");
   command.add("--indexing", flags.indexing,
               "how it is known which pattern a frame shows: told (by the source), counted "
               "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");

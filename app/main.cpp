@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +15,9 @@
 #include <tbb/global_control.h>
 
 #include "app/commands.h"
+#include "app/distinct_files.h"
 #include "app/rig_flag.h"
+#include "app/stop_signal.h"
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
 
@@ -41,13 +46,17 @@ void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& share
 }
 
 /// In one line, and in the document with what that held already.
-int fail(Output& output, int code, std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "slipstream: {}\n", message);
-  output.document["error"] = message;
+int fail(Output& output, int code, std::string_view message) noexcept {
+  bool told = false;
   try {
+    std::string line(message);
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    Output::tell_failure(line);
+    told = true;
+    output.document["error"] = line;
     output.finish();
-  } catch (const WorldError&) {  // nobody reads stdout
+  } catch (const std::exception&) {  // nobody reads stdout, or there is no memory for words
+    if (!told) std::fputs("slipstream: not enough memory\n", stderr);
   }
   return code;
 }
@@ -66,10 +75,15 @@ std::vector<std::string> flags_of(const CLI::App& command) {
   return flags;
 }
 
-/// Why the arguments cannot be read, of words that are not known first, and which was meant.
-std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
+const CLI::App& chosen_command(const CLI::App& program) {
   const CLI::App* command = &program;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  return *command;
+}
+
+/// Why the arguments cannot be read, of words that are not known first, and which was meant.
+std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
+  const CLI::App* const command = &chosen_command(program);
   const std::vector<std::string> words = program.remaining(true);
   const auto all = [](const CLI::App*) { return true; };
   const auto flag = std::find_if(words.begin(), words.end(),
@@ -131,9 +145,17 @@ int run_program(int argc, char** argv, Output& output) {
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);
-    return fail(output, bad_input, refusal(program, error) + "; see --help");
+    if (error.get_exit_code() != 0) {
+      return fail(output, bad_input, refusal(program, error) + "; see --help");
+    }
+    std::ostringstream text;
+    program.exit(error, text, text);
+    Output help(false);
+    help.say("{}", text.str());
+    help.finish();
+    return 0;
   }
+  require_distinct_files(chosen_command(program));
   return run(chosen, shared, output);
 }
 
@@ -143,12 +165,16 @@ int run_program(int argc, char** argv, Output& output) {
 
 int main(int argc, char** argv) {
   using namespace slipstream;
+  app::prepare_process();
   const auto is_json = [](const char* argument) { return std::string_view(argument) == "--json"; };
   app::Output output(std::any_of(argv, argv + argc, is_json));  // also where flags are not read
   try {
     return app::run_program(argc, argv, output);
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {  // a name too long, links in a ring
+    return app::fail(output, app::bad_input,
+                     error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
     return app::fail(output, app::failure_of_the_world, "not enough memory");
   } catch (const std::exception& error) {

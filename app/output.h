@@ -10,7 +10,7 @@
 namespace slipstream::app {
 
 /// Where a subcommand's words go: to stdout for people, or to stderr when stdout is for the one
-/// JSON document that a machine reads.
+/// JSON document that a machine reads. Control characters in them are shown as "\x1b".
 class Output {
  public:
   explicit Output(bool json) : json_(json) {}
@@ -22,7 +22,9 @@ class Output {
   }
 
   /// A line on stderr that begins with "warning:".
-  void warn(std::string_view message);
+  static void warn(std::string_view message);
+  /// A line on stderr that begins with the program's name.
+  static void tell_failure(std::string_view message);
 
   /// The document that `--json` prints.
   nlohmann::json document;

@@ -250,8 +250,8 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
     result.median_sigma = median_depth(*result.uncertainty);
   }
   result.files = files_of_scan(flags.files, folder);
-  write_files(flags, result);
   result.rms = error_against_truth(folder, result.cloud);
+  write_files(flags, result);
   result.written = watch.lap();
   return result;
 }
@@ -284,17 +284,18 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
 void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   const FlagGroup group{command, "What to write"};
   ResultFiles& files = flags.files;
-  group.add("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz");
-  group.add("--mesh", files.mesh,
-            "its points joined, with the camera's picture: .ply, .stl, .obj or .glb");
-  group.add("--depth", files.depth, "depth map, mm: .tiff");
-  group.add("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff");
-  group.add("--phase", files.phase, "wrapped phase, rad: .tiff");
-  group.add("--modulation", files.modulation, "modulation B, grey levels: .tiff");
-  group.add("--mean", files.mean, "mean A, grey levels: .tiff");
-  group.add("--epipolar", files.epipolar,
-            "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
-  group.add("--preview", files.preview, "depth as a coloured picture with a scale: .png");
+  group.add_output("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz");
+  group.add_output("--mesh", files.mesh,
+                   "its points joined, with the camera's picture: .ply, .stl, .obj or .glb");
+  group.add_output("--depth", files.depth, "depth map, mm: .tiff");
+  group.add_output("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff");
+  group.add_output("--phase", files.phase, "wrapped phase, rad: .tiff");
+  group.add_output("--modulation", files.modulation, "modulation B, grey levels: .tiff");
+  group.add_output("--mean", files.mean, "mean A, grey levels: .tiff");
+  group.add_output(
+      "--epipolar", files.epipolar,
+      "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
+  group.add_output("--preview", files.preview, "depth as a coloured picture with a scale: .png");
   group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
   group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");
   group.add("--uncertainty", flags.uncertainty,
@@ -307,8 +308,8 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, reconstruct, "reconstruct",
                                             "scans to cloud, depth, phase, preview");
   command
-      .add("folders", flags.folders,
-           "scan folders (pictures, and scan.yaml or flags) or recordings")
+      .add_file("folders", flags.folders,
+                "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
   command.add("--backend", flags.backend, "fused, lut, closed-form, equation or intensity-ratio");
   command.add("--cue-rule", flags.unwrapping,

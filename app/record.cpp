@@ -52,7 +52,6 @@ void record(const RecordFlags& flags, Output& output) {
   const NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);
   FrameSource& source = *opened.frames;
-  require_not_replayed(request, flags.file);
   Recorder recorder(flags.file, {.format = source.format(),
                                  .frame_rate = flags.source.rate.value_or(0),
                                  .sequence = opened.sequence,
@@ -93,7 +92,7 @@ void record(const RecordFlags& flags, Output& output) {
 void add_record(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, record, "record",
                                             "frames of a camera to disk, lossless, to be replayed");
-  command.add("-o,--output", flags.file, "the recording")->required();
+  command.add_output("-o,--output", flags.file, "the recording")->required();
   command.add("--source", flags.source.source, source_forms())->required()->default_str("");
   command.add("--frames", flags.frames, "so many; until Ctrl-C without");
   command.add("--duration", flags.duration, "so long, s");

@@ -10,6 +10,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/image/rectangle.h"
+#include "slipstream/io/limits.h"
 #include "slipstream/strategy/registry.h"
 
 namespace slipstream::app {
@@ -125,7 +126,11 @@ ScanChanges scan_changes_from(const ScanFlags& flags) {
 }
 
 Size size_from(const std::string& text, const std::string& flag) {
-  if (const std::optional<Size> size = size_of_text(text)) return *size;
+  if (const std::optional<Size> size = size_of_text(text)) {
+    const auto side = [](int pixels) { return static_cast<std::uint64_t>(pixels); };
+    if (side(size->width) * side(size->height) <= largest_picture) return *size;
+    throw Error(fmt::format("{} {}: at most {} pixels", flag, text, largest_picture));
+  }
   throw Error(fmt::format("{} '{}' is not a size; give width x height in pixels, as 1824x1140",
                           flag, text));
 }

@@ -2,10 +2,17 @@
 
 #include <atomic>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
 
 namespace slipstream::app {
 namespace {
@@ -14,28 +21,67 @@ namespace {
 std::atomic<bool> stop_raised = false;
 static_assert(std::atomic<bool>::is_always_lock_free);
 
-/// The next signal ends the program, whichever of the two it is.
+/// What nohup has the program ignore stays ignored.
+void handle_ends(void (*handler)(int)) {
+  struct sigaction action {
+  }, before{};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    ::sigaction(signal, nullptr, &before);
+    if (signal != SIGHUP || before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
+  }
+}
+
+void end_program(int signal) {
+  remove_temporary_files();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// What a destructor throws ends here, as where one of JSON gets no memory, and so does an
+/// exception that nothing caught.
+[[noreturn]] void end_by_exception() {
+  remove_temporary_files();
+  const char* why = "ended by an error that nothing handles";
+  try {
+    if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    why = "not enough memory";
+  } catch (...) {
+  }
+  std::fprintf(stderr, "slipstream: %s\n", why);
+  std::_Exit(1);
+}
+
+/// The next signal ends the program, whichever it is.
 void raise_stop(int) {
   stop_raised = true;
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
+  handle_ends(end_program);
 }
 
 }  // namespace
 
+void prepare_process() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // The lowest number that is free is this one's.
+    [[maybe_unused]] const int opened =
+        ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  handle_ends(end_program);
+  std::set_terminate(end_by_exception);
+}
+
 StopSignal::StopSignal() {
   stop_raised = false;
-  struct sigaction action {};
-  action.sa_handler = raise_stop;
-  action.sa_flags = SA_RESTART;
-  ::sigemptyset(&action.sa_mask);
-  ::sigaction(SIGINT, &action, &interrupt_);
-  ::sigaction(SIGTERM, &action, &terminate_);
+  handle_ends(raise_stop);
 }
 
 StopSignal::~StopSignal() {
-  ::sigaction(SIGINT, &interrupt_, nullptr);
-  ::sigaction(SIGTERM, &terminate_, nullptr);
+  handle_ends(end_program);
 }
 
 bool StopSignal::raised() const {

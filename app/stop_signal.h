@@ -6,8 +6,14 @@
 
 namespace slipstream::app {
 
-/// While it lives the first SIGINT or SIGTERM does not end the program but is remembered, so that
-/// files can be finished; a second one ends it. There is one at a time.
+/// To be called once, first: standard streams that are closed take nothing and no file gets their
+/// numbers; SIGINT, SIGTERM and SIGHUP remove half-written files before they end the program; a
+/// reader that is gone and a file that may not grow are failures to write, not signals; an
+/// exception that nothing caught is a failure in one line.
+void prepare_process();
+
+/// While it lives the first SIGINT, SIGTERM or SIGHUP does not end the program but is remembered,
+/// so that files can be finished; a second one ends it. There is one at a time.
 class StopSignal {
  public:
   StopSignal();
@@ -16,10 +22,6 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
 
   [[nodiscard]] bool raised() const;
-
- private:
-  struct sigaction interrupt_ {};
-  struct sigaction terminate_ {};
 };
 
 /// Throws Error unless --duration is above 0 s, where it is given.

@@ -125,7 +125,7 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 void add_view(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(
       program, chosen, view_path, "view", "look at a cloud or a scan, in a window or as a picture");
-  command.add(
+  command.add_file(
       "path", flags.path,
       "a scan folder, a recording, or a cloud or mesh: .ply .pcd .xyz .stl .obj .glb; chosen "
       "in the window without");

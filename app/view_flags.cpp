@@ -12,10 +12,10 @@ namespace slipstream::app {
 
 void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
   const FlagGroup group{subcommand, "What is drawn"};
-  group.add("--snapshot", flags.snapshot,
-            "the cloud as a picture, drawn without a window: .png, .tiff or .bmp");
-  group.add("--screenshot", flags.screenshot,
-            "likewise with the panel and the camera's pictures beside it");
+  group.add_output("--snapshot", flags.snapshot,
+                   "the cloud as a picture, drawn without a window: .png, .tiff or .bmp");
+  group.add_output("--screenshot", flags.screenshot,
+                   "likewise with the panel and the camera's pictures beside it");
   group.add("--size", flags.size, "of window and pictures, pixels");
   group.add("--colour", flags.colour,
             fmt::format("of the points: {}", fmt::join(view::point_colour_names(), ", ")));

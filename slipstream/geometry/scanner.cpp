@@ -67,11 +67,13 @@ void require_valid(const PhotometricCalibration& photometry) {
   if (ambient && !(std::abs(*ambient) <= 255)) {
     throw Error(fmt::format("ambient_light {} is out of range; -255 to 255 grey levels", *ambient));
   }
-  if (noise_variance && !(*noise_variance > 0 && std::isfinite(*noise_variance))) {
-    throw Error(fmt::format("noise_variance {} is out of range; above 0", *noise_variance));
+  constexpr double full_scale = 255;
+  if (noise_variance && !(*noise_variance > 0 && *noise_variance <= full_scale * full_scale)) {
+    throw Error(
+        fmt::format("noise_variance {} is out of range; above 0, at most 255^2", *noise_variance));
   }
-  if (!(noise_gain >= 0 && std::isfinite(noise_gain))) {
-    throw Error(fmt::format("noise_gain {} is out of range; 0 or more", noise_gain));
+  if (!(noise_gain >= 0 && noise_gain <= full_scale)) {
+    throw Error(fmt::format("noise_gain {} is out of range; 0 to 255", noise_gain));
   }
   if (!response) return;
   if (const auto* law = std::get_if<PowerLaw>(&response->response)) {

@@ -1,12 +1,12 @@
 #include "slipstream/io/result_files.h"
 
 #include <array>
-#include <set>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/distinct_files.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"
 #include "slipstream/io/surface_file.h"
@@ -64,15 +64,10 @@ ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path&
 void require_writable(const ResultFiles& files, const std::vector<std::string>& scans) {
   if (!files.cloud.empty()) require_cloud_ending(files.cloud);
   if (!files.mesh.empty()) require_mesh_ending(files.mesh);
-  std::set<std::string> written;
+  DistinctFiles distinct;
+  for (const std::string& scan : scans) distinct.add_input(scan);
   for (const std::string& scan : scans) {
-    for (const auto& [name, path] : files_of_scan(files, scan).named()) {
-      if (written.insert(path).second) continue;
-      throw Error(
-          fmt::format("{}: several scans cannot all be written to it; put {{name}} in its "
-                      "path, which stands for each scan's name, and give each another name",
-                      path));
-    }
+    for (const auto& [name, path] : files_of_scan(files, scan).named()) distinct.add_output(path);
   }
 }
 

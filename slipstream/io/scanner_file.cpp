@@ -158,9 +158,11 @@ std::map<std::string, StoredMatrix> entries_of(const Scanner& scanner) {
   return entries;
 }
 
-/// The text of a file of that path.
+/// The text of a file of that path. Throws Error where read_scanner would.
 std::string text_of(const fs::path& path, const Scanner& scanner) {
-  return new_storage(entries_of(scanner), lower_case_extension(path) == ".xml");
+  std::string text = new_storage(entries_of(scanner), lower_case_extension(path) == ".xml");
+  static_cast<void>(scanner_from(text, path.string()));
+  return text;
 }
 
 bool names_geometry(std::string_view entry) {

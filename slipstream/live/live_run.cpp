@@ -75,8 +75,16 @@ LiveRun::LiveRun(FrameSource& source, const LiveSettings& settings,
       captured_(paced_ ? std::max<std::size_t>(settings.waiting_frames, 1) : stage_places),
       windows_(stage_places),
       finished_(stage_places) {
-  threads_ = {thread_of([this] { capture(); }), thread_of([this] { make_windows(); }),
-              thread_of([this] { reconstruct(); }), thread_of([this] { show(); })};
+  try {
+    threads_[0] = thread_of([this] { capture(); });
+    threads_[1] = thread_of([this] { make_windows(); });
+    threads_[2] = thread_of([this] { reconstruct(); });
+    threads_[3] = thread_of([this] { show(); });
+  } catch (...) {  // those that run are not left alone
+    fail(std::current_exception());
+    stop();
+    throw;
+  }
 }
 
 template <class Stage>

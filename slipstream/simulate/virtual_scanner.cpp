@@ -48,12 +48,12 @@ void require_valid(const Photometry& photometry) {
     if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
   };
   const int bits = photometry.bits.value_or(8);
-  require(std::isfinite(photometry.ambient), "ambient light", photometry.ambient, "a number");
+  require(std::abs(photometry.ambient) <= 255, "ambient light", photometry.ambient, "-255 to 255");
   const auto* const law = std::get_if<PowerLaw>(&photometry.response);
   const double gamma = law != nullptr ? law->gamma : 1;
   require(gamma >= 0.1 && gamma <= 20, "gamma", gamma, "0.1 to 20");
-  require(photometry.noise_variance >= 0 && std::isfinite(photometry.noise_variance),
-          "noise variance", photometry.noise_variance, "0 or more");
+  require(photometry.noise_variance >= 0 && photometry.noise_variance <= 255.0 * 255,
+          "noise variance", photometry.noise_variance, "0 to 255^2");
   require(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
   require(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays, "1 to 256");
 }

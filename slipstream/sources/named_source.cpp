@@ -149,13 +149,4 @@ NamedSource open_source(const SourceRequest& request) {
   return scheme->open(what, request);
 }
 
-void require_not_replayed(const SourceRequest& request, const fs::path& file) {
-  constexpr std::string_view scheme = "replay:";
-  if (!request.source.starts_with(scheme)) return;
-  std::error_code unknown;  // where `file` is not there yet
-  if (fs::equivalent(request.source.substr(scheme.size()), file, unknown)) {
-    throw Error(fmt::format("{}: is being replayed; record to another file", file.string()));
-  }
-}
-
 }  // namespace slipstream

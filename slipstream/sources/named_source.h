@@ -45,7 +45,4 @@ std::string scheme_of(const std::string& source);
 /// does not answer.
 NamedSource open_source(const SourceRequest& request);
 
-/// Throws Error where `file`, which is to be written, is what the source replays.
-void require_not_replayed(const SourceRequest& request, const std::filesystem::path& file);
-
 }  // namespace slipstream

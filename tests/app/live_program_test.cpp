@@ -79,11 +79,11 @@ TEST(LiveProgram, does_not_record_onto_what_is_replayed) {
     const ProgramRun live =
         run_program({"live", "--source", "replay:" + recording, "--headless", "--record", onto});
     EXPECT_EQ(live.exit_code, 2);
-    EXPECT_NE(live.err.find("is being replayed"), std::string::npos) << live.err;
+    EXPECT_NE(live.err.find("is read"), std::string::npos) << live.err;
     const ProgramRun record =
         run_program({"record", "--source", "replay:" + recording, "-o", onto});
     EXPECT_EQ(record.exit_code, 2);
-    EXPECT_NE(record.err.find("is being replayed"), std::string::npos) << record.err;
+    EXPECT_NE(record.err.find("is read"), std::string::npos) << record.err;
   }
   EXPECT_EQ(contents(recording), before);
 }

@@ -7,6 +7,7 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
+#include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"
@@ -95,6 +96,22 @@ TEST(ScannerFile, ReadsTheLayoutWithoutSizes) {
   EXPECT_EQ(scanner.projector.distortion.coefficients[0], 0.2);
   EXPECT_EQ(scanner.translation.x(), 100);
   EXPECT_EQ(scanner.camera.size, Size{});
+}
+
+TEST(ScannerFile, RowsAndColumnsAreWholeNumbers) {
+  std::string text = head + matrix("cam_K", 3, 3, K) + matrix("proj_K", 3, 3, K) +
+                     matrix("R", 3, 3, identity) + matrix("T", 3, 1, "100., 2., 3.");
+  EXPECT_NO_THROW((void)scanner_from(text, "cal.yml"));
+  text.replace(text.find("rows: 3"), 7, "rows: 1.5").replace(text.find("cols: 3"), 7, "cols: 6");
+  expect_error([&] { (void)scanner_from(text, "cal.yml"); }, {"cam_K", "not a matrix"});
+}
+
+TEST(ScannerFile, IsNotWrittenWhereItCouldNotBeRead) {
+  const TemporaryFolder folder;
+  Scanner scanner = example_scanner();
+  scanner.photometry.ambient = 1e308;
+  expect_error([&] { write_scanner(folder.path() / "scanner.yaml", scanner); }, {"ambient_light"});
+  EXPECT_EQ(entries_in(folder.path()), 0);
 }
 
 /// A file of SLMaster, whose entries hold those numbers.

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <set>
+
+namespace slipstream {
+
+/// Files that are read and written in one run, by whatever names: through links, with . and .. in
+/// them.
+class DistinctFiles {
+ public:
+  /// A file, a recording, or a scan folder with the files that its scan.yaml names, those of the
+  /// second camera too. What cannot be read is passed over.
+  void add_input(const std::filesystem::path& path);
+  /// Throws Error where it is an input or an output already.
+  void add_output(const std::filesystem::path& path);
+
+ private:
+  std::set<std::filesystem::path> inputs_, outputs_;
+};
+
+}  // namespace slipstream

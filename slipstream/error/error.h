@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace slipstream {
 
@@ -10,7 +12,14 @@ namespace slipstream {
 /// be right. The program prints it and exits 2.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// Line breaks, which the words of files may have, become spaces.
+  explicit Error(std::string message) : std::runtime_error(one_line(std::move(message))) {}
+
+ private:
+  static std::string one_line(std::string text) {
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+  }
 };
 
 /// A failure of the world that no other input would mend: disk full, folder not writable, camera

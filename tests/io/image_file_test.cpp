@@ -173,5 +173,16 @@ TEST(Maps, KeepNanAndThirtyTwoBits) {
       {"map.jpg", ".png"});
 }
 
+TEST(Frames, EveryTruncationOfAPngIsFound) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "frame.png";
+  write_image(path, random_image<std::uint8_t>({12, 9}, 255));
+  const std::vector<std::uint8_t> whole = read_file(path);
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    put_bytes(path, std::span(whole).first(length));
+    EXPECT_THROW(read_frames({path}), Error) << length;
+  }
+}
+
 }  // namespace
 }  // namespace slipstream

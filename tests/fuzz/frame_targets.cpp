@@ -1,0 +1,128 @@
+// Frames of any content: their alignment as they come, and both engines on them.
+#include <cmath>
+
+#include "slipstream/capture/pool.h"
+#include "slipstream/cycle/pattern_windows.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "tests/every_strategy.h"
+#include "tests/fuzz/target.h"
+
+namespace slipstream {
+namespace {
+
+/// Strategies that live scans are made with, by a number from the input.
+Strategy strategy_of(InputNumbers& numbers, const std::vector<Strategy>& all) {
+  return all[static_cast<std::size_t>(numbers.below(static_cast<int>(all.size())))];
+}
+
+/// Frames in any order, again, late, told wrongly: every window is whole, in pattern order and of
+/// frames of one cycle's length.
+void align_frames(std::span<const std::uint8_t> input) {
+  static const std::vector<Strategy> all = every_phase_strategy();
+  InputNumbers numbers(input);
+  const Strategy strategy = strategy_of(numbers, all);
+  const auto indexing = static_cast<PatternIndexing>(numbers.below(3));
+  const FrameFormat format{{16, 12}, 8};
+  const auto count = static_cast<std::uint64_t>(frame_count(strategy));
+  PatternWindows windows({.strategy = strategy}, indexing, format.size);
+  Pool<Frame> pool(6 * (count + 1), [&] { return Frame(format); });
+  std::vector<Pooled<Frame>> window;
+  std::uint64_t sequence = 0;
+  while (!numbers.rest().empty()) {
+    Pooled<Frame> frame = pool.take();
+    if (!frame) throw std::logic_error("frames are kept for ever");
+    const auto how = numbers.next<std::uint8_t>();
+    sequence = how < 200   ? sequence + 1
+               : how < 250 ? sequence + how - 225
+                           : numbers.next<std::uint64_t>();
+    const auto level = numbers.next<std::uint8_t>(), slope = numbers.next<std::uint8_t>();
+    auto& image = std::get<Image<std::uint8_t>>(frame.fill().pixels);
+    std::uint8_t value = level;
+    for (std::uint8_t& pixel : image) pixel = value = static_cast<std::uint8_t>(value + slope);
+    frame.fill().stamp = {.sequence = sequence};
+    if (how % 2 == 0) frame.fill().stamp.pattern_index = static_cast<int>(level) - 4;
+    if (how == 255) windows.restart();
+    (void)windows.put(frame);
+    while (windows.next(window)) {
+      if (window.size() != count) throw std::logic_error("a window that is not whole");
+    }
+    window.clear();
+  }
+}
+
+/// A scanner of a few pixels with lenses bent and turned at will.
+Scanner scanner_of(InputNumbers& numbers) {
+  Scanner scanner = example_scanner({16, 12});
+  for (Lens* lens : {&scanner.camera, &scanner.projector}) {
+    for (const auto [row, column] : {std::pair{0, 0}, {0, 2}, {1, 1}, {1, 2}}) {
+      lens->intrinsic(row, column) *= numbers.between(0.3, 3);
+    }
+    for (int i = 0; i < 5; ++i) {
+      lens->distortion.coefficients[static_cast<std::size_t>(i)] = numbers.between(-0.3, 0.3);
+    }
+  }
+  const Eigen::Vector3d axis(numbers.between(-1, 1), numbers.between(-1, 1), 1);
+  scanner.rotation = Eigen::AngleAxisd(numbers.between(-0.5, 0.5), axis.normalized()).matrix();
+  for (int i = 0; i < 3; ++i) scanner.translation[i] *= numbers.between(-3, 3);
+  scanner.translation[0] += numbers.between(-200, 200);
+  return scanner;
+}
+
+/// Any pixels in any scanner: a point is finite where it is valid, and the fused pass and the
+/// reference engine agree on nearly all of them. Where a limit or a tie is met to rounding they may
+/// not.
+void compare_engines(std::span<const std::uint8_t> input) {
+  static const std::vector<Strategy> all = every_phase_strategy();
+  InputNumbers numbers(input);
+  EngineSetup setup{.scanner = scanner_of(numbers),
+                    .sequence = {.strategy = strategy_of(numbers, all)}};
+  setup.settings.clean = CleanSettings::none();
+  setup.scanner.photometry.ambient = numbers.between(-20, 60);
+  setup.sequence.axis = numbers.below(2) == 0 ? Axis::x : Axis::y;
+  Frames<std::uint8_t> views;
+  std::vector<Image<std::uint8_t>> frames;
+  for (int n = 0; n < frame_count(setup.sequence); ++n)
+    frames.emplace_back(setup.scanner.camera.size);
+  const auto pixels = numbers.rest();
+  std::size_t next = 0;
+  for (auto& frame : frames) {
+    for (std::uint8_t& pixel : frame) {
+      pixel = pixels.empty() ? 0 : pixels[next++ % pixels.size()];
+    }
+    views.push_back(frame);
+  }
+  Cloud fused, reference;
+  Engine(setup).cloud(views, fused);
+  setup.settings.engine = EngineKind::reference;
+  setup.settings.phase_method = PhaseMethod::equation;
+  Engine(setup).cloud(views, reference);
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < fused.z.pixel_count(); ++i) {
+    const float a = fused.z.begin()[i], b = reference.z.begin()[i];
+    if (std::isfinite(a) != (fused.validity.begin()[i] == Validity::valid)) {
+      throw std::logic_error("a valid point that is not finite, or the other way round");
+    }
+    const bool same = fused.validity.begin()[i] == reference.validity.begin()[i] &&
+                      (!std::isfinite(a) || std::abs(a - b) <= 1e-2F * std::abs(b));
+    other += same ? 0 : 1;
+  }
+  if (other > fused.z.pixel_count() / 8) {
+    throw std::logic_error(std::to_string(other) + " pixels of other points by the engines");
+  }
+}
+
+std::vector<Bytes> noise(std::size_t bytes) {
+  std::mt19937 random(7);
+  std::vector<Bytes> seeds(24, Bytes(bytes));
+  for (Bytes& seed : seeds) {
+    for (std::uint8_t& byte : seed) byte = static_cast<std::uint8_t>(random());
+  }
+  return seeds;
+}
+
+const bool known = add_fuzz_target({"alignment", [] { return noise(200); }, align_frames, 4}) &&
+                   add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 20});
+
+}  // namespace
+}  // namespace slipstream

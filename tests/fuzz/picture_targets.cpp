@@ -1,0 +1,77 @@
+// Frames: pictures, recordings, and pixels as cameras give them.
+#include "slipstream/camera/mono_pixels.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/recording.h"
+#include "slipstream/strategy/dual_frequency.h"
+#include "tests/fuzz/target.h"
+#include "tests/io/recorded_frames.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+std::vector<Bytes> pictures(const std::string& ending) {
+  Image<std::uint8_t> picture({12, 9});
+  Image<std::uint16_t> deep({5, 4});
+  std::uint8_t value = 0;
+  for (std::uint8_t& pixel : picture) pixel = value += 7;
+  for (std::uint16_t& pixel : deep) pixel = static_cast<std::uint16_t>(251 * (value += 7));
+  std::vector<Bytes> seeds{
+      written_file("grey" + ending, [&](const fs::path& path) { write_image(path, picture); })};
+  if (ending != ".bmp") {
+    seeds.push_back(
+        written_file("deep" + ending, [&](const fs::path& path) { write_image(path, deep); }));
+  }
+  return seeds;
+}
+
+bool add_picture_target(const std::string& ending) {
+  return add_fuzz_target({"frame" + ending, [=] { return pictures(ending); },
+                          [=](std::span<const std::uint8_t> input) {
+                            (void)read_frames({file_of(input, "frame" + ending)});
+                          }});
+}
+
+std::vector<Bytes> recordings() {
+  std::vector<Bytes> seeds;
+  for (const int bits : {8, 12}) {
+    seeds.push_back(written_file("frames.recording", [&](const fs::path& path) {
+      const FrameFormat format{{7, 5}, bits};
+      RecordingWriter writer(path,
+                             {.format = format, .sequence = Sequence{.strategy = DualFrequency{}}});
+      for (int i = 0; i < 3; ++i) writer.append(some_frame(i, format));
+      writer.finish();
+    }));
+  }
+  return seeds;
+}
+
+void read_recording(std::span<const std::uint8_t> input) {
+  const RecordingReader reader(file_of(input, "input.recording"));
+  Frame frame;
+  for (std::uint64_t i = 0; i < std::min<std::uint64_t>(reader.count(), 8); ++i) {
+    (void)reader.read(i, frame);
+  }
+}
+
+/// A packet's pixels in each layout, fewer or more than the frame has.
+void unpack_pixels(std::span<const std::uint8_t> input) {
+  InputNumbers numbers(input);
+  const auto names = mono_format_names();
+  const MonoFormat format = mono_format_named(
+      names[static_cast<std::size_t>(numbers.below(static_cast<int>(names.size())))]);
+  Frame frame({{1 + numbers.below(40), 1 + numbers.below(40)}, bits_of(format)});
+  const std::size_t needed = bytes_of(
+      format, std::visit([](const auto& image) { return image.pixel_count(); }, frame.pixels));
+  if (unpack(format, numbers.rest(), frame) != (numbers.rest().size() >= needed)) {
+    throw std::logic_error("unpacked from too few bytes, or not from enough");
+  }
+}
+
+const bool known =
+    add_picture_target(".png") && add_picture_target(".pgm") && add_picture_target(".bmp") &&
+    add_picture_target(".tiff") && add_fuzz_target({"recording", recordings, read_recording}) &&
+    add_fuzz_target({"pixels", [] { return std::vector<Bytes>{Bytes(400, 0xa5)}; }, unpack_pixels});
+
+}  // namespace
+}  // namespace slipstream

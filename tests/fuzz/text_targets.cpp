@@ -1,0 +1,110 @@
+// Settings and calibrations: YAML and XML.
+#include "slipstream/geometry/scanner.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/photometric_file.h"
+#include "slipstream/io/rig_file.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scanner_file.h"
+#include "tests/every_strategy.h"
+#include "tests/fuzz/target.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+std::string matrix(const std::string& name, int rows, int columns, const std::string& data) {
+  return name + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
+         "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " + data + " ]\n";
+}
+
+std::vector<Bytes> scanner_files() {
+  const std::string head = "%YAML:1.0\n---\n", lens = "900., 0., 320., 0., 901., 240., 0., 0., 1.",
+                    bent = "0.1, 0., 0., 0., 0.", turn = "1., 0., 0., 0., 1., 0., 0., 0., 1.";
+  Scanner scanner;
+  scanner.camera.size = {640, 480};
+  scanner.projector.size = {1024, 768};
+  scanner.translation = {100, 0, 0};
+  scanner.calibrated_depths = {400, 900};
+  scanner.measured = "in the cellar";
+  return {bytes_of(text_of(scanner)),
+          written_file("scanner.xml", [&](const fs::path& path) { write_scanner(path, scanner); }),
+          bytes_of(head + matrix("M1", 3, 3, lens) + matrix("D1", 1, 5, bent) +
+                   matrix("S", 2, 1, "640., 480.") + matrix("M4", 3, 3, lens) +
+                   matrix("Rlp", 3, 3, turn) + matrix("Tlp", 3, 1, "-108., 2., 3.")),
+          bytes_of(head + matrix("cam_K", 3, 3, lens) + matrix("cam_kc", 1, 5, bent) +
+                   matrix("proj_K", 3, 3, lens) + matrix("proj_kc", 1, 5, bent) +
+                   matrix("R", 3, 3, turn) + matrix("T", 3, 1, "100., 2., 3.")),
+          bytes_of(head + "frameWidth: 640\nframeHeight: 480\nscreenResX: 800\nscreenResY: 600\n" +
+                   matrix("Kc", 3, 3, lens) + matrix("kc", 1, 5, bent) + matrix("Kp", 3, 3, lens) +
+                   matrix("kp", 1, 5, bent) + matrix("Rp", 3, 3, turn) +
+                   matrix("Tp", 3, 1, "100., 2., 3."))};
+}
+
+const bool scanner_known = add_fuzz_target(
+    {"scanner", scanner_files, [](std::span<const std::uint8_t> input) {
+       const Scanner read = scanner_from(text_of_bytes(input), "input");
+       const auto unless_said = [](Size said, Size size) { return said == Size{} ? size : said; };
+       const Scanner scanner = completed(read, "input", unless_said(read.camera.size, {640, 480}),
+                                         unless_said(read.projector.size, {1920, 1080}));
+       // What is accepted can be written, and read again as it was.
+       if (!(completed(scanner_from(text_of(scanner), "again"), "again", {}, {}) == scanner)) {
+         throw std::logic_error("a scanner that is written reads as another");
+       }
+     }});
+
+std::vector<Bytes> calibrations_of_light() {
+  const std::array values{0.0, 0.25, 0.5, 0.75, 1.0}, light{0.0, 0.1, 0.3, 0.6, 1.0};
+  std::vector<Bytes> seeds;
+  for (const std::string ending : {".yaml", ".xml"}) {
+    seeds.push_back(written_file("light" + ending, [&](const fs::path& path) {
+      write_photometric_calibration(
+          std::nullopt, path,
+          {.ambient = -7,
+           .noise_variance = 1.55,
+           .noise_gain = 0.01,
+           .response = MeasuredResponse{.response = response_curve(values, light), .gamma = 2}});
+    }));
+  }
+  return seeds;
+}
+
+const bool photometry_known =
+    add_fuzz_target({"photometry", calibrations_of_light, [](std::span<const std::uint8_t> input) {
+                       const fs::path file = file_of(input, "light.yaml");
+                       (void)read_photometric_calibration(file);
+                       (void)response_named(file.string(), "--gamma");
+                     }});
+
+std::vector<Bytes> scan_yamls() {
+  std::vector<Strategy> strategies = every_phase_strategy();
+  for (const auto& more : {every_strategy_by_reference(), every_code()}) {
+    strategies.insert(strategies.end(), more.begin(), more.end());
+  }
+  std::vector<Bytes> seeds;
+  for (const Strategy& strategy : strategies) {
+    ScanFiles scan{.sequence = {.strategy = strategy, .projector = {1824, 1140}},
+                   .frames = {"a.png", "b.png"}};
+    scan.bits = static_cast<int>(8 + seeds.size() % 2 * 4);
+    scan.sequence.axis = seeds.size() % 3 == 0 ? Axis::y : Axis::x;
+    seeds.push_back(bytes_of(scan_yaml_of(scan, ".")));
+  }
+  return seeds;
+}
+
+const bool scan_known =
+    add_fuzz_target({"scan.yaml", scan_yamls, [](std::span<const std::uint8_t> input) {
+                       const ScanFiles scan = scan_files_from(text_of_bytes(input), "input", ".");
+                       (void)scan_files_from(scan_yaml_of(scan, "."), "again", ".");
+                     }});
+
+const bool rig_known = add_fuzz_target(
+    {"rig",
+     [] {
+       return std::vector<Bytes>{
+           bytes_of("camera:\n  source: virtual\n  exposure: 8\nscanner: s.yaml\n"
+                    "cleaning:\n  low_steps: [1, 2, three]\n")};
+     },
+     [](std::span<const std::uint8_t> input) { (void)rig_from(text_of_bytes(input), "input"); }});
+
+}  // namespace
+}  // namespace slipstream

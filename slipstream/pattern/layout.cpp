@@ -67,13 +67,14 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   require_weights(band.cosine, frames, 0, name, "a cosine");
   require_weights(band.sine, frames, 0, name, "a sine");
   require_weights(band.mean, frames, 1, name, "a mean");
-  if (band.carrier == 0) return;
-  if (!(band.carrier > 0 && std::isfinite(band.carrier))) {
+  if (!(band.carrier >= 0 && std::isfinite(band.carrier)) ||
+      band.mirrored.size() != (band.carrier > 0 ? 1U : 0U)) {
     throw Error(
-        fmt::format("{}: a carrier of {} periods is out of range; above 0", name, band.carrier));
+        fmt::format("{}: a carrier of {} periods with {} mirrored sinusoids; above 0 it "
+                    "takes one",
+                    name, band.carrier, band.mirrored.size()));
   }
-  require_weights(band.mirrored_cosine, frames, 0, name, "a mirrored cosine");
-  require_weights(band.mirrored_sine, frames, 0, name, "a mirrored sine");
+  for (const Band& mirrored : band.mirrored) require_valid(mirrored, frames, name);
 }
 
 std::string periods_text(const Layout& layout) {
@@ -296,7 +297,6 @@ bool is_channel(const Band& band, const StepRun& run, int channel) {
 }
 
 std::optional<StepRun> step_run(const Band& band) {
-  if (band.carrier > 0) return std::nullopt;
   const auto has_weight = [](double weight) { return weight != 0; };
   const auto first = std::find_if(band.mean.begin(), band.mean.end(), has_weight);
   const auto end = std::find_if_not(first, band.mean.end(), has_weight);
@@ -315,9 +315,9 @@ double component_noise(const Band& band) {
   const auto squares = [](const std::vector<double>& weights) {
     return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
   };
-  return (squares(band.cosine) + squares(band.sine) + squares(band.mirrored_cosine) +
-          squares(band.mirrored_sine)) /
-         2;
+  double noise = (squares(band.cosine) + squares(band.sine)) / 2;
+  for (const Band& mirrored : band.mirrored) noise += component_noise(mirrored);
+  return noise;
 }
 
 std::vector<int> step_counts(const Layout& layout) {

@@ -20,14 +20,13 @@ struct Band {
   std::vector<double> cosine{};  ///< a weight for each frame of the scan, as `sine` and `mean`
   std::vector<double> sine{};
   std::vector<double> mean{};
-  /// Where above 0, periods of a carrier across the axis: these frames show a product of sinusoids,
-  /// cos(pi periods y) cos(2 pi carrier x), which is two of half as many periods. C + i S, of the
-  /// phase pi periods y + 2 pi carrier x, is then the one; C' + i S', of pi periods y - 2 pi
-  /// carrier x, the other; the band's phase that of (C + i S)(C' + i S'), in which the carrier's is
-  /// no more; and B the lesser of both.
+  /// Periods of a carrier across the axis; 0: none. Frames with one show cos(pi periods y) times
+  /// cos(2 pi carrier x), which is the sum of two oblique sinusoids, or these by themselves. C + i
+  /// S is then the one, of the phase pi periods y + 2 pi carrier x, with its own mean; the other,
+  /// of pi periods y - 2 pi carrier x, is `mirrored`. In the sum of their phases, which is the
+  /// band's, the carrier is no more; B is the lesser of theirs.
   double carrier = 0;
-  std::vector<double> mirrored_cosine{};  ///< weights for C'; none without a carrier
-  std::vector<double> mirrored_sine{};
+  std::vector<Band> mirrored{};  ///< one with a carrier, else none
 
   friend bool operator==(const Band&, const Band&) = default;
 };
@@ -142,14 +141,15 @@ struct StepRun {
   friend bool operator==(const StepRun&, const StepRun&) = default;
 };
 
-/// The run whose first phase channel the band is; none where its weights are others. For N = 3, 4,
+/// The run whose first phase channel the band is, with a carrier the first of its sinusoids; none
+/// where its weights are others. For N = 3, 4,
 /// 6 there are tables then, and for any N a response can be corrected.
 std::optional<StepRun> step_run(const Band& band);
 /// Whether the band is that phase channel of the run.
 bool is_channel(const Band& band, const StepRun& run, int channel);
 
 /// Variance of C and of S, on average, over that of a frame: 2 / N for N steps, Eq. (3.36). With a
-/// carrier that of C' and of S' besides, as the phase has the noise of both.
+/// carrier the mirrored ones' is added, as the phase has the noise of both.
 double component_noise(const Band& band);
 
 /// N of each band that is a run of steps, in the order of the bands.

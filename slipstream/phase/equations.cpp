@@ -1,8 +1,6 @@
 #include "slipstream/phase/equations.h"
 
-#include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <numbers>
 
@@ -44,9 +42,8 @@ double wrapped_angle(double S, double C) {
   return angle > 2 * pi - 1e-12 ? 0.0 : angle;
 }
 
-std::complex<double> demodulated(std::complex<double> one, std::complex<double> mirrored) {
-  const double larger = std::max(std::abs(one), std::abs(mirrored));
-  return larger > 0 ? one * mirrored / larger : 0;
+double wrapped_sum(double a, double b) {
+  return wrapped_angle(std::sin(a + b), std::cos(a + b));
 }
 
 }  // namespace slipstream

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <span>
 #include <vector>
 
@@ -35,8 +34,7 @@ class PhaseEquations {
 /// below 1e-12 grey levels) has no angle and gives 0.
 double wrapped_angle(double S, double C);
 
-/// C + i S of a band with a carrier from those of its two sinusoids: the phase of their product,
-/// the lesser of their modulations. See Band::carrier.
-std::complex<double> demodulated(std::complex<double> one, std::complex<double> mirrored);
+/// The sum of two wrapped phases, in [0, 2 pi), as wrapped_angle has it.
+double wrapped_sum(double a, double b);
 
 }  // namespace slipstream

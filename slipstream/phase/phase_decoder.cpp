@@ -1,9 +1,8 @@
 #include "slipstream/phase/phase_decoder.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <type_traits>
@@ -93,17 +92,12 @@ PhaseMaps decode_by_tables(const Frames<std::uint8_t>& frames, const PhaseTables
   });
 }
 
-/// Of maps that hold C and S, as modulation and wrapped phase.
-void demodulate(PhaseMaps& maps, const FrameViews& frames, const Band& band) {
-  const Image<double> cosine = weighted_sum(frames, band.mirrored_cosine);
-  const Image<double> sine = weighted_sum(frames, band.mirrored_sine);
-  for (std::size_t i = 0; i < cosine.pixel_count(); ++i) {
-    double& C = maps.modulation.begin()[i];
-    double& S = maps.wrapped_phase.begin()[i];
-    const std::complex<double> both = demodulated({C, S}, {cosine.begin()[i], sine.begin()[i]});
-    C = both.real();
-    S = both.imag();
-  }
+/// Of the two sinusoids of a band with a carrier: see Band::carrier.
+void demodulate(PhaseMaps& maps, const PhaseMaps& mirrored) {
+  std::transform(maps.modulation.begin(), maps.modulation.end(), mirrored.modulation.begin(),
+                 maps.modulation.begin(), [](double a, double b) { return std::min(a, b); });
+  std::transform(maps.wrapped_phase.begin(), maps.wrapped_phase.end(),
+                 mirrored.wrapped_phase.begin(), maps.wrapped_phase.begin(), wrapped_sum);
 }
 
 }  // namespace
@@ -162,6 +156,12 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, int first, int step
 }
 
 PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, const Band& band) const {
+  PhaseMaps maps = sinusoid(frames, band);
+  for (const Band& mirrored : band.mirrored) demodulate(maps, sinusoid(frames, mirrored));
+  return maps;
+}
+
+PhaseMaps PhaseDecoder::sinusoid(const FrameViews& frames, const Band& band) const {
   if (const auto run = step_run(band)) {
     PhaseMaps maps = (*this)(frames, run->first, run->steps);
     if (run->shifts == Shifts{}) return maps;
@@ -170,7 +170,6 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, const Band& band) c
   }
   PhaseMaps maps{weighted_sum(frames, band.mean), weighted_sum(frames, band.cosine),
                  weighted_sum(frames, band.sine)};
-  if (band.carrier > 0) demodulate(maps, frames, band);
   for_each_row(frames.size().height, [&](int row) {
     for (int column = 0; column < frames.size().width; ++column) {
       const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);

@@ -52,6 +52,8 @@ class PhaseDecoder {
   [[nodiscard]] PhaseMaps operator()(const FrameViews& frames, const Band& band) const;
 
  private:
+  /// Without the mirrored one.
+  [[nodiscard]] PhaseMaps sinusoid(const FrameViews& frames, const Band& band) const;
   [[nodiscard]] const PhaseCorrection* correction_for(int steps) const;
 
   PhaseMethod method_;

@@ -43,9 +43,11 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
                             scan.exposures.size()));
   }
   const Strategy& strategy = scan.sequence.strategy;
-  if (strategy.layout().unwrapping != Unwrapping::vote) return;
-  throw Error(fmt::format("{}: {}; ambient light is measured with patterns that hold no cue", name,
-                          strategy.name()));
+  const Layout& layout = strategy.layout();
+  if (layout.unwrapping != Unwrapping::vote && carrier_periods(layout) == 0) return;
+  throw Error(
+      fmt::format("{}: {}; ambient light is measured with patterns that hold no cue and no carrier",
+                  name, strategy.name()));
 }
 
 AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha,

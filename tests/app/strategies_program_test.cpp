@@ -80,7 +80,7 @@ TEST_P(StrategiesLive, HasTheCloudOfTheScan) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesLive,
-                         testing::Values("multi-frequency", "gray-phase", "micro"),
+                         testing::Values("multi-frequency", "gray-phase", "micro", "modulated"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
 class StrategiesRefused : public StrategiesProgram {
@@ -109,6 +109,11 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
   expect_line(patterns("micro", {"--periods", "64,32"}), "no common multiple");
   expect_line(patterns("gray", {"--bits", "12", "--projector", "1920x1080"}), "at most 1920");
   expect_line(patterns("pcps", {"--steps", "5"}), "even");
+  expect_line(patterns("modulated", {"--carrier-steps", "1"}), "2 to 16");
+  expect_line(patterns("modulated", {"--carrier", "0"}), "carrier");
+  expect_line(patterns("modulated", {"--periods", "4,16"}), "at most 1 period");
+  expect_line(patterns("modulated", {"--projector", "1024x100"}), "at most 50");
+  expect_line(patterns("modulated", {"--axis", "both", "--carrier", "600"}), "at most 540");
 
   simulate();
   expect_line({"reconstruct", path("scan"), "--strategy", "gray-phase"},

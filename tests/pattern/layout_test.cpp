@@ -246,6 +246,14 @@ TEST(Layout, RefusesWhatIsNone) {
       {"a sine of constant light", one_band(1), [](Layout& l) { l.bands[0].sine[0] += 0.1; }},
       {"a mean that is none", one_band(1), [](Layout& l) { l.bands[0].mean[0] += 0.1; }},
       {"a second band's cosine", hierarchy({1, 4}), [](Layout& l) { l.bands[1].cosine[0] += 1; }},
+      {"a carrier of one sinusoid alone", one_band(1), [](Layout& l) { l.bands[0].carrier = 9; }},
+      {"a mirrored sinusoid without a carrier", one_band(1),
+       [](Layout& l) { l.bands[0].mirrored = l.bands; }},
+      {"a carrier that is no number", one_band(1),
+       [&](Layout& l) {
+         l.bands[0].mirrored = l.bands;
+         l.bands[0].carrier = nan;
+       }},
       {"no band to begin with", hierarchy({2, 16}), [](Layout&) {}},
       {"no beat of one period", hierarchy({1, 20, 30, 40}),
        [](Layout& l) {

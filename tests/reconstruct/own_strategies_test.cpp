@@ -277,31 +277,35 @@ TEST(OwnStrategies, NoiseOfTheCoordinateIsAsPredicted) {
   }
 }
 
-/// Tables of N steps and their corrections serve a layout whose bands are runs of steps.
+/// Tables of N steps and their corrections serve a layout whose bands are runs of steps, or two of
+/// them with a carrier.
 TEST(OwnStrategies, AreCorrectedForTheResponseWhereTheyAreRunsOfSteps) {
   Scanner scanner = example_scanner({160, 120});
-  const Strategy strategy = ThreeFrequencies{};
-  const VirtualScan scan =
-      take_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x),
-                {.response = PowerLaw{1.6}, .bits = 16});
-  const auto rms_depth_error = [&](EngineKind kind) {
-    Cloud cloud;
-    Engine(setup_of(scanner, strategy, Axis::x, {.engine = kind})).cloud(scan.frames, cloud);
-    double sum = 0, points = 0;
-    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
-      const double error = cloud.z.begin()[i] - scan.depth.begin()[i];
-      if (!std::isfinite(error)) continue;
-      sum += error * error;
-      ++points;
+  for (const Strategy& strategy :
+       {Strategy(ThreeFrequencies{}), Strategy(ModulatedPhaseShifting{.periods = {1, 4, 16}})}) {
+    SCOPED_TRACE(text_of(strategy));
+    const VirtualScan scan =
+        take_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x),
+                  {.response = PowerLaw{1.6}, .bits = 16});
+    const auto rms_depth_error = [&](EngineKind kind) {
+      Cloud cloud;
+      Engine(setup_of(scanner, strategy, Axis::x, {.engine = kind})).cloud(scan.frames, cloud);
+      double sum = 0, points = 0;
+      for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+        const double error = cloud.z.begin()[i] - scan.depth.begin()[i];
+        if (!std::isfinite(error)) continue;
+        sum += error * error;
+        ++points;
+      }
+      EXPECT_GT(points, 10000);
+      return std::sqrt(sum / points);
+    };
+    for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
+      scanner.photometry.response.reset();
+      EXPECT_GT(rms_depth_error(kind), 0.5);
+      scanner.photometry.response = MeasuredResponse{.response = PowerLaw{1.6}, .gamma = 1.6};
+      EXPECT_LT(rms_depth_error(kind), 0.01);
     }
-    EXPECT_GT(points, 10000);
-    return std::sqrt(sum / points);
-  };
-  for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
-    scanner.photometry.response.reset();
-    EXPECT_GT(rms_depth_error(kind), 0.5);
-    scanner.photometry.response = MeasuredResponse{.response = PowerLaw{1.6}, .gamma = 1.6};
-    EXPECT_LT(rms_depth_error(kind), 0.01);
   }
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -59,6 +60,37 @@ TEST(Strategy, OffersUsualOnesThatGiveACoordinate) {
 TEST(Strategy, RefusesFrequenciesThatTheProjectorCannotShow) {
   EXPECT_NO_THROW(require_resolved(DualFrequency{.high = 16}, Axis::x, {1824, 2}));
   EXPECT_THROW(require_resolved(DualFrequency{.high = 16}, Axis::y, {64, 31}), Error);
+  const Strategy modulated = ModulatedPhaseShifting{.carrier = 20};
+  EXPECT_NO_THROW(require_resolved(modulated, Axis::x, {32, 40}));
+  EXPECT_THROW(require_resolved(modulated, Axis::y, {32, 40}), Error);
+}
+
+TEST(ModulatedPhaseShifting, IsABaseTimesACarrierOrItsObliqueSinusoids) {
+  using std::numbers::pi;
+  const Strategy product =
+      ModulatedPhaseShifting{.carrier_steps = 2, .periods = {1, 6}, .carrier = 20};
+  const Strategy oblique = ModulatedPhaseShifting{.periods = {1, 6}, .carrier = 20};
+  ASSERT_EQ(frame_count(product), 12);
+  ASSERT_EQ(frame_count(oblique), 12);
+  for (const double y : {0.0, 0.21, 0.8}) {
+    for (const double across : {0.0, 0.013, 0.6}) {
+      for (int n = 0; n < 12; ++n) {
+        const double base = pi * (n < 6 ? 1 : 6) * y, carrier = 2 * pi * 20 * across;
+        const int i = n % 6;
+        EXPECT_NEAR(product.shape(n, y, across),
+                    0.5 + 0.5 * std::cos(base - 2 * pi * (i / 2) / 3) *
+                              std::cos(carrier - pi * (i % 2) / 2),
+                    1e-12);
+        EXPECT_NEAR(
+            oblique.shape(n, y, across),
+            0.5 + 0.5 * std::cos(base + (i < 3 ? carrier : -carrier) - 2 * pi * (i % 3) / 3),
+            1e-12);
+      }
+    }
+  }
+  EXPECT_EQ(step_counts(oblique), (std::vector<int>{3, 3}));
+  EXPECT_TRUE(step_counts(product).empty());
+  EXPECT_EQ(highest_frequency(product), 6);
 }
 
 }  // namespace

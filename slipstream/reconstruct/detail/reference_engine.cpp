@@ -152,9 +152,10 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
           noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
       const double y = maps.coordinate(column, row);
       const double phi = 2 * std::numbers::pi * band.periods * y;
-      const double gain = run && corrected ? noise_gain(corrected->response, run->steps,
-                                                        shifted_phase(run->shifts, phi))
-                                           : 1;
+      const double gain =
+          run && corrected && band.carrier == 0
+              ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
+              : 1;
       const double sigma_y = by_noise
                                  ? gain * std::sqrt(unit_variance * noise_variance) / modulation
                                  : std::sqrt(unit_variance);

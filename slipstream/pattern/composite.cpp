@@ -79,7 +79,7 @@ std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std:
               .cosine = row(1 + 2 * i),
               .sine = row(2 + 2 * i),
               .mean = own_mean(made, sinusoid).value_or(row(0))};
-    if (sinusoid.carrier < 0) {
+    if (sinusoid.carrier < 0 && !bands.empty()) {
       bands.back().mirrored.push_back(std::move(band));
       continue;
     }

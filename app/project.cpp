@@ -109,6 +109,8 @@ void project_scan(const ProjectFlags& flags, Output& output) {
 
   project::SwapLog log;
   const RunEnd end(flags.duration);
+  output.say("showing {} patterns; Ctrl-C or Esc ends it", count);
+  std::fflush(stdout);
   const project::ProjectionSettings settings{
       .refresh_hz = projector.refresh_hz(),
       .hold = hold,

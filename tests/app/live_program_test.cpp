@@ -175,11 +175,11 @@ TEST(LiveProgram, refuses_what_cannot_be) {
   expect_refused({"live", "--headless", "--source", "virtual:x"}, "virtual:x");
   expect_refused({"live", "--headless", "--source", "replay:/nowhere"}, "/nowhere");
   expect_refused(with(small, {"--rate", "-1"}), "--rate -1");
-  expect_refused(with(small, {"--rate", "nan"}), "--rate nan");
+  expect_refused(with(small, {"--rate", "nan"}), "--rate: nan");
   expect_refused(with(small, {"--rate", "1e-4"}), "--rate 0.0001");
   expect_refused(with(small, {"--frames", "0"}), "--frames 0");
   expect_refused(with(small, {"--duration", "0"}), "--duration 0");
-  expect_refused(with(small, {"--duration", "nan"}), "--duration nan");
+  expect_refused(with(small, {"--duration", "nan"}), "--duration: nan");
   expect_refused(with(small, {"--indexing", "guess"}), "guess");
   expect_refused(with(small, {"--gamma", "blind"}), "blind");
   expect_refused(with(small, {"-o", "cloud.txt"}), "cloud.txt");

@@ -94,19 +94,11 @@ TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
   EXPECT_NE(project.err.find("desktop"), std::string::npos) << project.err;
 }
 
-/// Whether the process has a handler of its own for SIGINT.
-bool heeds_interrupts(pid_t process) {
-  const std::string status = contents("/proc/" + std::to_string(process) + "/status");
-  const auto caught = status.find("SigCgt:");
-  return caught != std::string::npos &&
-         (std::stoull(status.substr(caught + 7), nullptr, 16) & (1ULL << (SIGINT - 1))) != 0;
-}
-
 TEST_F(ViewProgram, AnInterruptEndsTheProjectionAndKeepsItsLog) {
   const Desktop desktop;
   if (run_program({"project", "--list"}).exit_code != 0) GTEST_SKIP() << "no desktop";
   RunningProgram project({"project", "--log", path("log.csv")});
-  EXPECT_TRUE(wait_until([&] { return heeds_interrupts(project.process()); })) << project.err();
+  EXPECT_TRUE(project.wait_for_words("showing")) << project.err();
   project.send(SIGINT);
   EXPECT_EQ(project.wait(), 0) << project.err();
   EXPECT_EQ(contents(path("log.csv")).substr(0, 21), "swap,pattern,seconds\n");

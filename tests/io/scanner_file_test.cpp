@@ -32,7 +32,9 @@ TEST(ScannerFile, KeepsWhatIsNotGeometryWhenItIsReplaced) {
   const TemporaryFolder folder;
   for (const char* name : {"scanner.yaml", "scanner.xml"}) {
     const auto path = folder.path() / name;
-    EXPECT_TRUE(replace_geometry(path, {}).empty());
+    Scanner other = example();
+    other.translation.x() = 7;
+    EXPECT_TRUE(replace_geometry(path, other).empty());
     std::map<std::string, StoredMatrix> more = read_opencv_storage(path);
     more = {{"gamma", {1, 1, {2.25}}}, {"vignette", {1, 2, {0, 1}}}, {"Kc", more.at("rotation")}};
     const std::vector<std::uint8_t> text = read_file(path);

@@ -148,7 +148,7 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
 
 OutputFile::~OutputFile() {
   if (writing_ == Writing::at_once) discard();
-  if (is_open()) ::close(descriptor_);
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> parts) {
@@ -181,7 +181,7 @@ void OutputFile::keep() {
 }
 
 void OutputFile::discard() noexcept {
-  if (is_open()) ::close(std::exchange(descriptor_, -1));
+  if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
   if (!name_.empty()) ::unlink(name_.c_str());
   let_go();
 }

@@ -69,8 +69,6 @@ class OutputFile {
   void keep();
   /// Closes and removes the file.
   void discard() noexcept;
-  /// Neither kept nor discarded.
-  [[nodiscard]] bool is_open() const { return descriptor_ >= 0; }
 
  private:
   void let_go() noexcept;
@@ -79,8 +77,8 @@ class OutputFile {
   std::filesystem::path path_, folder_;
   std::string name_{};  ///< under which it is written
   Writing writing_;
-  bool remembered_ = false;
-  int descriptor_ = -1;
+  bool remembered_ = false;  ///< by remove_temporary_files
+  int descriptor_ = -1;      ///< once closed
 };
 
 /// Writes a file whole or not at all. Throws as OutputFile.

@@ -29,7 +29,7 @@ bool is_recording(const std::filesystem::path& path);
 
 /// Writes frames without loss, one behind another. What is on the disk can be read at any time up
 /// to the last whole frame, however the writing ends. A file that was there before stays until the
-/// new one is whole, and the new one has a temporary name as long.
+/// new one is whole, which has a temporary name until then.
 class RecordingWriter {
  public:
   /// So many bytes at most are not yet synced to the disk, beside one frame.

@@ -1,9 +1,9 @@
 // Loaded before all others into the program, fails one call of the world's: the n-th of malloc and
 // its kin (operator new calls it), open, write, close, rename, fsync or pthread_create. It counts
-// from the first line of main until main returns: what libraries do before and after is not the
-// program's. SLIPSTREAM_FAULT is the call's place in that list, from 0, SLIPSTREAM_FAULT_AT is n,
-// from 1, and the file SLIPSTREAM_FAULT_TOLD holds numbers: the faults made, then how many calls of
-// each.
+// from the first line of main until main returns, but not while GDAL registers its formats, which
+// OpenCV has it do before the first picture: how libraries start and end is not the program's.
+// SLIPSTREAM_FAULT is the call's place in that list, from 0, SLIPSTREAM_FAULT_AT is n, from 1, and
+// the file SLIPSTREAM_FAULT_TOLD holds numbers: the faults made, then how many calls of each.
 #include <atomic>
 #include <cerrno>
 #include <cstdarg>
@@ -84,6 +84,12 @@ int __libc_start_main(int (*main)(int, char**, char**), int argc, char** argv, v
   program_main = main;
   return next<decltype(&__libc_start_main)>("__libc_start_main")(main_with_faults, argc, argv, init,
                                                                  fini, loader_fini, stack_end);
+}
+
+void GDALAllRegister() {
+  const bool was_armed = armed.exchange(false);
+  if (const auto all = next<void (*)()>("GDALAllRegister")) all();
+  armed = was_armed;
 }
 
 void* malloc(std::size_t size) {

@@ -26,8 +26,9 @@ class Output {
   /// A line on stderr that begins with the program's name.
   static void tell_failure(std::string_view message);
 
-  /// The document that `--json` prints.
-  nlohmann::json document;
+  /// The document that `--json` prints. An object from the start: one that [] would make is broken
+  /// where it gets no memory.
+  nlohmann::json document = nlohmann::json::object();
 
   /// What the program ends with once all is said: 2 where what it was to judge is bad.
   int exit_code = 0;

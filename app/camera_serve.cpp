@@ -75,8 +75,9 @@ void serve(const ServeFlags& flags, Output& output) {
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
   std::vector<Reel> reels;
   if (flags.boards) reels.push_back(boards_for(flags, world, sequence));
-  reels.push_back(reel_of(virtual_frames(world.scanner, world.scene, pattern_set(sequence),
-                                         world.photometry, flags.cycles)));
+  reels.push_back(
+      reel_of(virtual_frames(world.scanner, world.scene, pattern_set(cycle_of(sequence)),
+                             world.photometry, flags.cycles)));
   VirtualGigeCamera camera(std::move(reels), flags.address, flags.serial);
   camera.set_frame_rate(flags.rate);
   camera.set_packet_loss(flags.packet_loss);
@@ -128,7 +129,7 @@ void add_camera_serve(CLI::App& camera, Command& chosen) {
   add_pattern_flags(command.app, flags.scan);
   add_marker_flag(command.app, flags.scan);
   command.app.footer(
-      "Example:\n  slipstream camera serve --strategy pmp --steps 4 --rate 150 --motion 0.2 0 0");
+      "Example:\n  slipstream camera serve --strategy pmp --steps 4 --rate 150 --move 0.2 0 0");
 }
 
 }  // namespace slipstream::app

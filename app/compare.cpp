@@ -164,7 +164,7 @@ void add_compare(CLI::App& program, Command& chosen) {
   command.add("-o,--output", flags.folder, "a folder for table, plot and pictures");
   command.app.footer(
       "Examples:\n  slipstream compare statue boxes --world bench harsh -o comparison\n"
-      "  slipstream compare --motion 0 0 0.5 --strategies \"pcmp, steps 3\" \"pmp, steps 6\"");
+      "  slipstream compare --move 0 0 0.5 --strategies \"pcmp, steps 3\" \"pmp, steps 6\"");
 }
 
 }  // namespace slipstream::app

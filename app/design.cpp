@@ -10,6 +10,7 @@
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/plot_file.h"
 #include "slipstream/noise/predicted_variance.h"
+#include "slipstream/pattern/motion_window.h"
 #include "slipstream/strategy/multiplexing_design.h"
 #include "slipstream/strategy/registry.h"
 #include "slipstream/strategy/strategy_design.h"
@@ -21,6 +22,7 @@ struct DesignFlags {
   DesignGoal goal;
   std::optional<int> frames;
   std::optional<double> coordinate_noise;
+  std::optional<double> phase_speed;
   std::optional<double> ambient;
   std::optional<double> noise_variance;
   std::optional<std::string> scanner;
@@ -85,7 +87,27 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
   }
 }
 
+/// What frames beyond a cycle do where things move.
+void tell_motion(int steps, double speed, Output& output) {
+  require_valid(Sinusoid{steps, 1}, "--steps");
+  if (!(std::abs(speed) <= 1.5)) {
+    throw Error(fmt::format("--phase-speed {} is out of range; -1.5 to 1.5 rad", speed));
+  }
+  const Layout cycle{.frames = steps, .bands = {phase_shifted_band(steps, 0, steps, 1)}};
+  const double noise = component_noise(cycle.bands.front());
+  output.say("motion | frames | ripple, rad | noise over that of a cycle");
+  for (const int extra : {0, 1, 2, 3, 4, 6, 8}) {
+    const double ripple = motion_ripple(cycle, extra, speed);
+    const double ratio =
+        std::sqrt(component_noise(motion_window(cycle, extra).bands.front()) / noise);
+    output.say("{:6} | {:6} | {:11.3g} | {:.2f}", extra, steps + extra, ripple, ratio);
+    output.document["motion"].push_back(
+        {{"motion", extra}, {"frames", steps + extra}, {"ripple_rad", ripple}, {"noise", ratio}});
+  }
+}
+
 void design(const DesignFlags& flags, Output& output) {
+  if (flags.phase_speed) return tell_motion(flags.goal.steps, *flags.phase_speed, output);
   const DesignGoal goal = goal_from(flags);
   if (flags.frames || flags.coordinate_noise) return compare_designs(flags, goal, output);
   const Design best = best_design(goal);
@@ -120,7 +142,9 @@ void add_design(CLI::App& program, Command& chosen) {
   command.add("--frames", flags.frames, "compare strategies of every kind with at most so many");
   command.add("--coordinate-noise", flags.coordinate_noise,
               "compare those of fewest frames that reach it: standard deviation of y, fields");
-  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more");
+  command.add("--phase-speed", flags.phase_speed,
+              "things that move: rad that the phase of --steps moves from frame to frame");
+  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more; with --phase-speed of pmp");
   command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
   command.add("--ambient", flags.ambient, "grey levels of 255, where not that of the scanner file")
       ->default_str("0");

@@ -70,7 +70,7 @@ std::vector<Image<std::uint8_t>> patterns_from(const ProjectFlags& flags, const 
         fmt::format("--projector {} is not the size of monitor {}, {}; set the monitor to it",
                     text_of(projector), flags.monitor, text_of(monitor.size)));
   }
-  return patterns_in_8_bits(pattern_set(sequence), projector);
+  return patterns_in_8_bits(pattern_set(cycle_of(sequence)), projector);
 }
 
 void tell(const project::ProjectionReport& report, const project::MonitorSink& projector, int hold,

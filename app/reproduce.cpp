@@ -66,7 +66,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   }
   if (!flags.plots.empty()) make_folder(flags.plots);
   if (!flags.report.empty()) make_folder(fs::absolute(flags.report).parent_path());
-  for (const char* kind : {"tables", "figures", "sections"}) {
+  for (const char* kind : {"tables", "figures", "sections", "experiments"}) {
     output.document[kind] = nlohmann::json::array();
   }
   output.document["seed"] = flags.seed;

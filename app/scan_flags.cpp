@@ -71,6 +71,10 @@ void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
   group.add("--beta-p", flags.beta_p, "darkest grey level of the patterns");
   group.add("--exposures", flags.exposures,
             "all patterns once for each, as 1,4,16: relative, or in ms; merged to one scan");
+  group.add(
+      "--motion", flags.motion,
+      "so many frames more than a cycle of one sinusoid, shown over and over, become a cloud: "
+      "2 or 4 where things move");
 }
 
 }  // namespace
@@ -109,7 +113,8 @@ SequenceChanges changes_from(const ScanFlags& flags) {
                           .alpha_p = flags.alpha_p,
                           .beta_p = flags.beta_p,
                           .marker = flags.marker,
-                          .binary = flags.binary};
+                          .binary = flags.binary,
+                          .motion = flags.motion};
   if (flags.period_pixels) {
     changes.period_pixels.emplace();
     SettingValue(*flags.period_pixels).read(*changes.period_pixels);

@@ -26,10 +26,11 @@ struct ScanFlags {
   std::optional<std::string> order;      ///< of frames: "2,0,1"
   bool marker = false;
   bool binary = false;
+  std::optional<int> motion;
 };
 
 /// Adds --strategy, a flag for each setting of the registry, --axis, --projector, --alpha-p,
-/// --beta-p, --exposures and --binary.
+/// --beta-p, --exposures, --motion and --binary.
 void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags);
 
 /// Adds --marker, for what shows patterns again and again, or sees them.

@@ -21,7 +21,7 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
   group.add_file("--mesh", flags.mesh, "a PLY or OBJ mesh (Y up, facing +Z) instead of a scene");
   group.add("--mesh-size", flags.mesh_size, "its largest side, mm; fills the view where 0");
   group.add("--reflectivity", flags.reflectivity, "alpha of every surface, 0 to 1");
-  group.add("--motion", flags.motion, "motion from frame to frame: X Y Z, mm")
+  group.add("--move", flags.motion, "how it moves from frame to frame: X Y Z, mm")
       ->expected(3)
       ->default_str(flags.motion.empty() ? "0 0 0"
                                          : fmt::format("{}", fmt::join(flags.motion, " ")));

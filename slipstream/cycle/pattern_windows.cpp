@@ -6,13 +6,13 @@ namespace slipstream {
 
 PatternWindows::PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size,
                                int scans)
-    : patterns_(scans * frame_count(sequence)),
+    : patterns_(scans * frame_count(cycle_of(sequence))),
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
       indexing_(indexing),
       grid_(size),
       alignment_(scans == 1 ? sequence.strategy.layout() : Layout{}),
       watch_(cycle_, grid_.count()),
-      window_(patterns_),
+      window_(patterns_ + sequence.motion, patterns_),
       aligned_(indexing != PatternIndexing::marker) {
   recent_.reserve(static_cast<std::size_t>(cycle_));
 }

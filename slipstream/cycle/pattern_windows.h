@@ -15,7 +15,8 @@
 
 namespace slipstream {
 
-/// Frames in, windows of the N newest out, each in pattern order. The index of a frame is known as
+/// Frames in, windows of the N newest out, each in pattern order, or of the N + K newest of a
+/// sequence with K frames of motion, as they came. The index of a frame is known as
 /// `indexing` says and checked in its picture: against the frames of the cycle before (SlipWatch)
 /// and, of several sinusoids, against the others of its own (CycleAlignment). A frame that shows
 /// another pattern than its index says is in no window; once a cycle of them agrees on how far they
@@ -29,8 +30,10 @@ class PatternWindows {
   /// False where the frame came again, or too late.
   bool put(const Pooled<Frame>& frame);
 
-  /// The next whole window, into `window`, in pattern order; false where there is none yet.
+  /// The next whole window, into `window`; false where there is none yet.
   bool next(std::vector<Pooled<Frame>>& window) { return window_.next(window); }
+  /// The pattern of its first frame: see merged_sequence.
+  [[nodiscard]] int first_pattern() const { return window_.first_pattern(); }
 
   /// The source counts its frames from the beginning again.
   void restart();

@@ -4,8 +4,10 @@
 
 namespace slipstream {
 
-RollingWindow::RollingWindow(int frames)
-    : count_(static_cast<std::uint64_t>(frames)), ring_(2 * count_) {}
+RollingWindow::RollingWindow(int frames, int cycle)
+    : count_(static_cast<std::uint64_t>(frames)),
+      cycle_(static_cast<std::uint64_t>(cycle)),
+      ring_(2 * count_) {}
 
 void RollingWindow::begin_at(std::uint64_t position) {
   begun_ = true;
@@ -40,7 +42,9 @@ bool RollingWindow::next(std::vector<Pooled<Frame>>& window) {
     std::uint64_t first = next_ + 1 - count_;
     if (whole()) {
       window.resize(count_);
-      for (; first <= next_; ++first) window[first % count_] = at(first).frame;
+      const std::uint64_t begin = count_ == cycle_ ? 0 : first;
+      first_pattern_ = static_cast<int>(begin % cycle_);
+      for (; first <= next_; ++first) window[(first - begin) % count_] = at(first).frame;
       ++next_;
       return true;
     }

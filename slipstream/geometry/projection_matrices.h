@@ -19,6 +19,12 @@ struct ProjectionMatrices {
 /// M^c = K^c [I 0], M^p = K^p [R T], lenses without distortion.
 ProjectionMatrices projection_matrices(const Scanner& scanner, Axis axis);
 
+/// The scanner of a camera and a projector given by their perspective matrices in one world frame,
+/// mm, up to scale: lenses without distortion, perhaps with skew. Throws Error where a matrix is
+/// not of a camera: its first three columns are singular.
+Scanner scanner_of(const Eigen::Matrix<double, 3, 4>& camera, Size camera_size,
+                   const Eigen::Matrix<double, 3, 4>& projector, Size projector_size);
+
 /// Point at undistorted camera pixel (x, y) and undistorted projector coordinate y_p, by inverting
 /// the matrix of Eq. (1.15); right-hand side as corrected in docs/errata.md. Not finite where the
 /// ray lies in the plane of that coordinate.

@@ -21,7 +21,7 @@ constexpr std::uint64_t searched_cycles = 8, kept_cycles = 4;
 }  // namespace
 
 std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence) {
-  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
   PatternWindows windows(sequence,
                          sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
                          recording.header().format.size);
@@ -35,7 +35,7 @@ std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequ
     if (!recording.read(n, frame.fill())) continue;
     windows.put(frame);
     frame = {};
-    if (!windows.next(window)) continue;
+    if (!windows.next(window) || windows.first_pattern() != 0) continue;
     return frame_set_of(static_cast<int>(window.size()), [&](int place) -> const Frame& {
       return *window[static_cast<std::size_t>(place)];
     });

@@ -120,7 +120,8 @@ YamlMap parse(const std::string& text, const std::string& name) {
 }
 
 Strategy read_strategy(const YamlMap& map) {
-  const std::set<std::string> others{"name", "axis", "alpha_p", "beta_p", "marker", "binary"};
+  const std::set<std::string> others{"name",   "axis",   "alpha_p", "beta_p",
+                                     "marker", "binary", "motion"};
   StrategySettings settings;
   for (const std::string& key : map.keys()) {
     if (others.contains(key)) continue;
@@ -148,7 +149,8 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   scan.sequence = {.strategy = read_strategy(strategy),
                    .light = read_light(strategy),
                    .marker = strategy.value_or("marker", false, "true or false"),
-                   .binary = strategy.value_or("binary", false, "true or false")};
+                   .binary = strategy.value_or("binary", false, "true or false"),
+                   .motion = strategy.has("motion") ? strategy.whole_number("motion", 0, 16) : 0};
   set_axes(scan.sequence, strategy.value_or<std::string>("axis", "x", "x, y or both"));
   if (map.has("projector")) {
     const YamlMap projector = map.map("projector");
@@ -239,7 +241,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
-  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes] =
+  const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion] =
       scan.sequence;
   yaml << YAML::Key << "name" << YAML::Value << strategy.name();
   for (const auto& [name, value] : strategy.settings()) {
@@ -250,6 +252,7 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   yaml << YAML::Key << "beta_p" << YAML::Value << light.beta_p;
   if (marker) yaml << YAML::Key << "marker" << YAML::Value << true;
   if (binary) yaml << YAML::Key << "binary" << YAML::Value << true;
+  if (motion > 0) yaml << YAML::Key << "motion" << YAML::Value << motion;
   yaml << YAML::EndMap;
   if (exposures != Sequence{}.exposures) {
     yaml << YAML::Key << "exposures" << YAML::Value << YAML::Flow << exposures;

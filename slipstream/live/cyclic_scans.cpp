@@ -39,7 +39,7 @@ std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
     if (arrival != Arrival::frame) continue;
     windows_.put(frame);
     frame = {};
-    if (!windows_.next(window_)) continue;
+    if (!windows_.next(window_) || windows_.first_pattern() != 0) continue;
     std::optional<std::vector<FrameSet>> frames = cycle_of(window_);
     if (!frames) continue;
     const bool still =

@@ -13,8 +13,9 @@ namespace slipstream {
 struct LiveCloud {
   Cloud cloud;               ///< empty where no scanner is known
   ValidityCounts cleaned{};  ///< how many points cleaning took, by reason
-  /// The window, in pattern order, each frame still as the camera gave it.
+  /// The window, as PatternWindows gives it, each frame still as the camera gave it.
   std::vector<Pooled<Frame>> frames;
+  int first_pattern = 0;                           ///< of its first frame
   FrameStamp newest;                               ///< of the frame that completed the window
   std::chrono::steady_clock::time_point finished;  ///< when the cloud was whole
 };

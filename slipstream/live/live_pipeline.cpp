@@ -33,8 +33,9 @@ LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetu
   const std::vector<Pooled<Frame>> black(count, frames_->take());
   clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
     LiveCloud cloud;
-    cloud.frames.reserve(count);
-    plan_->reconstruct->cloud(black, cloud.cloud);
+    cloud.frames = black;
+    plan_->reconstruct->reconstruct(cloud);
+    cloud.frames.clear();
     return cloud;
   });
 }

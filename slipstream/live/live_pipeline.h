@@ -49,8 +49,8 @@ class LivePipeline {
   /// Other settings, strategy or scanner from the next window on. Throws as the constructor.
   void change(const EngineSetup& setup);
 
-  /// The newest cloud, for display; empty before the first. The share may be kept for as long as it
-  /// is shown; capture does not wait for it.
+  /// The newest cloud whose window begins with the first pattern, for display; empty before it. The
+  /// share may be kept for as long as it is shown; capture does not wait for it.
   [[nodiscard]] Pooled<LiveCloud> newest() const;
   /// Tells that a cloud is on the screen now; `captured`: host_time of its newest frame. One thread
   /// tells.

@@ -21,7 +21,7 @@ bool same_patterns(const Sequence& a, const Sequence& b) {
 }
 
 const Sequence& sequence_of(const LivePlan& plan) {
-  return plan.reconstruct->engine.setup().sequence;
+  return plan.reconstruct->setup.sequence;
 }
 
 /// LiveCheck as a function that can be copied.
@@ -38,20 +38,29 @@ std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSe
 
 }  // namespace
 
-WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
-    : engine(setup), check(settings.check ? settings.check : live_check(setup)) {}
+WindowEngine::WindowEngine(const EngineSetup& of, const LiveSettings& settings)
+    : setup(of), check(settings.check ? settings.check : live_check(of)) {
+  engines.emplace_back(setup);
+  EngineSetup later = setup;
+  const int starts = setup.sequence.motion > 0 ? cycle_length(setup.sequence) : 1;
+  for (int first = 1; first < starts; ++first) {
+    later.sequence = merged_sequence(setup.sequence, first);
+    engines.emplace_back(later);
+  }
+}
 
-ValidityCounts WindowEngine::cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud) {
-  if (!has_geometry(engine.setup().scanner)) {
-    if (!cloud.z.empty()) cloud = Cloud();
+ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
+  if (!has_geometry(setup.scanner)) {
+    if (!window.cloud.z.empty()) window.cloud = Cloud();
     return {};
   }
-  view_window(window, views);
-  return engine.cloud(views, cloud);
+  view_window(window.frames, views);
+  return engines[static_cast<std::size_t>(window.first_pattern)].cloud(views, window.cloud);
 }
 
 bool WindowEngine::is_due(const LiveCloud& window) const {
   const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
+  if (window.first_pattern != 0) return false;   // the check takes frames in pattern order
   if (!looked || newest < *looked) return true;  // the first, or the source counts anew
   // Where frames are lost the window that ends a cycle may never come: another has to do then.
   const bool ends_cycle = window.frames.back()->stamp.sequence == newest;
@@ -61,7 +70,7 @@ bool WindowEngine::is_due(const LiveCloud& window) const {
 std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
   looked = window.newest.sequence;
   view_window(window.frames, views);
-  return check(engine.merged(views));
+  return check(engines.front().merged(views));
 }
 
 LiveRun::LiveRun(FrameSource& source, const LiveSettings& settings,
@@ -257,6 +266,7 @@ void LiveRun::make_windows() {
       LiveCloud& filled = cloud.fill();
       std::swap(filled.frames, window);
       window.clear();
+      filled.first_pattern = windows->first_pattern();
       const auto newest = std::max_element(
           filled.frames.begin(), filled.frames.end(),
           [](const auto& a, const auto& b) { return a->stamp.sequence < b->stamp.sequence; });
@@ -273,7 +283,7 @@ void LiveRun::reconstruct() {
   while (auto window = windows_.pop()) {
     LiveCloud& cloud = window->cloud.fill();
     look(*window->reconstruct, cloud);
-    cloud.cleaned = window->reconstruct->cloud(cloud.frames, cloud.cloud);
+    cloud.cleaned = window->reconstruct->reconstruct(cloud);
     cloud.finished = Clock::now();
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);
@@ -293,7 +303,7 @@ void LiveRun::show() {
   while (auto cloud = finished_.pop()) {
     {
       const std::lock_guard lock(mutex_);
-      newest_ = *cloud;
+      if ((*cloud)->first_pattern == 0) newest_ = *cloud;
     }
     if (settings_.on_cloud) settings_.on_cloud(*cloud);
     show_meter_.done((*cloud)->newest.host_time);

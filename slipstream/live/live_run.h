@@ -29,13 +29,15 @@ namespace slipstream {
 struct WindowEngine {
   WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
-  /// Without a scanner the cloud is empty. What cleaning took, by reason.
-  ValidityCounts cloud(const std::vector<Pooled<Frame>>& window, Cloud& cloud);
+  /// Into the window's cloud; without a scanner it is empty. What cleaning took, by reason.
+  ValidityCounts reconstruct(LiveCloud& window);
   /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);
 
-  Engine engine;
+  EngineSetup setup;
+  /// Of windows that begin with each pattern; one for all where they are in pattern order.
+  std::vector<Engine> engines;
   FrameViews views;
   std::function<std::vector<Finding>(const FrameViews&)> check;
   std::optional<std::uint64_t> looked;  ///< sequence of the newest frame that was looked at

@@ -311,6 +311,10 @@ std::optional<StepRun> step_run(const Band& band) {
   return std::nullopt;
 }
 
+std::optional<StepRun> bent_run(const Band& band) {
+  return band.cycle ? band.cycle : step_run(band);
+}
+
 double component_noise(const Band& band) {
   const auto squares = [](const std::vector<double>& weights) {
     return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
@@ -323,7 +327,7 @@ double component_noise(const Band& band) {
 std::vector<int> step_counts(const Layout& layout) {
   std::vector<int> counts;
   for (const Band& band : layout.bands) {
-    if (const auto run = step_run(band)) counts.push_back(run->steps);
+    if (const auto run = bent_run(band)) counts.push_back(run->steps);
   }
   return counts;
 }

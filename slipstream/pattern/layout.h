@@ -10,6 +10,15 @@
 
 namespace slipstream {
 
+/// Frames in a row that are N-step patterns.
+struct StepRun {
+  int first = 0;
+  int steps = 0;
+  Shifts shifts{};
+
+  friend bool operator==(const StepRun&, const StepRun&) = default;
+};
+
 /// A sinusoid in the frames of a scan, as one complex number for each pixel: C + i S =
 /// B exp(i phi), C = sum cosine[n] I_n and S = sum sine[n] I_n, of mean A = sum mean[n] I_n. Liu
 /// 2010, Eqs. (1.3), (1.5), (1.6) are the band of N-step patterns; any other weights will do for
@@ -27,6 +36,8 @@ struct Band {
   /// band's, the carrier is no more; B is the lesser of theirs.
   double carrier = 0;
   std::vector<Band> mirrored{};  ///< one with a carrier, else none
+  /// Of a window over several cycles of steps, see motion_window: those of one.
+  std::optional<StepRun> cycle{};
 
   friend bool operator==(const Band&, const Band&) = default;
 };
@@ -132,19 +143,13 @@ std::vector<double> channel_sines(int steps, int channel);
 std::vector<double> mean_weights(int steps);
 std::vector<double> half_phase_weights();
 
-/// Frames in a row that are N-step patterns.
-struct StepRun {
-  int first = 0;
-  int steps = 0;
-  Shifts shifts{};
-
-  friend bool operator==(const StepRun&, const StepRun&) = default;
-};
-
 /// The run whose first phase channel the band is, with a carrier the first of its sinusoids; none
 /// where its weights are others. For N = 3, 4,
 /// 6 there are tables then, and for any N a response can be corrected.
 std::optional<StepRun> step_run(const Band& band);
+/// The steps, in the frames or in the cycle that they come from, under which a bent response bends
+/// the band's phase.
+std::optional<StepRun> bent_run(const Band& band);
 /// Whether the band is that phase channel of the run.
 bool is_channel(const Band& band, const StepRun& run, int channel);
 
@@ -152,7 +157,7 @@ bool is_channel(const Band& band, const StepRun& run, int channel);
 /// carrier the mirrored ones' is added, as the phase has the noise of both.
 double component_noise(const Band& band);
 
-/// N of each band that is a run of steps, in the order of the bands.
+/// N of each band that has a bent_run, in the order of the bands.
 std::vector<int> step_counts(const Layout& layout);
 
 /// Indices of the bands, from few periods to many.

@@ -170,11 +170,17 @@ PhaseMaps PhaseDecoder::sinusoid(const FrameViews& frames, const Band& band) con
   }
   PhaseMaps maps{weighted_sum(frames, band.mean), weighted_sum(frames, band.cosine),
                  weighted_sum(frames, band.sine)};
+  const auto bent = bent_run(band);
+  const PhaseCorrection* correction = bent ? correction_for(bent->steps) : nullptr;
   for_each_row(frames.size().height, [&](int row) {
     for (int column = 0; column < frames.size().width; ++column) {
       const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);
       maps.modulation(column, row) = std::sqrt(S * S + C * C);  // (1.4)
-      maps.wrapped_phase(column, row) = wrapped_angle(S, C);    // (1.7)
+      double& phi = maps.wrapped_phase(column, row);
+      phi = wrapped_angle(S, C);  // (1.7)
+      if (correction == nullptr) continue;
+      const double seen = unshifted_phase({}, shifted_phase(bent->shifts, phi));
+      phi = unshifted_phase(bent->shifts, corrected_phase(*correction, seen));
     }
   });
   return maps;

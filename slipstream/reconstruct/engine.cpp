@@ -26,8 +26,10 @@ void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   });
 }
 
-/// With lenses and a pose, where nobody has measured any: maps are the same with all of them.
-EngineSetup with_geometry(EngineSetup setup) {
+/// With the frames of a cycle and more as one window; and with lenses and a pose, where nobody has
+/// measured any: maps are the same with all of them.
+EngineSetup as_reconstructed(EngineSetup setup) {
+  setup.sequence = merged_sequence(std::move(setup.sequence));
   Scanner& scanner = setup.scanner;
   if (has_geometry(scanner)) return setup;
   setup.settings.nearest.reset();  // depths without a geometry say nothing
@@ -46,7 +48,7 @@ EngineSetup with_geometry(EngineSetup setup) {
 /// What copies of an engine share.
 struct Engine::Tables {
   explicit Tables(const EngineSetup& of)
-      : setup(of), complete(with_geometry(of)), corrections(phase_corrections(of)) {
+      : setup(of), complete(as_reconstructed(of)), corrections(phase_corrections(of)) {
     require_reconstructible(complete);
     raise_least_modulation(complete);
     noise = depth_noise(complete);
@@ -75,7 +77,7 @@ struct Engine::Tables {
   }
 
   EngineSetup setup;
-  /// With a geometry of some kind where `setup` has none, and the modulation that its cue needs.
+  /// See as_reconstructed; with the modulation that its cue needs.
   EngineSetup complete;
   PhaseCorrections corrections;
   DepthNoise noise;  ///< of frames of 8 bits

@@ -10,10 +10,8 @@ Scan merged(Scan scan) {
   scan.exposures = scan.sequence.exposures;
   if (frame_count(scan.sequence) == frame_count(scan.sequence.strategy)) return scan;
   scan.order.clear();  // which is of the frames of all exposures and axes
-  if (scan.exposures.size() > 1) {
-    scan.frames = merged_exposures(scan.frames, scan.exposures);
-    scan.sequence = merged_sequence(std::move(scan.sequence));
-  }
+  if (scan.exposures.size() > 1) scan.frames = merged_exposures(scan.frames, scan.exposures);
+  scan.sequence = merged_sequence(std::move(scan.sequence));
   if (!scan.sequence.both_axes) return scan;
   auto [first, second] = halves(std::move(scan.frames));
   scan.other_axis = {{.frames = std::move(second), .sequence = along(scan.sequence, Axis::y)}};

@@ -51,7 +51,7 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
     throw Error(fmt::format("--projector {} is not that of the scanner, {}",
                             text_of(opened.sequence.projector), text_of(scanner.projector.size)));
   }
-  const PatternSet patterns = pattern_set(opened.sequence);
+  const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
   const int cycles = std::max(fewest_cycles, (fewest_frames - 1) / patterns.count + 1);
   opened.frames = std::make_unique<VirtualCamera>(
       virtual_frames(scanner, scene, patterns, photometry, cycles), pace_from(request.rate));

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/pattern/motion_window.h"
 
 namespace slipstream {
 namespace {
@@ -37,11 +38,17 @@ void set_axes(Sequence& sequence, std::string_view axes) {
 
 int frame_count(const Sequence& sequence) {
   return static_cast<int>(sequence.exposures.size()) * (sequence.both_axes ? 2 : 1) *
-         frame_count(sequence.strategy);
+             frame_count(sequence.strategy) +
+         sequence.motion;
 }
 
 int cycle_length(const Sequence& sequence) {
-  return frame_count(sequence) + (sequence.marker ? 1 : 0);
+  return frame_count(cycle_of(sequence)) + (sequence.marker ? 1 : 0);
+}
+
+Sequence cycle_of(Sequence sequence) {
+  sequence.motion = 0;
+  return sequence;
 }
 
 PatternSet pattern_set(const Sequence& sequence) {
@@ -59,8 +66,10 @@ PatternSet pattern_set(const Sequence& sequence) {
   return sequence.marker ? with_marker(std::move(patterns)) : patterns;
 }
 
-Sequence merged_sequence(Sequence sequence) {
+Sequence merged_sequence(Sequence sequence, int first) {
   sequence.exposures = {1};
+  if (sequence.motion > 0) sequence.strategy = sequence.strategy.in_motion(sequence.motion, first);
+  sequence.motion = 0;
   return sequence;
 }
 
@@ -72,6 +81,14 @@ void require_mergeable(const Sequence& sequence) {
   if (exposures.empty() || exposures.size() > most || !positive) {
     throw Error(fmt::format("exposures {} are out of range; 1 to {} numbers above 0",
                             fmt::join(exposures, ", "), most));
+  }
+  if (sequence.motion != 0) {
+    if (exposures.size() > 1 || sequence.both_axes || sequence.marker) {
+      throw Error(
+          "frames of things that move come at one pace from one cycle: without several exposures, "
+          "both axes or a marker");
+    }
+    motion_window(sequence.strategy.layout(), sequence.motion);
   }
   if (exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout())) {
     throw Error(

@@ -26,6 +26,9 @@ struct Sequence {
   /// All patterns along x, which is then the axis, and after them all along y. The frames are read
   /// as two scans, one along each: see along and Scan.
   bool both_axes = false;
+  /// Frames of a scan beyond one cycle of the patterns, which are shown over and over: for things
+  /// that move, see motion_window.
+  int motion = 0;
 
   friend bool operator==(const Sequence&, const Sequence&) = default;
 };
@@ -38,19 +41,24 @@ std::string_view axes_of(const Sequence& sequence);
 /// Sets what axes_of gives. Throws Error for another word.
 void set_axes(Sequence& sequence, std::string_view axes);
 
-/// Frames of one scan: those of the strategy along each axis, for each exposure.
+/// Frames of one scan: those of the strategy along each axis, for each exposure, and those of
+/// motion.
 int frame_count(const Sequence& sequence);
 
-/// Frames from one scan to the next: with the marker.
+/// Frames after which the patterns come again: with the marker.
 int cycle_length(const Sequence& sequence);
 
-/// The patterns for each exposure, and the marker, where there is one, as the last.
+/// The patterns of a scan, for each exposure, and the marker, where there is one, as the last.
 PatternSet pattern_set(const Sequence& sequence);
+/// Those of a cycle: without the frames of motion.
+Sequence cycle_of(Sequence sequence);
 
-/// What the frames show once their exposures are merged into one.
-Sequence merged_sequence(Sequence sequence);
+/// What the frames show once their exposures are merged into one; a window that begins with pattern
+/// `first`.
+Sequence merged_sequence(Sequence sequence, int first = 0);
 
-/// Throws Error unless there are 1 to 16 exposures above 0, and several only of a strategy that is
+/// Throws Error unless the frames of motion are 0, or those of one cycle of one sinusoid without
+/// marker; and unless there are 1 to 16 exposures above 0, and several only of a strategy that is
 /// read without knowing the ambient light, whose share of the merged frames differs from pixel to
 /// pixel.
 void require_mergeable(const Sequence& sequence);

@@ -44,9 +44,10 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
   sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
   require_valid(sequence.light);
   sequence.exposures = changes.exposures.value_or(known.exposures);
-  require_mergeable(sequence);
   sequence.marker = known.marker || changes.marker;
   sequence.binary = known.binary || changes.binary;
+  sequence.motion = changes.motion.value_or(known.motion);
+  require_mergeable(sequence);
   return sequence;
 }
 

@@ -22,6 +22,7 @@ struct SequenceChanges {
   std::optional<std::vector<double>> exposures{};
   bool marker = false;  ///< a marker ends each cycle, whatever was known
   bool binary = false;  ///< shown a bit at a time, whatever was known
+  std::optional<int> motion{};
 };
 
 /// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is

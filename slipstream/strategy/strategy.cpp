@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/pattern/motion_window.h"
 #include "slipstream/strategy/phase_measuring.h"
 
 namespace slipstream {
@@ -22,6 +23,15 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
 
 std::string_view name_of(const Strategy& strategy) {
   return strategy.name();
+}
+
+Strategy Strategy::in_motion(int extra, int first) const {
+  Strategy window = *this;
+  window.layout_ = motion_window(layout_, extra, first);
+  window.shape_ = [shape = shape_, first, N = layout_.frames](int n, double y, double across) {
+    return shape((n + first) % N, y, across);
+  };
+  return window;
 }
 
 int frame_count(const Strategy& strategy) {

@@ -60,6 +60,10 @@ class Strategy {
     return shape_(n, y, across);
   }
 
+  /// The same patterns shown over and over, and so many more frames of them than a cycle, from
+  /// pattern `first` on: see motion_window.
+  [[nodiscard]] Strategy in_motion(int extra, int first = 0) const;
+
   /// Of name, settings and layout.
   friend bool operator==(const Strategy& a, const Strategy& b) {
     return a.name_ == b.name_ && a.settings_ == b.settings_ && a.layout_ == b.layout_;

@@ -304,7 +304,7 @@ TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
   const TemporaryFolder out;
   const std::string folder = out.path() / "boards";
   for (const std::vector<std::string>& flag : std::vector<std::vector<std::string>>{
-           {"--scene", "sphere"}, {"--axis", "y"}, {"--motion", "1", "0", "0"}}) {
+           {"--scene", "sphere"}, {"--axis", "y"}, {"--move", "1", "0", "0"}}) {
     std::vector<std::string> arguments{"simulate", folder, "--boards", "2", "--spacing", "10"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
     expect_bad_input(run_program(arguments), {"--boards", flag[0]});

@@ -36,7 +36,7 @@ constexpr const char* small_rig =
     "camera: {camera: 96x72, rate: 0, source: virtual}\n"
     "sequence: {strategy: pmp, steps: 5}\n"
     "filters: {min-modulation: 20, keep-saturated: true}\n"
-    "motion: [0.1, 0, 0]\n";
+    "move: [0.1, 0, 0]\n";
 
 TEST_F(Rig, SaysWhatTheCommandLineDoesNot) {
   write_rig(small_rig);

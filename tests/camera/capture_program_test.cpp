@@ -137,7 +137,7 @@ TEST_F(CaptureProgram, RefusesInOneLine) {
   expect_refused({"--source", "v4l2:0", "--trigger", "Software"}, 2, "--trigger Software");
   expect_refused({"--source", "v4l2:63", "--poses", "--headless"}, 1, "/dev/video63");
   expect_refused(
-      {"--source", "virtual", "--camera", "96x72", "--motion", "3", "0", "0", "--rate", "200"}, 1,
+      {"--source", "virtual", "--camera", "96x72", "--move", "3", "0", "0", "--rate", "200"}, 1,
       "does not stand still");
   fs::create_directory(in_folder("full"));
   fs::create_directory(in_folder("full/scan"));

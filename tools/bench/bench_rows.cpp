@@ -262,6 +262,7 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
   };
   add_coding("multi-frequency", 3, MultiFrequency{});
   add_coding("gray-phase", 4, GrayPhase{});
+  add_coding("motion-2", 4, Strategy(PhaseMeasuring{4, 1}).in_motion(2));
   for (const int steps : {3, 4, 5}) {
     const std::string name = fmt::format("pcmp-{}", steps);
     add_coding(name.c_str(), steps, make_strategy("pcmp", {{"steps", steps}}));

@@ -11,8 +11,8 @@ namespace slipstream {
 
 std::vector<Reproducible> reproducibles() {
   std::vector<Reproducible> all;
-  for (const auto& some :
-       {multiplexing_table_reproducibles(), noise_figure_reproducibles(), gamma_reproducibles()}) {
+  for (const auto& some : {multiplexing_table_reproducibles(), noise_figure_reproducibles(),
+                           gamma_reproducibles(), motion_reproducibles()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;

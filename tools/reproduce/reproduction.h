@@ -49,8 +49,8 @@ struct Reproduction {
 
 /// Something that can be recomputed.
 struct Reproducible {
-  std::string_view kind;   ///< "table", "figure" or "section"
-  std::string_view id;     ///< its number: "4.1"
+  std::string_view kind;   ///< "table", "figure" or "section"; "experiment": none of the paper's
+  std::string_view id;     ///< its number: "4.1", or name
   std::string_view title;  ///< in a few words
   std::function<Reproduction(std::uint64_t seed)> run;
 
@@ -68,5 +68,8 @@ std::vector<Reproducible> reproducibles_named(const std::vector<std::string>& na
 
 /// Chapter 4: see reproducibles().
 std::vector<Reproducible> gamma_reproducibles();
+
+/// Depth errors of a sphere and a statue that move, by speed, frames and weights.
+std::vector<Reproducible> motion_reproducibles();
 
 }  // namespace slipstream

@@ -118,12 +118,29 @@ FusedStages::BandStage weighted_stage(const Band& band) {
   return stage;
 }
 
+/// Of a window over a cycle of steps: weights for the phase that the steps have without shifts.
+FusedStages::BandStage window_stage(Band band, const PhaseCorrections& corrections) {
+  const Shifts shifts = band.cycle->shifts;
+  for (std::size_t n = 0; n < band.cosine.size(); ++n) {
+    const auto turned =
+        std::complex(band.cosine[n], band.sine[n]) * std::polar(1.0, -shifts.origin);
+    band.cosine[n] = turned.real();
+    band.sine[n] = shifts.backwards ? -turned.imag() : turned.imag();
+  }
+  FusedStages::BandStage stage = weighted_stage(band);
+  stage.sinusoid.steps = band.cycle->steps;
+  const auto correction = corrections.find(band.cycle->steps);
+  if (correction != corrections.end()) add_correction(stage.sinusoid, correction->second);
+  return stage;
+}
+
 FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections) {
-  const auto run = step_run(band);
+  const auto run = bent_run(band);
   FusedStages::BandStage stage =
-      run ? FusedStages::BandStage{.sinusoid = stepped_stage(run->steps, corrections),
-                                   .first_frame = run->first}
-          : weighted_stage(band);
+      band.cycle ? window_stage(band, corrections)
+      : run      ? FusedStages::BandStage{.sinusoid = stepped_stage(run->steps, corrections),
+                                          .first_frame = run->first}
+                 : weighted_stage(band);
   stage.periods = band.periods;
   if (!run || run->shifts == Shifts{}) return stage;
   stage.sinusoid.direction = run->shifts.backwards ? -1 : 1;

@@ -139,7 +139,7 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
   const double at_half = cue_settings(setup_).noise_variance;
   const double by_light = setup_.scanner.photometry.noise_gain;
   const Band& band = measuring_band(decode_.layout());
-  const std::optional<StepRun> run = step_run(band);
+  const std::optional<StepRun> run = bent_run(band);
   const auto& corrected = setup_.scanner.photometry.response;
   const bool by_noise = decode_.layout().unwrapping != Unwrapping::code_alone;
   const double unit_variance = coordinate_variance(decode_.layout(), 1, 1);

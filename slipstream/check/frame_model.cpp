@@ -54,7 +54,7 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
       complement_(complement_of(sequence.strategy)) {
   for (std::size_t b = 0; photometry.response && b < layout_.bands.size(); ++b) {
     constexpr double accuracy = 1e-4;  // rad: far below what is asked here
-    const auto run = step_run(layout_.bands[b]);
+    const auto run = bent_run(layout_.bands[b]);
     if (!run) continue;
     if (!corrections_.contains(run->steps)) {
       corrections_[run->steps] =
@@ -95,7 +95,7 @@ std::pair<double, double> FrameModel::sinusoid(const float* levels, const FrameO
   const double S = dot(band.sine, levels, order);
   const double modulation = std::hypot(C, S), phase = wrapped_angle(S, C);
   if (steps == 0) return {modulation, phase};
-  const Shifts shifts = step_run(band)->shifts;
+  const Shifts shifts = bent_run(band)->shifts;
   const double shifted = unshifted_phase({}, shifted_phase(shifts, phase));
   return {modulation, unshifted_phase(shifts, corrected_phase(corrections_.at(steps), shifted))};
 }

@@ -15,8 +15,6 @@ namespace slipstream {
 /// another one waiting: until the one W places on has come.
 class RollingWindow {
  public:
-  /// A cycle alone.
-  explicit RollingWindow(int frames) : RollingWindow(frames, frames) {}
   RollingWindow(int frames, int cycle);
 
   /// False where the position has a frame already, or is too late.

@@ -22,7 +22,11 @@ CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scan
       windows_(sequence, sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
                source.format().size, scans),
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
-            [&] { return Frame(source.format()); }) {}
+            [&] { return Frame(source.format()); }) {
+  if (scans > 1 && sequence.motion > 0) {
+    throw Error("scans along both axes are of what stands still; leave out --motion");
+  }
+}
 
 std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + timeout;

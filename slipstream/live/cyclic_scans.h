@@ -17,7 +17,7 @@ namespace slipstream {
 class CyclicScans : public ScanCamera {
  public:
   /// `source`: started, outlives this. `scans`: so many of the sequence in a cycle, which a marker
-  /// ends where the sequence has one.
+  /// ends where the sequence has one. Throws Error where there are several with frames of motion.
   CyclicScans(FrameSource& source, const Sequence& sequence, int scans);
 
   /// The frames of a cycle that begins after the one before.

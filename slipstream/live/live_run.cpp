@@ -21,7 +21,7 @@ bool same_patterns(const Sequence& a, const Sequence& b) {
 }
 
 const Sequence& sequence_of(const LivePlan& plan) {
-  return plan.reconstruct->setup.sequence;
+  return plan.reconstruct->engines.front().setup().sequence;
 }
 
 /// LiveCheck as a function that can be copied.
@@ -38,9 +38,8 @@ std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSe
 
 }  // namespace
 
-WindowEngine::WindowEngine(const EngineSetup& of, const LiveSettings& settings)
-    : setup(of), check(settings.check ? settings.check : live_check(of)) {
-  engines.emplace_back(setup);
+WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
+    : engines{Engine(setup)}, check(settings.check ? settings.check : live_check(setup)) {
   EngineSetup later = setup;
   const int starts = setup.sequence.motion > 0 ? cycle_length(setup.sequence) : 1;
   for (int first = 1; first < starts; ++first) {
@@ -50,7 +49,7 @@ WindowEngine::WindowEngine(const EngineSetup& of, const LiveSettings& settings)
 }
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
-  if (!has_geometry(setup.scanner)) {
+  if (!has_geometry(engines.front().setup().scanner)) {
     if (!window.cloud.z.empty()) window.cloud = Cloud();
     return {};
   }

@@ -35,7 +35,6 @@ struct WindowEngine {
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
   std::vector<Finding> look(const LiveCloud& window);
 
-  EngineSetup setup;
   /// Of windows that begin with each pattern; one for all where they are in pattern order.
   std::vector<Engine> engines;
   FrameViews views;

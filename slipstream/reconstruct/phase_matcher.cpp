@@ -204,12 +204,10 @@ struct SearchedOrders {
 };
 
 SearchedOrders search_orders(const CameraPhases& first, const CameraPhases& second,
-                             const EngineSetup& setup, const Scanner& second_scanner,
-                             const Triangulator& of_first) {
-  const Triangulator of_second(second_scanner, setup.sequence.axis, PointMethod::form3);
-  const SeeingCamera here{setup.scanner, first, of_first};
-  const SeeingCamera there{second_scanner, second, of_second};
-  const Stereo back(second_scanner, setup.scanner);
+                             const EngineSetup& setup, const Triangulator& of_first,
+                             const Triangulator& of_second) {
+  const SeeingCamera here{first, of_first}, there{second, of_second};
+  const Stereo back(of_second.scanner(), setup.scanner);
   const DepthRange depths = depth_range(setup);
   const auto within = [&](double z) { return z > depths.nearest && z < depths.farthest; };
   const double periods = highest_frequency(setup.sequence.strategy);
@@ -250,6 +248,9 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
                     "band or bands that unwrap each other, or --one-camera",
                     sequence.strategy.name()));
   }
+  if (!has_coordinate(sequence.strategy)) {
+    second_triangulate_.emplace(second, sequence.axis, PointMethod::form3);
+  }
 }
 
 PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
@@ -265,8 +266,8 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
   const Size size = first_frames.size();
 
   std::optional<SearchedOrders> searched;
-  if (!has_coordinate(first_.sequence.strategy)) {
-    searched = search_orders(first, second, first_, second_, triangulate_);
+  if (second_triangulate_) {
+    searched = search_orders(first, second, first_, triangulate_, *second_triangulate_);
     first.maps.coordinate = searched->first;
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "slipstream/capture/frame_views.h"
@@ -53,6 +54,7 @@ class PhaseMatcher {
   Scanner second_;
   PhaseMatchSettings match_;
   Triangulator triangulate_;
+  std::optional<Triangulator> second_triangulate_;  ///< where the second tells the fringe order
   Decoder decode_;
   PhaseDecoder phase_;
 };

@@ -91,7 +91,7 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
   CameraSettings settings = request.camera;
   settings.frame_rate = pace_from(request.rate);
   settings.cycle =
-      cycle_length(opened.sequence) + (request.scans - 1) * frame_count(opened.sequence);
+      cycle_length(opened.sequence) + (request.scans - 1) * frame_count(cycle_of(opened.sequence));
   opened.frames = open_camera(request.source, settings);
   set_scanner(opened, request, std::nullopt, request.source);
   return opened;

@@ -84,6 +84,19 @@ TEST(EveryStrategy, IsLeftInPeace) {
   }
 }
 
+// Frames of motion are seen through the response as the cycle's own are.
+TEST(FramesOfMotion, AreLeftInPeace) {
+  VirtualWorld world{.scanner = example_scanner({320, 240})};
+  world.scene = scene_named("statue", world.scanner);
+  world.photometry = {.ambient = 3, .response = PowerLaw{2.2}, .noise_variance = 1.5};
+  const Sequence moving{.strategy = make_strategy("pmp", {{"steps", 4}}), .motion = 2};
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(moving), world.photometry);
+  Scan scan{.frames = taken.frames, .sequence = moving, .scanner = as_calibrated(world)};
+  scan.scanner->photometry.response = MeasuredResponse{PowerLaw{2.2}, 2.2, 0.01};
+  EXPECT_EQ(told(check_scan(scan)), "");
+}
+
 // Seen by a small thing in the middle of the field, the first frame is dark all over.
 TEST(SmallThings, AreLeftInPeace) {
   VirtualWorld world{.scanner = example_scanner({640, 480})};

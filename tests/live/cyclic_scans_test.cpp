@@ -81,6 +81,13 @@ TEST(CyclicScans, FindsItsPlaceByTheMarker) {
   }
 }
 
+TEST(CyclicScans, SeveralTakeNoFramesOfMotion) {
+  VirtualCamera camera(two_scans(false));
+  const Sequence moving{.strategy = PhaseMeasuring{4, 1}, .motion = 2};
+  EXPECT_NO_THROW(CyclicScans(camera, moving, 1));
+  EXPECT_THROW(CyclicScans(camera, moving, 2), Error);
+}
+
 TEST(CyclicScans, NothingIsTakenBeforeAGlimpse) {
   VirtualCamera source(two_scans(false));
   CyclicScans camera(source, {.strategy = strategy}, 2);

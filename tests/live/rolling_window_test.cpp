@@ -40,7 +40,7 @@ RC_GTEST_PROP(RollingWindow, gives_every_window_whose_frames_came, ()) {
   }
 
   Pool<Frame> pool(4 * N, [] { return Frame(); });
-  RollingWindow windows(static_cast<int>(N));
+  RollingWindow windows(static_cast<int>(N), static_cast<int>(N));
   std::vector<std::uint64_t> given;
   std::vector<Pooled<Frame>> window;
   for (const std::uint64_t p : order) {
@@ -67,7 +67,7 @@ RC_GTEST_PROP(RollingWindow, gives_every_window_whose_frames_came, ()) {
 
 TEST(RollingWindow, a_long_gap_costs_nothing_but_the_windows) {
   Pool<Frame> pool(16, [] { return Frame(); });
-  RollingWindow windows(4);
+  RollingWindow windows(4, 4);
   std::vector<Pooled<Frame>> window;
   for (std::uint64_t p = 0; p < 4; ++p) windows.put(p, numbered(pool, p));
   EXPECT_TRUE(windows.next(window));
@@ -82,7 +82,7 @@ TEST(RollingWindow, a_long_gap_costs_nothing_but_the_windows) {
 
 TEST(RollingWindow, refuses_a_frame_that_came_before) {
   Pool<Frame> pool(8, [] { return Frame(); });
-  RollingWindow windows(3);
+  RollingWindow windows(3, 3);
   EXPECT_TRUE(windows.put(7, numbered(pool, 7)));
   EXPECT_FALSE(windows.put(7, numbered(pool, 7)));
   EXPECT_FALSE(windows.put(6, numbered(pool, 6)));

@@ -130,8 +130,9 @@ Image<double> order_by_other_camera(const SeeingCamera& camera, const SeeingCame
                                     const std::function<bool(const Eigen::Vector3d&)>& possible) {
   const Image<Validity>& validity = camera.phases.validity;
   const Image<double>& phi = camera.phases.maps.wrapped_phase;
-  const Stereo stereo(camera.scanner, other.scanner);
-  const int length = length_along(camera.triangulate.axis(), camera.scanner.projector.size);
+  const Scanner &scanner = camera.triangulate.scanner(), &others = other.triangulate.scanner();
+  const Stereo stereo(scanner, others);
+  const int length = length_along(camera.triangulate.axis(), scanner.projector.size);
   const double end = 1 + farthest_past_field(length);
   OrderVolume volume(validity.size(), static_cast<int>(std::ceil(periods)));
   const auto for_each_valid = [&](const auto& visit) {
@@ -147,7 +148,7 @@ Image<double> order_by_other_camera(const SeeingCamera& camera, const SeeingCame
       const double y = unwrapped_coordinate(phi(column, row), k, periods);
       const Eigen::Vector3d point = camera.triangulate(column, row, y);
       if (y > end || !(point.z() > 0) || !possible(point)) continue;
-      const EpipolarLine line(stereo, other.scanner.camera, point / point.z(), other.phases);
+      const EpipolarLine line(stereo, others.camera, point / point.z(), other.phases);
       const double apart = line.difference(other.phases.bands[0], phasor, point.z());
       if (std::isnan(apart)) continue;
       volume.at(column, row)[k] = {static_cast<float>(1 - std::cos(apart)), 1};

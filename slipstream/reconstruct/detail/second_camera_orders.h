@@ -10,9 +10,8 @@
 
 namespace slipstream {
 
-/// A camera, what it sees, and where its pixels' coordinates lie.
+/// What a camera sees, and where its pixels' coordinates lie.
 struct SeeingCamera {
-  const Scanner& scanner;
   const CameraPhases& phases;
   const Triangulator& triangulate;
 };

@@ -47,7 +47,7 @@ double turn_between(const Fit& a, const Fit& b) {
 }  // namespace
 
 double CycleAlignment::Fit::modulation() const {
-  return std::hypot(cosine, sine);
+  return std::sqrt(cosine * cosine + sine * sine);
 }
 
 struct CycleAlignment::Explanation {

@@ -11,7 +11,7 @@ SampleGrid::SampleGrid(Size size) {
   const auto place = [](double part, int length) {
     return std::min(static_cast<int>(part * length), length - 1);
   };
-  for (int i = 0; i < pairs; ++i) {
+  for (int i = 0; i < std::min(pairs, size.width * size.height / 2); ++i) {
     const auto [x, y] = spread_place(i);
     const int column = place(x, size.width), row = place(y, size.height);
     for (const int away : {0, beside}) {

@@ -11,7 +11,7 @@ namespace slipstream {
 /// 2 i + 1 is a few pixels right of and below pixel 2 i.
 class SampleGrid {
  public:
-  static constexpr int pairs = 384;
+  static constexpr int pairs = 384;  ///< at most
 
   explicit SampleGrid(Size size);
 

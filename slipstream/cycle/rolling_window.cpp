@@ -1,5 +1,6 @@
 #include "slipstream/cycle/rolling_window.h"
 
+#include <limits>
 #include <utility>
 
 namespace slipstream {
@@ -16,6 +17,7 @@ void RollingWindow::begin_at(std::uint64_t position) {
 }
 
 bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
+  if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // sums would wrap
   if (!begun_) begin_at(position);
   if (position + count_ - 1 < next_ || has(position)) return false;
   at(position) = {position, std::move(frame)};

@@ -23,13 +23,13 @@ void align_frames(std::span<const std::uint8_t> input) {
   InputNumbers numbers(input);
   const Strategy strategy = strategy_of(numbers, all);
   const auto indexing = static_cast<PatternIndexing>(numbers.below(3));
-  const FrameFormat format{{16, 12}, 8};
+  const FrameFormat format{{8, 4}, 8};
   const auto count = static_cast<std::uint64_t>(frame_count(strategy));
   PatternWindows windows({.strategy = strategy}, indexing, format.size);
   Pool<Frame> pool(6 * (count + 1), [&] { return Frame(format); });
   std::vector<Pooled<Frame>> window;
   std::uint64_t sequence = 0;
-  while (!numbers.rest().empty()) {
+  for (int frames = 0; frames < 100 && !numbers.rest().empty(); ++frames) {
     Pooled<Frame> frame = pool.take();
     if (!frame) throw std::logic_error("frames are kept for ever");
     const auto how = numbers.next<std::uint8_t>();
@@ -53,7 +53,7 @@ void align_frames(std::span<const std::uint8_t> input) {
 
 /// A scanner of a few pixels with lenses bent and turned at will.
 Scanner scanner_of(InputNumbers& numbers) {
-  Scanner scanner = example_scanner({16, 12});
+  Scanner scanner = example_scanner({20, 3});
   for (Lens* lens : {&scanner.camera, &scanner.projector}) {
     for (const auto [row, column] : {std::pair{0, 0}, {0, 2}, {1, 1}, {1, 2}}) {
       lens->intrinsic(row, column) *= numbers.between(0.3, 3);
@@ -78,6 +78,8 @@ void compare_engines(std::span<const std::uint8_t> input) {
   EngineSetup setup{.scanner = scanner_of(numbers),
                     .sequence = {.strategy = strategy_of(numbers, all)}};
   setup.settings.clean = CleanSettings::none();
+  // Tables of phases take long to build; tests of phases compare them with the equation.
+  setup.settings.phase_method = PhaseMethod::equation;
   setup.scanner.photometry.ambient = numbers.between(-20, 60);
   setup.sequence.axis = numbers.below(2) == 0 ? Axis::x : Axis::y;
   Frames<std::uint8_t> views;
@@ -95,7 +97,6 @@ void compare_engines(std::span<const std::uint8_t> input) {
   Cloud fused, reference;
   Engine(setup).cloud(views, fused);
   setup.settings.engine = EngineKind::reference;
-  setup.settings.phase_method = PhaseMethod::equation;
   Engine(setup).cloud(views, reference);
   std::size_t other = 0;
   for (std::size_t i = 0; i < fused.z.pixel_count(); ++i) {
@@ -121,8 +122,8 @@ std::vector<Bytes> noise(std::size_t bytes) {
   return seeds;
 }
 
-const bool known = add_fuzz_target({"alignment", [] { return noise(200); }, align_frames, 4}) &&
-                   add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 20});
+const bool known = add_fuzz_target({"alignment", [] { return noise(200); }, align_frames}) &&
+                   add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4});
 
 }  // namespace
 }  // namespace slipstream

@@ -58,8 +58,8 @@ void add_simulate_boards_flags(CLI::App& simulate, SimulateBoardsFlags& flags) {
       "--boards", flags.count,
       "instead of a scene: a calibration board in so many poses, scanned along x and y");
   boards->group("Board");
-  for (const char* of_scene :
-       {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move", "--axis"}) {
+  for (const char* of_scene : {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move",
+                               "--turn", "--vibrate", "--breathe", "--axis"}) {
     boards->excludes(simulate.get_option(of_scene));
   }
   add_board_flags(simulate, flags.board);

@@ -1,5 +1,8 @@
 #include "app/virtual_flags.h"
 
+#include <numbers>
+#include <string_view>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -25,6 +28,16 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
       ->expected(3)
       ->default_str(flags.motion.empty() ? "0 0 0"
                                          : fmt::format("{}", fmt::join(flags.motion, " ")));
+  group.add("--turn", flags.turn,
+            "how it turns about its upright axis from frame to frame: degrees");
+  group
+      .add("--vibrate", flags.vibration,
+           "how it swings along the view: MM each way, FRAMES a period")
+      ->expected(2);
+  group
+      .add("--breathe", flags.breathing,
+           "how it grows and shrinks: SHARE each way, FRAMES a period")
+      ->expected(2);
 }
 
 void add_device_flags(CLI::App& command, VirtualFlags& flags) {
@@ -73,15 +86,37 @@ Photometry virtual_photometry(const VirtualFlags& flags) {
   return photometry;
 }
 
+/// Amplitude and period of a flag.
+Swing<double> swing_from(const std::vector<double>& flag, std::string_view name, double most) {
+  if (flag.empty()) return {};
+  const Swing<double> swing{flag[0], flag[1]};
+  if (!(swing.amplitude >= 0 && swing.amplitude < most && swing.period > 0)) {
+    throw Error(fmt::format("{} {} {} is out of range; 0 to less than {}, and frames above 0", name,
+                            flag[0], flag[1], most));
+  }
+  return swing;
+}
+
+Motion motion_from(const VirtualFlags& flags, const Eigen::Vector3d& centre) {
+  Motion motion{.centre = centre};
+  if (!flags.motion.empty()) motion.step = Eigen::Vector3d(flags.motion.data());
+  motion.turn = Eigen::Vector3d(0, flags.turn * std::numbers::pi / 180, 0);
+  const Swing<double> vibration = swing_from(flags.vibration, "--vibrate", 1000);
+  motion.vibration = {{0, 0, vibration.amplitude}, vibration.period};
+  motion.breathing = swing_from(flags.breathing, "--breathe", 1);
+  return motion;
+}
+
 Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {
   Scene scene = flags.mesh ? scene_with_mesh(read_mesh(*flags.mesh), scanner, flags.mesh_size)
                            : scene_named(flags.scene, scanner);
   if (flags.reflectivity && !(*flags.reflectivity >= 0 && *flags.reflectivity <= 1)) {
     throw Error(fmt::format("--reflectivity {} is out of range; 0 to 1", *flags.reflectivity));
   }
+  const Motion motion = motion_from(flags, working_volume(scanner).centre);
   for (Body& body : scene) {
     if (flags.reflectivity) body.texture = uniform_texture(*flags.reflectivity);
-    if (!flags.motion.empty()) body.motion = Eigen::Vector3d(flags.motion.data());
+    if (!body.fixed) body.motion = motion;
   }
   return scene;
 }

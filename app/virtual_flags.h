@@ -19,7 +19,10 @@ struct VirtualFlags {
   std::optional<std::string> mesh;
   double mesh_size = 0;
   std::optional<double> reflectivity;
-  std::vector<double> motion;          ///< empty, or X Y Z
+  std::vector<double> motion;     ///< empty, or X Y Z
+  double turn = 0;                ///< degrees
+  std::vector<double> vibration;  ///< empty, or amplitude and period, as the next
+  std::vector<double> breathing;
   std::optional<std::string> scanner;  ///< file; its flag is the subcommand's own
   std::optional<std::string> camera;   ///< "640x480"
   std::string world = "bench";
@@ -31,9 +34,9 @@ struct VirtualFlags {
   std::uint64_t seed = 1;
 };
 
-/// Adds --scene, --mesh, --mesh-size, --reflectivity, --motion, --camera, --world, --camera-bits,
-/// --seed,
-/// --rays, and --virtual-ambient, --virtual-gamma and --virtual-noise: what is simulated, where
+/// Adds --scene, --mesh, --mesh-size, --reflectivity, --move, --turn, --vibrate, --breathe,
+/// --camera, --world, --camera-bits, --seed, --rays, and --virtual-ambient, --virtual-gamma and
+/// --virtual-noise: what is simulated, where
 /// --ambient,
 /// --gamma and --noise-variance are what is reckoned with.
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags);

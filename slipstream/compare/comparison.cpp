@@ -15,7 +15,7 @@ namespace {
 VirtualWorld with_exposure(VirtualWorld world, double share) {
   world.photometry.noise_variance /= share;
   world.photometry.physics.full_well *= share;
-  for (Body& body : world.scene) body.motion *= share;
+  for (Body& body : world.scene) body.motion.pace *= share;
   return world;
 }
 

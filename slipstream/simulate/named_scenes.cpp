@@ -65,7 +65,8 @@ Scene statue_scene(const Scanner& scanner, const WorkingVolume& volume) {
   scene.push_back(Body{.shape = Board{8 * volume.extent, 8 * volume.extent},
                        .pose = placed(behind),
                        .texture = uniform_texture(0.45),
-                       .shading = Shading::lambertian});
+                       .shading = Shading::lambertian,
+                       .fixed = true});
   return scene;
 }
 

@@ -54,14 +54,13 @@ std::optional<Hit> hit(const std::shared_ptr<const MeshTree>& tree, const Ray& r
   return tree->first_hit(ray);
 }
 
-Eigen::Isometry3d pose_at(const Body& body, double time) {
-  Eigen::Isometry3d pose = body.pose;
-  pose.pretranslate(time * body.motion);
-  return pose;
+Eigen::Affine3d pose_at(const Body& body, double time) {
+  if (body.motion.is_none()) return Eigen::Affine3d(body.pose);
+  return body.motion.at(time) * body.pose;
 }
 
 std::optional<Hit> hit(const Body& body, const Ray& ray, double time) {
-  const Eigen::Isometry3d to_body = pose_at(body, time).inverse();
+  const Eigen::Affine3d to_body = pose_at(body, time).inverse();
   const Ray in_body{to_body * ray.origin, to_body.linear() * ray.direction};
   return std::visit([&](const auto& shape) { return hit(shape, in_body); }, body.shape);
 }
@@ -141,9 +140,37 @@ Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel,
   };
 }
 
+Eigen::Affine3d Motion::at(double time) const {
+  time *= pace;
+  const double angle = turn.norm() * time;
+  return Eigen::Translation3d(centre + time * step + vibration.at(time)) *
+         Eigen::AngleAxisd(angle, turn.normalized()) * Eigen::Scaling(1 + breathing.at(time)) *
+         Eigen::Translation3d(-centre);
+}
+
+bool Motion::only_turns() const {
+  return step.isZero(0) && vibration.amplitude.isZero(0) && breathing.amplitude == 0;
+}
+
+bool Motion::is_none() const {
+  return only_turns() && turn.isZero(0);
+}
+
 bool is_moving(const Scene& scene) {
   return std::any_of(scene.begin(), scene.end(),
-                     [](const Body& body) { return !body.motion.isZero(0); });
+                     [](const Body& body) { return !body.motion.is_none(); });
+}
+
+std::optional<double> frames_of_a_turn(const Scene& scene) {
+  std::optional<double> frames;
+  for (const Body& body : scene) {
+    const Motion& motion = body.motion;
+    if (motion.is_none()) continue;
+    const double turn = 2 * std::numbers::pi / (motion.pace * motion.turn.norm());
+    if (!motion.only_turns() || turn != frames.value_or(turn)) return std::nullopt;
+    frames = turn;
+  }
+  return frames;
 }
 
 std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time) {
@@ -157,7 +184,7 @@ std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, do
   }
   if (nearest == nullptr) return std::nullopt;
 
-  const Eigen::Isometry3d pose = pose_at(*nearest, time);
+  const Eigen::Affine3d pose = pose_at(*nearest, time);
   const Eigen::Vector3d point = ray.origin + first.distance * ray.direction;
   Eigen::Vector3d normal = (pose.linear() * first.normal).normalized();
   if (normal.dot(ray.direction) > 0) normal = -normal;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <variant>
 #include <vector>
@@ -55,6 +57,33 @@ enum class Shading {
   lambertian,  ///< alpha is the texture's times the cosine between normal and light
 };
 
+/// What swings as the sine of time: none by default.
+template <class Value>
+struct Swing {
+  Value amplitude{};
+  double period = 1;  ///< frames
+
+  [[nodiscard]] Value at(double time) const {
+    return std::sin(2 * std::numbers::pi * time / period) * amplitude;
+  }
+};
+
+/// How a body moves in the camera's frame, all at once; by default not at all.
+struct Motion {
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();  ///< mm from one frame to the next
+  /// About `centre`: the direction of the axis, rad from one frame to the next long.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  Swing<Eigen::Vector3d> vibration{Eigen::Vector3d::Zero()};  ///< mm
+  Swing<double> breathing{0};                                 ///< share by which it grows
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< of turns and breathing at time 0, mm
+  double pace = 1;                                   ///< times all this
+
+  /// From where a point of the body is at time 0 to where it is at `time`, frames.
+  [[nodiscard]] Eigen::Affine3d at(double time) const;
+  [[nodiscard]] bool only_turns() const;
+  [[nodiscard]] bool is_none() const;
+};
+
 /// A thing in the scene.
 struct Body {
   Shape shape;
@@ -64,8 +93,8 @@ struct Body {
   /// Added to alpha where the surface mirrors the light into the camera, less the farther it turns
   /// from there: times the cosine between its normal and the half way to the 30th power.
   double gloss = 0;
-  Eigen::Vector3d motion =
-      Eigen::Vector3d::Zero();  ///< mm from one frame to the next, camera frame
+  Motion motion{};
+  bool fixed = false;  ///< stands still when what the scene is about is made to move
 };
 
 using Scene = std::vector<Body>;
@@ -81,6 +110,10 @@ struct SurfacePoint {
 };
 
 bool is_moving(const Scene& scene);
+
+/// Frames after which a scene that does nothing but turn stands as at first; none where it stands
+/// still or moves in another way too.
+std::optional<double> frames_of_a_turn(const Scene& scene);
 
 /// In the scene as it stands at `time`, in frames (0 at the first).
 std::optional<SurfacePoint> first_surface(const Scene& scene, const Ray& ray, double time);

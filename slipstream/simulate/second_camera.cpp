@@ -28,7 +28,10 @@ Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& 
   Scene seen = scene;
   for (Body& body : seen) {
     body.pose = to_second * body.pose;
-    body.motion = turn * body.motion;
+    body.motion.step = turn * body.motion.step;
+    body.motion.turn = turn * body.motion.turn;
+    body.motion.vibration.amplitude = turn * body.motion.vibration.amplitude;
+    body.motion.centre = to_second * body.motion.centre;
   }
   return seen;
 }

@@ -13,15 +13,9 @@
 namespace slipstream {
 namespace {
 
-/// How many motions from its place a body stands at a frame of the loop: evenly to and fro.
-double motions_at(int frame, int loop) {
+/// What time it is in the scene at a frame of a loop in which time goes evenly to and fro.
+double time_to_and_fro(int frame, int loop) {
   return loop / 4.0 - std::abs(frame - loop / 2.0);
-}
-
-/// The scene as it stands when a frame of the loop begins, going on forth from there.
-Scene scene_at(Scene scene, double motions) {
-  for (Body& body : scene) body.pose.pretranslate(motions * body.motion);
-  return scene;
 }
 
 }  // namespace
@@ -45,6 +39,8 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
   if (!photometry.bits) throw Error("a virtual camera has 8 to 16 bits; none are given");
   const bool moving = is_moving(scene);
   const int count = patterns.count * cycles;
+  const std::optional<double> turn = frames_of_a_turn(scene);
+  const bool round = turn && 2 * std::abs(count - *turn) <= patterns.count;
   std::vector<Frame> frames(static_cast<std::size_t>(count));
   std::optional<VirtualScan> seen;
   const auto expose = [&](int n) {
@@ -55,17 +51,18 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
     if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
-      seen = take_scan(scanner, scene_at(scene, motions_at(n, count)), pattern, light);
+      const double time = round ? n : time_to_and_fro(n, count);
+      seen = take_scan(scanner, scene, pattern, light, time);
       frame = first_frame(seen->frames);
     }
     frame.stamp.sequence = static_cast<std::uint64_t>(n);
     frame.stamp.pattern_index = n % patterns.count;
   };
   // On its way back the scene stands where it stood before.
-  for (int n = 0; n <= count / 2; ++n) {
+  for (int n = 0; n < (round ? count : count / 2 + 1); ++n) {
     if (moving) seen.reset();
     expose(n);
-    if (n > 0 && count - n > n) expose(count - n);
+    if (!round && n > 0 && count - n > n) expose(count - n);
   }
   return frames;
 }

@@ -16,8 +16,9 @@
 namespace slipstream {
 
 /// What a camera sees while the patterns are shown `cycles` times over, one after the other, ready
-/// to be shown again from the start: the bodies go by their `motion` from frame to frame, through
-/// the place where they stand, to and fro. Each frame has noise of its own. Sequence and pattern
+/// to be shown again from the start: the bodies move frame by frame, through the place where they
+/// stand at time 0, to and fro; round and round where they only turn and the frames are those of a
+/// whole turn, but for half a cycle. Each frame has noise of its own. Sequence and pattern
 /// index of the stamps are set. Throws Error where cycles are not 1 or more, the photometry says no
 /// bits, or as take_scan.
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,

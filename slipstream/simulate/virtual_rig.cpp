@@ -26,11 +26,6 @@ double level_at(const Image<std::uint8_t>& picture, double x, double y) {
                    std::lerp(picture(left, bottom), picture(right, bottom), x - left), y - top);
 }
 
-/// The scene one frame later.
-void move(Scene& scene) {
-  for (Body& body : scene) body.pose.pretranslate(body.motion);
-}
-
 }  // namespace
 
 VirtualRig::VirtualRig(Scanner scanner, Scene scene, const Photometry& photometry)
@@ -62,8 +57,7 @@ FrameFormat VirtualRig::format() const {
 
 Arrival VirtualRig::next(Frame& frame, std::chrono::milliseconds) {
   if (is_moving(scene_) && taken_ > 0) {
-    move(scene_);
-    seen_ = look(scanner_, scene_, photometry_, 0);
+    seen_ = look(scanner_, scene_, photometry_, static_cast<double>(taken_));
   }
   ProjectedLight light = [&](const LitSample& sample) {
     if (!on_show_) return 0.0;

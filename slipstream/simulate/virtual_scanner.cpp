@@ -17,19 +17,19 @@
 namespace slipstream {
 namespace {
 
-/// The scene while frame n is exposed: once, or several times where motion is blurred.
+/// The scene while the frame of a time is exposed: once, or several times where motion is blurred.
 std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
-                             const Photometry& photometry, int n) {
+                             const Photometry& photometry, double time) {
   constexpr int times = 4;
   constexpr double exposure = 0.5;  // of a frame
   if (!photometry.physics.motion_blur || !is_moving(scene)) {
     std::vector<SeenScene> one;
-    one.push_back(look(scanner, scene, photometry, n));
+    one.push_back(look(scanner, scene, photometry, time));
     return one;
   }
   std::vector<SeenScene> seen;
   for (int i = 0; i < times; ++i) {
-    seen.push_back(look(scanner, scene, photometry, n + exposure * (i + 0.5) / times));
+    seen.push_back(look(scanner, scene, photometry, time + exposure * (i + 0.5) / times));
   }
   return seen;
 }
@@ -59,15 +59,15 @@ void require_valid(const Photometry& photometry) {
 }
 
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
-                      const Photometry& photometry) {
+                      const Photometry& photometry, double time) {
   require_valid(scanner);
   require_valid(photometry);
   const Size projector = scanner.projector.size;
-  std::vector<SeenScene> seen = looks(scanner, scene, photometry, 0);
+  std::vector<SeenScene> seen = looks(scanner, scene, photometry, time);
   const auto first = std::make_shared<const SeenScene>(seen.front());
   std::vector<Image<double>> exposures;
   for (int n = 0; n < patterns.count; ++n) {
-    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, n);
+    if (n > 0 && is_moving(scene)) seen = looks(scanner, scene, photometry, time + n);
     Image<double> frame(scanner.camera.size);
     for (const SeenScene& now : seen) {
       const auto light = projected_light(patterns, n, projector, photometry, now);
@@ -79,10 +79,13 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
     add_noise(frame, n, photometry);
     exposures.push_back(std::move(frame));
   }
+  const double middle = time + 0.5 * (patterns.count - 1);
+  const SeenScene truth =
+      patterns.count > 1 && is_moving(scene) ? look(scanner, scene, photometry, middle) : *first;
   return {digitised(std::move(exposures), photometry.bits),
-          first->depth,
-          coordinate_of(*first, patterns.axis, projector),
-          first->reflectivity,
+          truth.depth,
+          coordinate_of(truth, patterns.axis, projector),
+          truth.reflectivity,
           first,
           projector};
 }

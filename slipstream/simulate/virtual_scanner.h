@@ -31,7 +31,8 @@ struct Photometry {
   Physics physics{};
 };
 
-/// What a virtual camera saw, and what was really there when the first frame was taken.
+/// What a virtual camera saw, and what was really there half way from its first frame to its last;
+/// `look` tells what was there at any other time.
 struct VirtualScan {
   FrameSet frames;
   Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN where there is none
@@ -48,9 +49,10 @@ struct VirtualScan {
 /// I^p = 0 in the projector's shadow and outside its field; the light is as many times as
 /// much as the pattern's exposure says. Unless the photometry's physics say otherwise patterns are
 /// exact: not sampled by projector pixels nor quantised; binary ones are their pictures. Throws
-/// Error where the scanner or the photometry is not valid.
+/// Error where the scanner or the photometry is not valid. The first frame is taken at `time`, the
+/// others one frame later each.
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
-                      const Photometry& photometry = {});
+                      const Photometry& photometry = {}, double time = 0);
 
 /// The frames of other patterns, or with other light, from where `scan` was taken: of the scene as
 /// it stood then, without tracing its rays again. Rays, blur and bounces are those of the

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -36,9 +37,17 @@ void set_scanner(NamedSource& opened, const SourceRequest& request,
   opened.scanner_name = request.scanner->string();
 }
 
+/// Of a loop: enough to see the scene move, or turn once round where that is not too many.
+int cycles_to_see(const Scene& scene, int patterns) {
+  constexpr int fewest_frames = 32, fewest_cycles = 4, most_frames = 1440;
+  const double turn = frames_of_a_turn(scene).value_or(0);
+  if (turn > fewest_frames && turn <= most_frames) {
+    return static_cast<int>(std::lround(turn / patterns));
+  }
+  return std::max(fewest_cycles, (fewest_frames - 1) / patterns + 1);
+}
+
 NamedSource open_virtual(const std::string& what, const SourceRequest& request) {
-  /// Frames of the loop at least, and cycles: enough to see the scene move.
-  constexpr int fewest_frames = 32, fewest_cycles = 4;
   if (!what.empty()) {
     throw Error(fmt::format("source virtual:{}: virtual takes nothing after it", what));
   }
@@ -52,9 +61,9 @@ NamedSource open_virtual(const std::string& what, const SourceRequest& request) 
                             text_of(opened.sequence.projector), text_of(scanner.projector.size)));
   }
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
-  const int cycles = std::max(fewest_cycles, (fewest_frames - 1) / patterns.count + 1);
   opened.frames = std::make_unique<VirtualCamera>(
-      virtual_frames(scanner, scene, patterns, photometry, cycles), pace_from(request.rate));
+      virtual_frames(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count)),
+      pace_from(request.rate));
   opened.scanner = as_calibrated(*request.world);
   opened.scanner_name = "the virtual scanner";
   return opened;

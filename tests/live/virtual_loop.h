@@ -22,7 +22,7 @@ struct VirtualLoop {
 inline std::vector<Frame> frames_of(const PatternSet& patterns, const VirtualLoop& loop = {}) {
   const Scanner scanner = example_scanner(loop.size);
   Scene scene = scene_named(loop.scene, scanner);
-  for (Body& body : scene) body.motion = loop.motion;
+  for (Body& body : scene) body.motion.step = loop.motion;
   return virtual_frames(scanner, scene, patterns, loop.photometry, loop.cycles);
 }
 

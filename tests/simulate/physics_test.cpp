@@ -214,7 +214,7 @@ TEST(Physics, FlickerIsOfWholeFrames) {
 TEST(Physics, MotionSmearsAndTheShutterRolls) {
   const Texture edge = [](const Eigen::Vector3d& p) { return p.x() < 0 ? 0.2 : 0.8; };
   Scene moving = board(edge);
-  moving.front().motion = Eigen::Vector3d(60, 0, 0);
+  moving.front().motion.step = Eigen::Vector3d(60, 0, 0);
   const auto edge_column = [&](const Image<double>& image, int row) {
     int dark = 0;
     for (int column = 0; column < image.width(); ++column) {

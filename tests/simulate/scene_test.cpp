@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -75,9 +76,50 @@ TEST(Scene, TheNearestBodyIsSeenAndShadesTheOthers) {
 }
 
 TEST(Scene, BodiesMoveFromFrameToFrame) {
-  const Scene scene{
-      Body{.shape = Board{100, 100}, .pose = at({0, 0, 500}), .motion = Vector(0, 0, -2)}};
+  const Scene scene{Body{
+      .shape = Board{100, 100}, .pose = at({0, 0, 500}), .motion = {.step = Vector(0, 0, -2)}}};
   EXPECT_DOUBLE_EQ(first_surface(scene, {Vector::Zero(), Vector(0, 0, 1)}, 3)->distance, 494);
+}
+
+TEST(Scene, BodiesTurnSwingAndBreatheAboutTheirCentre) {
+  const Vector centre(0, 0, 500);
+  const Motion turning{.turn = {0, std::numbers::pi / 8, 0}, .centre = centre};
+  EXPECT_TRUE((turning.at(4) * Vector(10, 5, 500)).isApprox(Vector(0, 5, 490), 1e-12));
+  const Motion swinging{.vibration = {Vector(0, 0, 3), 8}};
+  EXPECT_TRUE((swinging.at(2) * centre).isApprox(Vector(0, 0, 503), 1e-12));
+  EXPECT_TRUE((swinging.at(6) * centre).isApprox(Vector(0, 0, 497), 1e-12));
+  const Motion breathing{.breathing = {0.1, 8}, .centre = centre};
+  EXPECT_TRUE((breathing.at(2) * Vector(10, 0, 480)).isApprox(Vector(11, 0, 478), 1e-12));
+
+  // All at once, half as fast: what a ray meets are the points of the body, moved.
+  Motion all{.step = {2, -1, 3},
+             .turn = {0.01, 0.02, 0},
+             .vibration = {Vector(0, 1, 0), 5},
+             .breathing = {0.05, 7},
+             .centre = centre,
+             .pace = 0.5};
+  const Body box{.shape = Box{{80, 60, 40}}, .pose = at(centre)};
+  Body moving = box;
+  moving.motion = all;
+  for (const double time : {-3.0, 0.0, 2.5, 9.0}) {
+    const Ray ray{Vector::Zero(), Vector(0.03, -0.02, 1)};
+    const auto met = first_surface({moving}, ray, time);
+    ASSERT_TRUE(met) << time;
+    const Vector before = all.at(time).inverse() * met->point;
+    const Vector in_box = (before - centre).cwiseAbs().cwiseQuotient(Vector(40, 30, 20));
+    EXPECT_NEAR(in_box.maxCoeff(), 1, 1e-9) << time;
+    EXPECT_NEAR(met->normal.norm(), 1, 1e-12);
+    EXPECT_NEAR((met->point - met->distance * ray.direction).norm(), 0, 1e-9);
+  }
+}
+
+TEST(Scene, TellsWhatATurnTakes) {
+  Scene scene{Body{.shape = Sphere{5}}, Body{.shape = Board{10, 10}, .fixed = true}};
+  EXPECT_FALSE(frames_of_a_turn(scene));
+  scene[0].motion.turn = {0, 0, -std::numbers::pi / 180};
+  EXPECT_NEAR(frames_of_a_turn(scene).value(), 360, 1e-9);
+  scene[0].motion.breathing.amplitude = 0.01;
+  EXPECT_FALSE(frames_of_a_turn(scene));
 }
 
 TEST(Textures, SoftEdgesRunThroughWhereTheSharpOnesAre) {

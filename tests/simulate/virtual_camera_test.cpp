@@ -20,7 +20,7 @@ std::vector<Frame> frames_of(Size size, int cycles, const Eigen::Vector3d& motio
                              const Photometry& photometry = {}) {
   const Scanner scanner = example_scanner(size);
   Scene scene = scene_named("sphere", scanner);
-  for (Body& body : scene) body.motion = motion;
+  for (Body& body : scene) body.motion.step = motion;
   return virtual_frames(scanner, scene, patterns, photometry, cycles);
 }
 

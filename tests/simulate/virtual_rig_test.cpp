@@ -97,15 +97,15 @@ TEST(VirtualRig, HasNoiseOfItsOwnInEachFrameAndMoreBits) {
 
 TEST(VirtualRig, BodiesGoOnFromFrameToFrame) {
   Scene scene = scene_named("sphere", scanner);
-  for (Body& body : scene) body.motion = {0, 0, 5};
+  for (Body& body : scene) body.motion.step = {0, 0, 5};
   VirtualRig rig(scanner, scene);
   rig.load(pictures_of(fringes(Axis::x)));
   rig.show(0);
   const Frame first = next_frame(rig), second = next_frame(rig);
   EXPECT_FALSE(std::equal(pixels(first).begin(), pixels(first).end(), pixels(second).begin()));
   for (Body& body : scene) {
-    body.pose.pretranslate(body.motion);
-    body.motion.setZero();
+    body.pose.pretranslate(body.motion.step);
+    body.motion = {};
   }
   VirtualRig still(scanner, scene);
   still.load(pictures_of(fringes(Axis::x)));

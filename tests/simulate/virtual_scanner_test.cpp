@@ -97,7 +97,7 @@ TEST(VirtualScanner, MovingThingsAreSeenWhereTheyAreInEachFrame) {
   const Scanner scanner = example_scanner({160, 120});
   Scene sphere = scene_named("sphere", scanner);
   const VirtualScan still = take_scan(scanner, sphere, patterns);
-  sphere.front().motion = {5, 0, 0};
+  sphere.front().motion.step = {5, 0, 0};
   const VirtualScan moving = take_scan(scanner, sphere, patterns);
   const auto equal = [&](int n) {
     const Image<double> a = frame<double>(still, n), b = frame<double>(moving, n);
@@ -105,6 +105,14 @@ TEST(VirtualScanner, MovingThingsAreSeenWhereTheyAreInEachFrame) {
   };
   EXPECT_TRUE(equal(0));
   EXPECT_FALSE(equal(2));
+  // What is told to be there is what was there in the middle, as seen without motion.
+  sphere.front().pose.pretranslate(Eigen::Vector3d(5 * 0.5 * (patterns.count - 1), 0, 0));
+  sphere.front().motion = {};
+  const VirtualScan middle = take_scan(scanner, sphere, patterns);
+  for (std::size_t i = 0; i < middle.depth.pixel_count(); ++i) {
+    const double depth = middle.depth.begin()[i], told = moving.depth.begin()[i];
+    ASSERT_TRUE(std::isnan(depth) == std::isnan(told) && !(std::abs(depth - told) > 1e-9)) << i;
+  }
 }
 
 TEST(VirtualScanner, RefusesLightAndSensorsThatCannotBe) {

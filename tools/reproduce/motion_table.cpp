@@ -31,11 +31,6 @@ std::vector<Measured> measured_by() {
           {"PCMP of 5 steps", {.strategy = PhaseChannelMultiplexing{.steps = 5}}}};
 }
 
-Scene moved(Scene scene, const Eigen::Vector3d& way) {
-  for (Body& body : scene) body.pose.pretranslate(way);
-  return scene;
-}
-
 /// Whether no other surface and no shadow is within two pixels.
 bool inside(const VirtualScan& scan, int column, int row) {
   constexpr int around = 2;
@@ -55,20 +50,19 @@ bool inside(const VirtualScan& scan, int column, int row) {
 
 /// What 90 % of the depth errors stay below, mm, against what is there in the middle of the scan,
 /// away from edges; free of noise and not quantised.
-double depth_error(const Scanner& scanner, const Scene& scene, const Sequence& sequence,
+double depth_error(const Scanner& scanner, Scene scene, const Sequence& sequence,
                    const Eigen::Vector3d& motion) {
   const Photometry exact{.noise_variance = 0, .bits = std::nullopt};
   const PatternSet patterns = pattern_set(sequence);
-  const Eigen::Vector3d half = 0.5 * (patterns.count - 1) * motion;
-  const auto seen = [&](const Eigen::Vector3d& way) {
-    return take_scan(scanner, moved(scene, way), pattern_alone(patterns, 0), exact);
+  const double half = 0.5 * (patterns.count - 1);
+  for (Body& body : scene) body.motion.step = motion;
+  const auto seen = [&](double time) {
+    return take_scan(scanner, scene, pattern_alone(patterns, 0), exact, time);
   };
-  const VirtualScan first = seen(-half), middle = seen({0, 0, 0}), last = seen(half);
-  Scene moving = moved(scene, -half);
-  for (Body& body : moving) body.motion = motion;
+  const VirtualScan first = seen(-half), last = seen(half),
+                    middle = take_scan(scanner, scene, patterns, exact, -half);
   Cloud cloud;
-  Engine(scanner, sequence, {.clean = CleanSettings::none()})
-      .cloud(take_scan(scanner, moving, patterns, exact).frames, cloud);
+  Engine(scanner, sequence, {.clean = CleanSettings::none()}).cloud(middle.frames, cloud);
   std::vector<double> errors;
   for (int row = 0; row < cloud.z.height(); ++row) {
     for (int column = 0; column < cloud.z.width(); ++column) {

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/geometry/projection_matrices.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
 #include "slipstream/io/photometric_file.h"
@@ -36,6 +37,9 @@ constexpr std::array<Layout, 4> layouts{{
     {"M1", "D1", "S", "", "M4", "D4", "", "", "Rlp", "Tlp"},
 }};
 
+// The layout of projection matrices, whose sizes have slipstream's names.
+constexpr std::array<std::string_view, 2> projections{"camera_projection", "projector_projection"};
+
 constexpr const char* measured_entry = "measured";
 constexpr const char* depths_entry = "calibrated_depths";
 
@@ -48,13 +52,19 @@ class ScannerFile {
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] const std::map<std::string, StoredMatrix>& entries() const { return entries_; }
 
+  [[nodiscard]] bool has(std::string_view name) const {
+    return !name.empty() && entries_.contains(std::string(name));
+  }
+
   [[nodiscard]] const Layout& layout() const {
     for (const Layout& layout : layouts) {
       if (has(layout.camera_matrix) || has(layout.projector_matrix)) return layout;
     }
-    throw Error(fmt::format(
-        "{}: no camera matrix; it is named camera_matrix, Kc, cam_K or M1 in a scanner file",
-        name_));
+    throw Error(
+        fmt::format("{}: no camera matrix; it is named camera_matrix, Kc, cam_K, M1 or "
+                    "camera_projection in a scanner "
+                    "file",
+                    name_));
   }
 
   /// rows x columns numbers, row by row.
@@ -88,10 +98,6 @@ class ScannerFile {
   }
 
  private:
-  [[nodiscard]] bool has(std::string_view name) const {
-    return !name.empty() && entries_.contains(std::string(name));
-  }
-
   [[nodiscard]] std::vector<int> pixel_counts(std::string_view name, std::size_t count) const {
     if (!has(name)) return std::vector<int>(count, 0);
     const std::vector<double> values = numbers(name);
@@ -122,6 +128,10 @@ class ScannerFile {
   std::string name_;
   std::map<std::string, StoredMatrix> entries_;
 };
+
+Eigen::Matrix<double, 3, 4> matrix34(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(values.data());
+}
 
 Eigen::Matrix3d matrix3(const std::vector<double>& values) {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
@@ -166,6 +176,7 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
 }
 
 bool names_geometry(std::string_view entry) {
+  if (std::find(projections.begin(), projections.end(), entry) != projections.end()) return true;
   return std::any_of(layouts.begin(), layouts.end(), [&](const Layout& layout) {
     const std::array names{layout.camera_matrix,    layout.camera_distortion,
                            layout.camera_width,     layout.camera_height,
@@ -192,7 +203,24 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
   return entries;
 }
 
-Scanner scanner_of(const ScannerFile& file) {
+Scanner geometry_of_projections(const ScannerFile& file) {
+  const Layout& names = layouts.front();
+  const auto [camera, projector] = projections;
+  try {
+    return scanner_of(matrix34(file.matrix(camera, 3, 4)),
+                      file.size(names.camera_width, names.camera_height),
+                      matrix34(file.matrix(projector, 3, 4)),
+                      file.size(names.projector_width, names.projector_height));
+  } catch (const Error& error) {
+    const std::string_view message = error.what();
+    if (message.starts_with(file.name())) throw;
+    throw Error(fmt::format("{}: {}", file.name(), message));
+  }
+}
+
+/// Lenses and pose.
+Scanner geometry_of(const ScannerFile& file) {
+  if (file.has(projections[0]) || file.has(projections[1])) return geometry_of_projections(file);
   const Layout& names = file.layout();
   Scanner scanner;
   scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
@@ -203,6 +231,11 @@ Scanner scanner_of(const ScannerFile& file) {
                        .size = file.size(names.projector_width, names.projector_height)};
   scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
   scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
+  return scanner;
+}
+
+Scanner scanner_of(const ScannerFile& file) {
+  Scanner scanner = geometry_of(file);
   scanner.photometry = photometric_calibration_of(file.entries(), file.name());
   if (file.entries().contains(depths_entry)) {
     const std::vector<double> depths = file.matrix(depths_entry, 1, 2);

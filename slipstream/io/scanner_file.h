@@ -8,13 +8,15 @@
 
 namespace slipstream {
 
-/// Reads a scanner from an OpenCV FileStorage file (YAML or XML) in one of four layouts, told by
+/// Reads a scanner from an OpenCV FileStorage file (YAML or XML) in one of five layouts, told by
 /// the names in it:
 ///   camera_matrix camera_distortion camera_width camera_height projector_matrix
 ///     projector_distortion projector_width projector_height rotation translation (slipstream's);
 ///   Kc kc Kp kp Rp Tp frameWidth frameHeight screenResX screenResY;
 ///   cam_K cam_kc proj_K proj_kc R T, which says no sizes: they come out empty;
-///   M1 D1 S M4 D4 Rlp Tlp, which says the camera's size alone: S, its width and height.
+///   M1 D1 S M4 D4 Rlp Tlp, which says the camera's size alone: S, its width and height;
+///   camera_projection projector_projection and sizes as slipstream's: the 3x4 matrices from one
+///     world, mm, to the pixels of either, up to scale (see scanner_of in projection_matrices.h).
 /// Distortion may be missing (none) and sizes too. Rotation and translation take the camera's frame
 /// to the projector's, mm. What is known of light and sensor, see photometric_file.h, and the line
 /// of text `measured` are read too. A recording serves as well, with what it holds. Throws Error,

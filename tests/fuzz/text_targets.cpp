@@ -37,7 +37,12 @@ std::vector<Bytes> scanner_files() {
           bytes_of(head + "frameWidth: 640\nframeHeight: 480\nscreenResX: 800\nscreenResY: 600\n" +
                    matrix("Kc", 3, 3, lens) + matrix("kc", 1, 5, bent) + matrix("Kp", 3, 3, lens) +
                    matrix("kp", 1, 5, bent) + matrix("Rp", 3, 3, turn) +
-                   matrix("Tp", 3, 1, "100., 2., 3."))};
+                   matrix("Tp", 3, 1, "100., 2., 3.")),
+          bytes_of(head + "camera_width: 640\ncamera_height: 480\n" +
+                   matrix("camera_projection", 3, 4,
+                          "900., 0., 320., 0., 0., 901., 240., 0., 0., 0., 1., 0.") +
+                   matrix("projector_projection", 3, 4,
+                          "-9., 0.1, -4., 900., 0., -9., -3., 2., 0., 0., -0.01, 0.1"))};
 }
 
 const bool scanner_known = add_fuzz_target(

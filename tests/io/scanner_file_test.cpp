@@ -1,7 +1,11 @@
 #include "slipstream/io/scanner_file.h"
 
+#include <fstream>
 #include <string>
 
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -78,7 +82,7 @@ TEST(ScannerFile, OpensInOpenCv) {
   EXPECT_EQ(static_cast<int>(storage["projector_width"]), 1024);
 }
 
-std::string matrix(const char* name, int rows, int columns, const char* numbers) {
+std::string matrix(const char* name, int rows, int columns, const std::string& numbers) {
   return std::string(name) + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
          "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " + numbers + " ]\n";
 }
@@ -98,6 +102,76 @@ TEST(ScannerFile, ReadsTheLayoutWithoutSizes) {
   EXPECT_EQ(scanner.projector.distortion.coefficients[0], 0.2);
   EXPECT_EQ(scanner.translation.x(), 100);
   EXPECT_EQ(scanner.camera.size, Size{});
+}
+
+TEST(ScannerFile, ReadsProjectionMatrices) {
+  const Scanner known = example_scanner();
+  Eigen::Matrix<double, 3, 4> pose;
+  pose << known.rotation, known.translation;
+  // Of a world that is not the camera's, and up to factors.
+  Eigen::Isometry3d world = Eigen::Isometry3d::Identity();
+  world.translate(Eigen::Vector3d(30, -20, 500));
+  world.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
+  Eigen::Matrix<double, 3, 4> camera = Eigen::Matrix<double, 3, 4>::Zero();
+  camera.leftCols<3>() = known.camera.intrinsic;
+  const auto entry = [&](const char* name, const Eigen::Matrix<double, 3, 4>& projection) {
+    return matrix(name, 3, 4,
+                  fmt::format("{:.17g}", fmt::join(projection.reshaped<Eigen::RowMajor>(), ", ")));
+  };
+  const std::string first = entry("camera_projection", -0.01 * camera * world.matrix());
+  const std::string text =
+      head + first +
+      entry("projector_projection", 3 * known.projector.intrinsic * pose * world.matrix()) +
+      "camera_width: 640\ncamera_height: 480\nambient_light: 4.\n";
+  const Scanner read = scanner_from(text, "matrices.yaml");
+  EXPECT_TRUE(read.camera.intrinsic.isApprox(known.camera.intrinsic, 1e-9));
+  EXPECT_TRUE(read.projector.intrinsic.isApprox(known.projector.intrinsic, 1e-9));
+  EXPECT_TRUE(read.rotation.isApprox(known.rotation, 1e-9));
+  EXPECT_TRUE(read.translation.isApprox(known.translation, 1e-9));
+  EXPECT_EQ(read.camera.size, (Size{640, 480}));
+  EXPECT_EQ(read.projector.size, Size{});
+  EXPECT_EQ(read.photometry.ambient, 4);
+
+  expect_error([&] { (void)scanner_from(head + first, "a.yaml"); },
+               {"a.yaml", "projector_projection", "missing"});
+  expect_error(
+      [&] { (void)scanner_from(head + first + matrix("projector_projection", 3, 3, K), "b.yaml"); },
+      {"b.yaml", "projector_projection", "3x4"});
+  const Eigen::Matrix<double, 3, 4> singular = Eigen::Matrix<double, 3, 4>::Ones();
+  expect_error(
+      [&] { (void)scanner_from(head + first + entry("projector_projection", singular), "c.yaml"); },
+      {"c.yaml", "projector", "not one of a camera"});
+
+  const TemporaryFolder folder;
+  write_file(folder.path() / "rig.yaml", text);
+  EXPECT_EQ(replace_geometry(folder.path() / "rig.yaml", known),
+            std::vector<std::string>{"ambient_light"});
+  EXPECT_EQ(read_scanner(folder.path() / "rig.yaml").translation, known.translation);
+}
+
+TEST(ScannerFile, ReadsTheMatricesOfTwoRealCameras) {
+  const auto folder = shared_data() / "bsc-hand";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  const auto entry = [&](const char* name, const char* file) {
+    std::ifstream text(folder / file);
+    std::vector<double> numbers(12);
+    for (double& number : numbers) text >> number;
+    return matrix(name, 3, 4, fmt::format("{:.17g}", fmt::join(numbers, ", ")));
+  };
+  const auto scanner = [&](const char* camera) {
+    return scanner_from(head + "projector_width: 1280\nprojector_height: 800\n" +
+                            "camera_width: 640\ncamera_height: 480\n" +
+                            entry("camera_projection", camera) +
+                            entry("projector_projection", "mProjector.txt"),
+                        camera);
+  };
+  const Scanner first = scanner("mCamera1Rectified.txt"), second = scanner("mCamera2Rectified.txt");
+  EXPECT_NO_THROW(require_valid(first));
+  EXPECT_NO_THROW(require_valid(second));
+  // One projector, and cameras that look along one axis.
+  EXPECT_TRUE(first.projector.intrinsic.isApprox(second.projector.intrinsic, 1e-6));
+  EXPECT_TRUE(first.rotation.col(2).isApprox(second.rotation.col(2), 1e-6));
+  EXPECT_GT((projector_centre(first) - projector_centre(second)).norm(), 30);
 }
 
 TEST(ScannerFile, RowsAndColumnsAreWholeNumbers) {

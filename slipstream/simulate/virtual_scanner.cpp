@@ -17,11 +17,12 @@
 namespace slipstream {
 namespace {
 
+constexpr double exposed_for = 0.5;  // of a frame, where motion is blurred
+
 /// The scene while the frame of a time is exposed: once, or several times where motion is blurred.
 std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
                              const Photometry& photometry, double time) {
   constexpr int times = 4;
-  constexpr double exposure = 0.5;  // of a frame
   if (!photometry.physics.motion_blur || !is_moving(scene)) {
     std::vector<SeenScene> one;
     one.push_back(look(scanner, scene, photometry, time));
@@ -29,7 +30,7 @@ std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
   }
   std::vector<SeenScene> seen;
   for (int i = 0; i < times; ++i) {
-    seen.push_back(look(scanner, scene, photometry, time + exposure * (i + 0.5) / times));
+    seen.push_back(look(scanner, scene, photometry, time + exposed_for * (i + 0.5) / times));
   }
   return seen;
 }
@@ -79,9 +80,10 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
     add_noise(frame, n, photometry);
     exposures.push_back(std::move(frame));
   }
-  const double middle = time + 0.5 * (patterns.count - 1);
+  const double exposure = photometry.physics.motion_blur ? exposed_for : 0;
+  const double middle = time + 0.5 * (patterns.count - 1 + exposure);
   const SeenScene truth =
-      patterns.count > 1 && is_moving(scene) ? look(scanner, scene, photometry, middle) : *first;
+      middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle) : *first;
   return {digitised(std::move(exposures), photometry.bits),
           truth.depth,
           coordinate_of(truth, patterns.axis, projector),

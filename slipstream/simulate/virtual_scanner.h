@@ -31,8 +31,8 @@ struct Photometry {
   Physics physics{};
 };
 
-/// What a virtual camera saw, and what was really there half way from its first frame to its last;
-/// `look` tells what was there at any other time.
+/// What a virtual camera saw, and what was really there half way from the first to the last
+/// moment of its exposures; `look` tells what was there at any other time.
 struct VirtualScan {
   FrameSet frames;
   Image<double> depth;  ///< Z of the surface in the camera's frame, mm; NaN where there is none

@@ -1,3 +1,4 @@
+#include <array>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -34,6 +35,7 @@ struct LiveFlags {
   std::string gamma = "scanner";
   ReconstructSettings settings;
   CleanFlags clean;
+  std::string track, model;
   std::string output;
   std::string record;
   ViewFlags view;
@@ -49,11 +51,14 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
                     opened.sequence, flags.settings};
   if (opened.scanner) {
     require_ambient_known(setup, file);
-  } else if (!flags.output.empty()) {
+  } else if (!flags.output.empty() || !flags.model.empty() || !flags.track.empty()) {
     throw Error(
         fmt::format("{}: no scanner is known for {}, so there are no points; name its file "
                     "with --scanner",
-                    flags.output, flags.source.source));
+                    !flags.output.empty()  ? flags.output
+                    : !flags.model.empty() ? flags.model
+                                           : "--track",
+                    flags.source.source));
   } else {
     output.say("no scanner is known for {}: pictures without points; --scanner names its file",
                flags.source.source);
@@ -67,6 +72,25 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
 
 nlohmann::json json_of(const Latency& latency) {
   return {{"p50", latency.p50}, {"p99", latency.p99}, {"max", latency.max}};
+}
+
+nlohmann::json json_of(const ObjectTrack& track) {
+  const auto three = [](const Eigen::Vector3d& v) { return std::array{v.x(), v.y(), v.z()}; };
+  nlohmann::json told{{"found", track.found},
+                      {"looked", track.looked},
+                      {"missed", track.missed},
+                      {track.shape.radius ? "centre_mm" : "place_mm", three(track.place)},
+                      {"residual_mm", track.residuals.rms},
+                      {"points", track.residuals.points},
+                      {"velocity_mm_per_s", three(track.velocity)},
+                      {"speed_mm_per_s", track.velocity.norm()}};
+  if (!track.shape.radius) told["normal"] = three(track.normal);
+  return told;
+}
+
+nlohmann::json json_of(const ModelStatistics& model) {
+  return {{"views", model.views},   {"left_out", model.left_out}, {"missed", model.missed},
+          {"points", model.points}, {"rms_mm", model.rms},        {"view_ms", model.milliseconds}};
 }
 
 nlohmann::json json_of(const LiveStatistics& statistics) {
@@ -116,7 +140,10 @@ void wait_until_over(LiveSession& session, std::vector<LiveFinding>& findings, O
 void require_good(const LiveFlags& flags) {
   require_duration(flags.duration);
   if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
-  if (!flags.output.empty()) require_cloud_ending(flags.output);
+  for (const std::string& file : {flags.output, flags.model}) {
+    if (!file.empty()) require_cloud_ending(file);
+  }
+  if (!flags.track.empty()) (void)tracked_shape_named(flags.track);
 #ifdef SLIPSTREAM_VIEW
   require_good(flags.view);
 #else
@@ -160,11 +187,22 @@ void tell_pictures(const LiveSession& session, Output& output) {
                                {"median_modulation", report.modulation}};
 }
 
+void write_model(const ModelPoints& model, const std::string& file, Output& output) {
+  if (model.cloud.z.empty()) {
+    throw WorldError(fmt::format("{}: no cloud came that a model could be made of", file));
+  }
+  write_cloud(file, model.cloud, {.normals = &model.normals});
+  output.say("model: {} points in {}", model.cloud.size().width, file);
+  output.document["files"]["model"] = file;
+}
+
 /// What the session measured, and what is to be kept of its last cloud.
 void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
   const LiveStatistics statistics = session.pipeline.statistics();
   output.say("{}", text_of(statistics));
   output.document.update(json_of(statistics));
+  if (statistics.track) output.document["track"] = json_of(*statistics.track);
+  if (statistics.model) output.document["model"] = json_of(*statistics.model);
   output.document["findings"] = app::json_of(session.pipeline.findings());
   output.document["source"] = flags.source.source;
   if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
@@ -177,6 +215,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
     output.say("cloud: {}", flags.output);
     output.document["files"]["cloud"] = flags.output;
   }
+  if (!flags.model.empty()) write_model(session.pipeline.model(), flags.model, output);
 #ifdef SLIPSTREAM_VIEW
   draw_newest(session, flags.headless, output);
 #endif
@@ -201,8 +240,10 @@ void live(const LiveFlags& flags, Output& output) {
       .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
   RecordedSource& recorder = *source;
-  LivePipeline pipeline(std::move(source), setup,
-                        {.indexing = indexing, .most_frames = flags.frames});
+  LiveSettings settings{
+      .indexing = indexing, .most_frames = flags.frames, .model = !flags.model.empty()};
+  if (!flags.track.empty()) settings.track = tracked_shape_named(flags.track);
+  LivePipeline pipeline(std::move(source), setup, settings);
 
   const RunEnd end(flags.duration);
   if (!flags.record.empty()) recorder.record_to(flags.record);
@@ -245,6 +286,12 @@ void add_live(CLI::App& program, Command& chosen) {
   command.add("--frames", flags.frames, "so many frames, then it ends");
   command.add("--headless", flags.headless, "no window");
   command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
+  command.add(
+      "--track", flags.track,
+      "a thing of known form that every cloud is searched for: sphere:RADIUS (mm) or plane");
+  command.add_output("--model", flags.model,
+                     "all clouds made one, of a rigid object that turns and that they show alone: "
+                     ".ply, .pcd or .xyz");
   command.add_output("--record", flags.record, "all frames, for replay:PATH");
   command.add("--indexing", flags.indexing,
               "how it is known which pattern a frame shows: told (by the source), counted "

@@ -122,6 +122,24 @@ FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere spher
   return sphere;
 }
 
+/// The sphere of least squares likewise, of the radius of the one near it.
+FittedSphere centred_sphere_of(std::span<const MeasuredPoint> points, FittedSphere sphere) {
+  constexpr int most_steps = 20;
+  for (int i = 0; i < most_steps; ++i) {
+    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+    Vector right = Vector::Zero();
+    for (const MeasuredPoint& point : points) {
+      const Vector normal = normal_at(sphere, point.position);
+      squares += normal * normal.transpose();
+      right += signed_distance(sphere, point.position) * normal;
+    }
+    const Vector step = squares.ldlt().solve(right);
+    sphere.centre += step;
+    if (!(step.norm() > 1e-9 * sphere.radius)) break;
+  }
+  return sphere;
+}
+
 /// The distance that a share of the points keeps; of the points in even steps, all where there are
 /// fewer.
 template <class Shape>
@@ -272,6 +290,11 @@ FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
   require_points(points, least_of_sphere, "sphere");
   return fit_near(points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), Limit{},
                   sphere_of);
+}
+
+FittedSphere fit_sphere_near(std::span<const MeasuredPoint> points, const FittedSphere& near) {
+  require_points(points, least_of_sphere, "sphere");
+  return fit_near(points, near, Limit{}, centred_sphere_of);
 }
 
 FittedPlane fit_plane_leaving_out(std::span<const MeasuredPoint> points, double share) {

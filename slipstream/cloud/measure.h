@@ -67,6 +67,10 @@ struct FittedSphere {
 FittedPlane fit_plane(std::span<const MeasuredPoint> points);
 FittedSphere fit_sphere(std::span<const MeasuredPoint> points);
 
+/// The sphere of that radius likewise, from one near it: where little of a sphere is seen, a radius
+/// that is known makes its centre surer. Throws Error for fewer than 4 points.
+FittedSphere fit_sphere_near(std::span<const MeasuredPoint> points, const FittedSphere& near);
+
 /// The shape of least squares of all points but a share of them, those farthest from
 /// it, as acceptance tests ask for: they are its outliers. Throws Error likewise.
 FittedPlane fit_plane_leaving_out(std::span<const MeasuredPoint> points, double share);

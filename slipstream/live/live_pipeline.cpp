@@ -10,9 +10,11 @@
 namespace slipstream {
 namespace {
 
-/// One in each stage and in the queues between them, the newest, and those that consumers hold.
+/// One in each stage and in the queues between them, the newest, and those that consumers and
+/// followers hold.
 std::size_t clouds_needed(const LiveSettings& settings) {
-  return 3 + 2 * stage_places + 1 + settings.held_clouds;
+  const std::size_t followers = (settings.track ? 1U : 0U) + (settings.model ? 1U : 0U);
+  return 3 + 2 * stage_places + 1 + settings.held_clouds + followers * followed_clouds;
 }
 
 /// A cloud keeps the frames of its window; the rolling window and the check of indices keep those
@@ -106,6 +108,11 @@ void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
 LiveStatistics LivePipeline::statistics() const {
   const auto current = run();
   return current ? current->statistics() : LiveStatistics();
+}
+
+ModelPoints LivePipeline::model() const {
+  const auto current = run();
+  return current ? current->model() : ModelPoints();
 }
 
 std::vector<LiveFinding> LivePipeline::findings() const {

@@ -12,6 +12,7 @@
 #include "slipstream/live/live_settings.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/register/object_model.h"
 
 namespace slipstream {
 
@@ -57,6 +58,8 @@ class LivePipeline {
   void shown(std::chrono::steady_clock::time_point captured);
 
   [[nodiscard]] LiveStatistics statistics() const;
+  /// What the clouds since the start have become; no points where the settings want no model.
+  [[nodiscard]] ModelPoints model() const;
   /// What was found amiss with the frames since the start, and when; see LiveStatistics for what is
   /// amiss now. The check looks at one window of each cycle, before it becomes a cloud.
   [[nodiscard]] std::vector<LiveFinding> findings() const;

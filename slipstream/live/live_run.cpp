@@ -82,7 +82,9 @@ LiveRun::LiveRun(FrameSource& source, const LiveSettings& settings,
       plan_(std::move(plan)),
       captured_(paced_ ? std::max<std::size_t>(settings.waiting_frames, 1) : stage_places),
       windows_(stage_places),
-      finished_(stage_places) {
+      finished_(stage_places),
+      followed_(settings, plan_->reconstruct->engines.front().setup().scanner.camera,
+                [this](std::exception_ptr failure) { fail(std::move(failure)); }) {
   try {
     threads_[0] = thread_of([this] { capture(); });
     threads_[1] = thread_of([this] { make_windows(); });
@@ -123,6 +125,7 @@ void LiveRun::stop() {
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
+  followed_.finish();
   const std::lock_guard lock(mutex_);
   if (!end_) end_ = Clock::now();
 }
@@ -304,6 +307,7 @@ void LiveRun::show() {
       const std::lock_guard lock(mutex_);
       if ((*cloud)->first_pattern == 0) newest_ = *cloud;
     }
+    followed_.follow(*cloud);
     if (settings_.on_cloud) settings_.on_cloud(*cloud);
     show_meter_.done((*cloud)->newest.host_time);
   }
@@ -341,6 +345,7 @@ LiveStatistics LiveRun::statistics() const {
   add("reconstruct", reconstruct_meter_, windows_.waiting(), windows_.capacity());
   add("show", show_meter_, finished_.waiting(), finished_.capacity());
   statistics.source_state = source_.state();
+  followed_.add_to(statistics);
   const std::lock_guard lock(mutex_);
   statistics.findings = findings_.current();
   if (newest_) statistics.cleaned = newest_->cleaned;

@@ -16,6 +16,7 @@
 #include "slipstream/cycle/pattern_windows.h"
 #include "slipstream/cycle/window_frames.h"
 #include "slipstream/live/bounded_queue.h"
+#include "slipstream/live/cloud_follower.h"
 #include "slipstream/live/finding_log.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/live/sequence_watch.h"
@@ -70,6 +71,7 @@ class LiveRun {
   void shown(std::chrono::steady_clock::time_point captured);
   [[nodiscard]] LiveStatistics statistics() const;
   [[nodiscard]] std::vector<LiveFinding> findings() const;
+  [[nodiscard]] ModelPoints model() const { return followed_.model(); }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -123,6 +125,8 @@ class LiveRun {
   BoundedQueue<Captured> captured_;
   BoundedQueue<Window> windows_;
   BoundedQueue<Pooled<LiveCloud>> finished_;
+
+  FollowedObject followed_;
 
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> capturing_ = true;

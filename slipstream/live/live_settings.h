@@ -10,6 +10,7 @@
 #include "slipstream/check/finding.h"
 #include "slipstream/cycle/pattern_indexing.h"
 #include "slipstream/live/live_cloud.h"
+#include "slipstream/live/object_track.h"
 
 namespace slipstream {
 
@@ -26,6 +27,10 @@ struct LiveSettings {
   /// Called for every cloud, in order, in the thread of the show stage; while it takes its time
   /// clouds and frames queue up before it. What it throws ends the pipeline.
   std::function<void(const Pooled<LiveCloud>&)> on_cloud = {};
+  /// What is looked for in the clouds, and whether they become one model of a rigid object, each in
+  /// a thread of its own: clouds that come meanwhile are missed.
+  std::optional<TrackedShape> track = {};
+  bool model = false;
   /// What looks at a window of each cycle, in pattern order, and says what is amiss; LiveCheck
   /// where it is empty. Called in the thread of the reconstruct stage, which waits for it.
   std::function<std::vector<Finding>(const FrameViews& window)> check = {};

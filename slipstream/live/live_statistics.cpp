@@ -18,9 +18,16 @@ std::string text_of_cleaned(const ValidityCounts& cleaned) {
 
 }  // namespace
 
+std::string text_of(const ModelStatistics& model) {
+  return fmt::format(
+      "model: {} points of {} views, {:.3f} mm from the last; {} did not fit, {} missed; {:.1f} ms "
+      "a view",
+      model.points, model.views, model.rms, model.left_out, model.missed, model.milliseconds);
+}
+
 std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
-  return fmt::format(
+  std::string text = fmt::format(
       "{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated\n"
       "{} clouds, {:.1f} per second; {} windows without one, {} resynchronisations\n"
       "capture to cloud: {:.2f} ms half of the time, {:.2f} ms for 99 of 100, {:.2f} at most{}",
@@ -28,6 +35,9 @@ std::string text_of(const LiveStatistics& statistics) {
       statistics.clouds, statistics.clouds_per_second, statistics.windows_lost,
       statistics.resynchronisations, statistics.latency.p50, statistics.latency.p99,
       statistics.latency.max, text_of_cleaned(statistics.cleaned));
+  if (statistics.track) text += fmt::format("\n{}", text_of(*statistics.track));
+  if (statistics.model) text += fmt::format("\n{}", text_of(*statistics.model));
+  return text;
 }
 
 }  // namespace slipstream

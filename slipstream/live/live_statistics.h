@@ -2,11 +2,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "slipstream/check/finding.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/live/object_track.h"
 
 namespace slipstream {
 
@@ -27,6 +29,19 @@ struct StageStatistics {
   Latency latency;           ///< from a frame's capture to the end of this stage
 };
 
+/// How a model of the clouds comes on.
+struct ModelStatistics {
+  int views = 0;             ///< taken in
+  int left_out = 0;          ///< that did not fit
+  std::uint64_t missed = 0;  ///< that came while another was taken in
+  std::size_t points = 0;    ///< of the model, sure or not
+  double rms = 0;            ///< of the last view from the model, mm
+  double milliseconds = 0;   ///< that a view took, on average
+};
+
+/// A line for people.
+std::string text_of(const ModelStatistics& model);
+
 /// Measured all the time; the counts are from the start.
 struct LiveStatistics {
   struct Frames {
@@ -46,12 +61,14 @@ struct LiveStatistics {
   Latency latency;               ///< from capture to cloud
   Latency screen_latency;        ///< from capture to screen; zeros without one
   std::vector<StageStatistics> stages;
-  std::string source_state;  ///< FrameSource::state
+  std::string source_state;          ///< FrameSource::state
+  std::optional<ObjectTrack> track;  ///< where one is asked for, as the next
+  std::optional<ModelStatistics> model;
   std::vector<Finding>
       findings;  ///< about the newest cycle that was looked at; empty: all is right
 };
 
-/// Lines for people: frames, clouds, latency, and what cleaning took.
+/// Lines for people: frames, clouds, latency, what cleaning took, what is followed.
 std::string text_of(const LiveStatistics& statistics);
 
 }  // namespace slipstream

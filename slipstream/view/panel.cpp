@@ -142,6 +142,8 @@ void draw_status(const PanelState& state, const ViewSource& source,
   if (!statistics.source_state.empty()) say(bad, "{}", statistics.source_state);
   draw_findings(source.findings);
   draw_findings(statistics.findings);
+  if (statistics.track) say(white, "{}", text_of(*statistics.track));
+  if (statistics.model) say(white, "{}", text_of(*statistics.model));
   draw_counts(state, source);
 }
 

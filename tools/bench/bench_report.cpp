@@ -9,10 +9,11 @@ namespace {
 
 /// Ratios told as how many times as fast the fused pass is, and the others as times of its own.
 constexpr std::array peers{"lut", "traditional", "simd", "opencv-psp", "opencv-hand"};
-constexpr std::array<std::pair<const char*, const char*>, 5> relatives{
+constexpr std::array<std::pair<const char*, const char*>, 6> relatives{
     {{"engine", "time of the public call, times that of the fused pass alone:"},
      {"clean", "time of cleaning a cloud by default, times that of the fused pass alone:"},
      {"live-check", "time of live's look at a cycle of 3 frames, times that of one of its clouds:"},
+     {"model-view", "time of taking a view into a model, times that of the fused pass:"},
      {"fused-corrected", "time with a phase correction, times the time without:"},
      {"fused-dual", "time of two frequencies (6 frames), times that of one:"}}};
 

@@ -1,7 +1,9 @@
 #include "tools/bench/bench_rows.h"
 
+#include <array>
 #include <cstddef>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -10,6 +12,9 @@
 #include "slipstream/live/live_check.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/register/object_model.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 #include "tools/bench/bench_scan.h"
 #include "tools/bench/opencv_peers.h"
@@ -202,6 +207,39 @@ BenchRow live_check_row(const SharedScan& scan, int steps) {
                  [scan, check, frames] { static_cast<void>(check->look(frames)); });
 }
 
+/// A statue alone, turned by a degree or not.
+Cloud statue_cloud(bool turned) {
+  const Scanner scanner = example_scanner();
+  Scene scene = scene_named("statue", scanner);
+  std::erase_if(scene, [](const Body& body) { return body.fixed; });
+  const Motion turntable{.turn = {0, std::numbers::pi / 180, 0},
+                         .centre = working_volume(scanner).centre};
+  if (turned) {
+    scene.front().pose = Eigen::Isometry3d(turntable.at(1).matrix()) * scene.front().pose;
+  }
+  const Sequence sequence{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}};
+  Cloud cloud;
+  Engine(scanner, sequence)
+      .cloud(take_scan(scanner, scene, pattern_set(sequence), {.noise_variance = 1.55}).frames,
+             cloud);
+  return cloud;
+}
+
+/// Views of a statue that turns to and fro, taken into its model.
+BenchRow model_view_row() {
+  struct Work {
+    std::array<Cloud, 2> views{statue_cloud(false), statue_cloud(true)};
+    ObjectModel model{example_scanner().camera};
+    std::size_t view = 0;
+  };
+  const auto work = std::make_shared<Work>();
+  const Size size = work->views[0].size();
+  return {
+      .name = "model-view", .steps = 3, .width = size.width, .height = size.height, .run = [work] {
+        work->model.add(work->views[work->view++ % 2]);
+      }};
+}
+
 /// The scan with a response to correct for.
 SharedScan with_gamma(const Scan& scan, double gamma) {
   Scan bent = scan;
@@ -230,6 +268,7 @@ void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
     if (auto psp = opencv_psp(frames)) {
       rows.push_back(row_for(*scan, "opencv-psp", steps, 0, [scan, psp] { psp(); }));
     }
+    rows.push_back(model_view_row());
   }
   rows.push_back(
       row_for(*scan, "opencv-hand", steps, 0,

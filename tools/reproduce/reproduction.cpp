@@ -12,7 +12,7 @@ namespace slipstream {
 std::vector<Reproducible> reproducibles() {
   std::vector<Reproducible> all;
   for (const auto& some : {multiplexing_table_reproducibles(), noise_figure_reproducibles(),
-                           gamma_reproducibles(), motion_reproducibles()}) {
+                           gamma_reproducibles(), motion_reproducibles(), model_reproducibles()}) {
     all.insert(all.end(), some.begin(), some.end());
   }
   return all;

@@ -72,4 +72,7 @@ std::vector<Reproducible> gamma_reproducibles();
 /// Depth errors of a sphere and a statue that move, by speed, frames and weights.
 std::vector<Reproducible> motion_reproducibles();
 
+/// How far the model of an object that turns once is from the object.
+std::vector<Reproducible> model_reproducibles();
+
 }  // namespace slipstream

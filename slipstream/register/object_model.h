@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/normals.h"
+#include "slipstream/geometry/lens.h"
+#include "slipstream/register/registration.h"
+
+namespace slipstream {
+
+/// The points of a model with their normals: of one row, in the object's frame.
+struct ModelPoints {
+  Cloud cloud;
+  Normals normals;
+};
+
+/// What becomes of the clouds of a rigid object that turns and moves before a camera by less than
+/// some pixels from view to view: each is registered to all that is known of the object by then, so
+/// that errors do not add up from view to view, and taken into its mean. The clouds must show the
+/// object alone: whatever stands still beside it, as a wall, is taken for a part of it. One thread
+/// uses it.
+class ObjectModel {
+ public:
+  /// The lens that the clouds are seen through.
+  explicit ObjectModel(const Lens& camera) : camera_(camera) {}
+
+  /// Takes a view in; false where it does not fit the model, or has too few points to begin one:
+  /// then nothing is taken. The first view's frame is the object's. Throws Error where the cloud is
+  /// not of the camera's size.
+  bool add(const Cloud& cloud);
+
+  [[nodiscard]] const std::vector<ModelElement>& elements() const { return elements_; }
+  /// Those that three views have seen, or all views where they are fewer.
+  [[nodiscard]] ModelPoints points() const;
+  [[nodiscard]] int views() const { return views_; }        ///< taken in
+  [[nodiscard]] int left_out() const { return left_out_; }  ///< that did not fit
+  /// Of the last view that was taken in.
+  [[nodiscard]] const Registration& registration() const { return registration_; }
+
+ private:
+  [[nodiscard]] bool fits(const Registration& registration, const Cloud& cloud) const;
+  /// The view into the mean of the elements that it sees; which pixels those cover.
+  Image<std::uint8_t> take_mean(const Cloud& cloud, const Normals& normals);
+  void add_uncovered(const Cloud& cloud, const Normals& normals,
+                     const Image<std::uint8_t>& covered);
+
+  Lens camera_;
+  std::vector<ModelElement> elements_;
+  Registration registration_;
+  Eigen::Isometry3d last_step_ = Eigen::Isometry3d::Identity();  // from view to view
+  int views_ = 0, left_out_ = 0;
+};
+
+}  // namespace slipstream

@@ -163,6 +163,21 @@ TEST(LiveProgram, without_a_scanner_tells_what_the_pictures_say) {
   EXPECT_NE(refused.err.find("there are no points"), std::string::npos) << refused.err;
 }
 
+TEST(LiveProgram, follows_a_sphere_and_makes_a_model_of_it) {
+  const TemporaryFolder folder;
+  const fs::path model = folder.path() / "model.ply";
+  const ProgramRun run =
+      run_program({"live",         "--source", "virtual",     "--camera", "160x120", "--strategy",
+                   "pmp",          "--steps",  "4",           "--scene",  "sphere",  "--world",
+                   "ideal",        "--json",   "--headless",  "--frames", "60",      "--track",
+                   "sphere:118.8", "--model",  model.string()});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_GE(number_of(run.out, "found"), 1) << run.out;
+  EXPECT_NE(run.out.find("\"centre_mm\""), std::string::npos);
+  EXPECT_GE(number_of(run.out, "views"), 1) << run.out;
+  EXPECT_TRUE(fs::exists(model));
+}
+
 TEST(LiveProgram, refuses_what_cannot_be) {
   const auto expect_refused = [](const std::vector<std::string>& arguments,
                                  const std::string& named) {
@@ -183,6 +198,10 @@ TEST(LiveProgram, refuses_what_cannot_be) {
   expect_refused(with(small, {"--indexing", "guess"}), "guess");
   expect_refused(with(small, {"--gamma", "blind"}), "blind");
   expect_refused(with(small, {"-o", "cloud.txt"}), "cloud.txt");
+  expect_refused(with(small, {"--model", "model.txt"}), "model.txt");
+  expect_refused(with(small, {"--track", "cube"}), "cube");
+  expect_refused(with(small, {"--vibrate", "1", "0"}), "--vibrate 1 0");
+  expect_refused(with(small, {"--breathe", "1", "9"}), "--breathe 1 9");
   expect_refused(with(small, {"--frequency", "5"}), "frequency");
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -68,6 +69,21 @@ TEST(VirtualFrames, of_a_moving_scene_go_to_and_fro) {
   EXPECT_GT(place(8), place(4) + 0.1);
   EXPECT_LT(place(20), place(12) - 0.1);
   EXPECT_LT(std::abs(place(20) - place(0)), 2);
+}
+
+TEST(VirtualFrames, of_a_turning_scene_go_round) {
+  const Scanner scanner = example_scanner({64, 48});
+  Scene scene = scene_named("boxes", scanner);
+  for (Body& body : scene) {
+    body.motion = {.turn = {0, 2 * std::numbers::pi / 8, 0},
+                   .centre = working_volume(scanner).centre};
+  }
+  const auto frames = virtual_frames(scanner, scene, patterns, {}, 2);
+  ASSERT_EQ(frames.size(), 8U);
+  for (int n = 0; n < 8; ++n) {
+    const VirtualScan seen = take_scan(scanner, scene, pattern_alone(patterns, n % 4), {}, n);
+    EXPECT_TRUE(same_pixels(frames[static_cast<std::size_t>(n)], first_frame(seen.frames))) << n;
+  }
 }
 
 TEST(VirtualFrames, have_noise_of_their_own) {

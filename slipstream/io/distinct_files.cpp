@@ -6,6 +6,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/io/surface_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -52,6 +53,7 @@ void DistinctFiles::add_output(const fs::path& path) {
                     "{{name}} in it does with several scans",
                     path.string()));
   }
+  for (const fs::path& beside : files_beside(path)) add_output(beside);
 }
 
 }  // namespace slipstream

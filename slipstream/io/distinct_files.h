@@ -12,7 +12,7 @@ class DistinctFiles {
   /// A file, a recording, or a scan folder with the files that its scan.yaml names, those of the
   /// second camera too. What cannot be read is passed over.
   void add_input(const std::filesystem::path& path);
-  /// Throws Error where it is an input or an output already.
+  /// Throws Error where it, or a file that is written beside it, is an input or an output already.
   void add_output(const std::filesystem::path& path);
 
  private:

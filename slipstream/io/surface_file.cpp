@@ -72,10 +72,8 @@ std::string obj_file(const Surface& surface, const std::string& materials) {
 }
 
 void write_obj(const fs::path& path, const Surface& surface) {
-  const auto beside = [&](const char* ending) {
-    return path.parent_path() / (path.stem().string() + ending);
-  };
-  const fs::path picture = beside("-texture.png"), materials = beside(".mtl");
+  const std::vector<fs::path> beside = files_beside(path);
+  const fs::path &picture = beside[0], &materials = beside[1];
   write_image(picture, surface.picture);
   write_file(materials, fmt::format("newmtl camera\nKa 1 1 1\nKd 1 1 1\nKs 0 0 0\nmap_Kd {}\n",
                                     picture.filename().string()));
@@ -86,6 +84,12 @@ void write_obj(const fs::path& path, const Surface& surface) {
 
 void require_mesh_ending(const fs::path& path) {
   require_ending(path, "mesh format", {".ply", ".stl", ".obj", ".glb"});
+}
+
+std::vector<fs::path> files_beside(const fs::path& surface) {
+  if (lower_case_extension(surface) != ".obj") return {};
+  const fs::path name = surface.parent_path() / surface.stem();
+  return {name.string() + "-texture.png", name.string() + ".mtl"};
 }
 
 void write_surface(const fs::path& path, const Surface& surface) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "slipstream/cloud/surface.h"
 
@@ -8,6 +9,9 @@ namespace slipstream {
 
 /// Throws Error unless the file's ending is one that write_surface knows.
 void require_mesh_ending(const std::filesystem::path& path);
+
+/// The picture and the materials that write_surface leaves beside an .obj file; none beside others.
+std::vector<std::filesystem::path> files_beside(const std::filesystem::path& surface);
 
 /// Writes a surface by the file's ending, as read_cloud reads its vertices:
 ///   .ply  binary little-endian PLY: x y z intensity red green blue of the vertices, triangles;

@@ -33,6 +33,7 @@ FaultRequest wanted;
 FaultRecord* record = nullptr;
 std::atomic<bool> armed = false;
 std::atomic<bool> is_drawing = false;
+thread_local bool is_of_program = true;
 
 template <class Function>
 Function next(const char* name) {
@@ -68,7 +69,7 @@ std::uint64_t place_of_call() {
 
 /// Whether this call is the one.
 bool fails(FaultCall call) {
-  if (!armed.load(std::memory_order_relaxed)) return false;
+  if (!armed.load(std::memory_order_relaxed) || !is_of_program) return false;
   if (is_drawing && (call == of_malloc || call == of_thread)) return false;
   const std::uint64_t number = record->calls[call].fetch_add(1) + 1;
   const bool is_counted = call == of_malloc && wanted.at == 0 && number <= most_places;
@@ -148,6 +149,14 @@ void GDALAllRegister() {
   const bool was_armed = armed.exchange(false);
   if (const auto all = next<void (*)()>("GDALAllRegister")) all();
   armed = was_armed;
+}
+
+/// What a sanitizer asks at the start of each thread.
+int pthread_getattr_np(pthread_t thread, pthread_attr_t* attributes) noexcept {
+  is_of_program = false;
+  const int failed = next<decltype(&pthread_getattr_np)>("pthread_getattr_np")(thread, attributes);
+  is_of_program = true;
+  return failed;
 }
 
 // What comes next is the C library, or a sanitizer's memory.

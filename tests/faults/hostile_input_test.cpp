@@ -77,6 +77,9 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
   expect_refused({"reconstruct", path("scan"), "--preview", path("scan/{name}_00.png"), "--depth",
                   path("a.tiff"), "--mean", path("./a.tiff")},
                  "two outputs");
+  expect_refused(
+      {"reconstruct", path("scan"), "--mesh", path("a.obj"), "--preview", path("a-texture.png")},
+      "two outputs");
   expect_refused({"live", "--frames", "4", "--headless", "--camera", "64x48", "-o",
                   path("same.ply"), "--record", path("same.ply")},
                  "two outputs");

@@ -71,7 +71,7 @@ HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& 
     C.add(middle, stage.cosines[N / 2]);
     cue_C.add(middle, cue.cosines[N / 2]);
   }
-  return {{sum, greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
+  return {{hn::ConvertTo(FloatTag(), sum), greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
 }
 
 /// `steps`: N where its sums are compiled, else 0.
@@ -81,7 +81,7 @@ HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
   const FloatTag d;
   if constexpr (steps == 3) {
     const FrameSums sums = closed_form_sums<3>(frames, i);
-    return {sums, hn::ConvertTo(d, sums.sum), hn::Zero(d)};
+    return {sums, sums.sum, hn::Zero(d)};
   } else if constexpr (steps == 4) {
     const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
     const Ints half_phase = hn::Sub(hn::Add(I(0), I(2)), hn::Add(I(1), I(3)));  // (3.70)
@@ -216,7 +216,7 @@ class CueVectors {
       V[k] = sums.high.V;
       cue.channel[k] = sums.cue;
       cue.sine[k] = sums.cue_sine;
-      sum[k] = hn::ConvertTo(d, sums.high.sum);
+      sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
       cue.modulation[k] = square[k];  // of no use where it is not asked for
       if (!is_circle<steps> || told) {

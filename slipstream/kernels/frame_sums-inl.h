@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 
 #include <hwy/highway.h>
 
@@ -24,7 +25,8 @@ HWY_INLINE Ints load_pixels(const Pixel* pixels) {
 
 /// What one vector of pixels says: the sum of the frames, the greatest of them, and U and V.
 struct FrameSums {
-  Ints sum, greatest;
+  Floats sum;
+  Ints greatest;
   Floats U, V;
 };
 
@@ -38,17 +40,18 @@ HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i)
   const FloatTag d;
   if constexpr (N == 3) {
     const Ints others = hn::Add(I1, I2);
-    return {hn::Add(I0, others), hn::Max(I0, hn::Max(I1, I2)),
+    return {hn::ConvertTo(d, hn::Add(I0, others)), hn::Max(I0, hn::Max(I1, I2)),
             hn::ConvertTo(d, hn::Sub(twice(I0), others)), hn::ConvertTo(d, hn::Sub(I1, I2))};
   } else if constexpr (N == 4) {
     const Ints I3 = I(3);
-    return {hn::Add(hn::Add(I0, I1), hn::Add(I2, I3)), hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)),
-            hn::ConvertTo(d, hn::Sub(I0, I2)), hn::ConvertTo(d, hn::Sub(I1, I3))};
+    return {hn::ConvertTo(d, hn::Add(hn::Add(I0, I1), hn::Add(I2, I3))),
+            hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), hn::ConvertTo(d, hn::Sub(I0, I2)),
+            hn::ConvertTo(d, hn::Sub(I1, I3))};
   } else {
     static_assert(N == 6);
     const Ints I3 = I(3), I4 = I(4), I5 = I(5);
     const Ints ends = hn::Add(I1, I5), middle = hn::Add(I2, I4);
-    return {hn::Add(hn::Add(I0, I3), hn::Add(ends, middle)),
+    return {hn::ConvertTo(d, hn::Add(hn::Add(I0, I3), hn::Add(ends, middle))),
             hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), hn::Max(I4, I5)),
             hn::ConvertTo(d, hn::Add(twice(hn::Sub(I0, I3)), hn::Sub(ends, middle))),
             hn::ConvertTo(d, hn::Sub(hn::Add(I1, I2), hn::Add(I4, I5)))};
@@ -138,7 +141,7 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
   const Floats rise = level(hn::Sub(I1, I4)), inner_rise = level(hn::Sub(I2, I3));
   const Floats whole = hn::MulSub(four, level(I0), level(others));
   const Floats apart = level(hn::Sub(outer, inner));
-  return {{hn::Add(I0, others), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
+  return {{level(hn::Add(I0, others)), hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), I4),
            with_root_of_five(whole, apart),
            with_root_of_five(hn::MulSub(two, rise, inner_rise), inner_rise)},
           hn::NegMulAdd(root, apart, whole),
@@ -148,16 +151,37 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
 template <class Pixel>
 HWY_INLINE FrameSums general_sums(const SinusoidStage& stage, const Pixel* const* frames,
                                   std::size_t i) {
+  const FloatTag d;
   DoubleSums C, S;
-  Ints sum = hn::Zero(IntTag()), greatest = hn::Zero(IntTag());
+  Floats sum = hn::Zero(d);
+  Ints greatest = hn::Zero(IntTag());
   for (std::size_t n = 0; n < stage.cosines.size(); ++n) {
     const Ints I = load_pixels(frames[n] + i);
-    sum = hn::Add(sum, I);
+    const float mean = stage.means.empty() ? 1 : stage.means[n];
+    sum = hn::MulAdd(hn::Set(d, mean), hn::ConvertTo(d, I), sum);
     greatest = hn::Max(greatest, I);
     C.add(I, stage.cosines[n]);
     S.add(I, stage.sines[n]);
   }
   return {sum, greatest, C.sum(), S.sum()};
+}
+
+/// The same where the weights are whole, exact in float.
+template <class Pixel>
+HWY_INLINE FrameSums whole_sums(std::span<const SinusoidStage::WholeWeights> weights,
+                                const Pixel* const* frames, std::size_t i) {
+  const FloatTag d;
+  Floats sum = hn::Zero(d), U = sum, V = sum;
+  Ints greatest = hn::Zero(IntTag());
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    const Ints I = load_pixels(frames[n] + i);
+    const Floats level = hn::ConvertTo(d, I);
+    greatest = hn::Max(greatest, I);
+    sum = hn::MulAdd(hn::Set(d, weights[n].mean), level, sum);
+    U = hn::MulAdd(hn::Set(d, weights[n].cosine), level, U);
+    V = hn::MulAdd(hn::Set(d, weights[n].sine), level, V);
+  }
+  return {sum, greatest, U, V};
 }
 
 /// Whether any frame is at full scale, asked of many pixels at once: most often the answer is no.

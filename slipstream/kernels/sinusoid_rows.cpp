@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <type_traits>
 
 #include "slipstream/kernels/disabled_targets-inl.h"
@@ -77,13 +78,12 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
 }
 
 /// What the row keeps of a vector besides its turns and flags.
-HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits, Ints sum,
+HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits, Floats sum,
                              Floats square, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   if (!row.another) {
     fetch_ahead(row.mean + i, row.past_cache);
-    store(hn::Mul(hn::ConvertTo(d, sum), hn::Set(d, limits.mean_scale)), row.mean + i,
-          row.past_cache);
+    store(hn::Mul(sum, hn::Set(d, limits.mean_scale)), row.mean + i, row.past_cache);
   }
   if (row.modulation != nullptr) {
     Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
@@ -215,6 +215,20 @@ HWY_INLINE void decode_fifths(const SinusoidStage& stage, const SinusoidLimits& 
 }
 
 template <class Pixel>
+HWY_INLINE void decode_weighted(const SinusoidStage& stage, const SinusoidLimits& limits,
+                                const Pixel* const* frames, const SinusoidRow& row) {
+  const Saturation saturation(frames, stage.cosines.size(), limits.full_scale);
+  const auto decode = [&](const auto& sums) SLIPSTREAM_STEP {
+    decode_with<0>(stage, limits, row, RowFrames{sums, saturation});
+  };
+  if (stage.whole.empty()) {
+    return decode([&](std::size_t i) SLIPSTREAM_STEP { return general_sums(stage, frames, i); });
+  }
+  const std::span whole = stage.whole;
+  decode([whole, frames](std::size_t i) SLIPSTREAM_STEP { return whole_sums(whole, frames, i); });
+}
+
+template <class Pixel>
 HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
                               const Pixel* const* frames, const SinusoidRow& row) {
   // A copy that stays in registers: what is written cannot change it.
@@ -228,12 +242,8 @@ HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& 
       return decode_fifths(stage, limits, frames, local);
     case 6:
       return decode_closed_form<6>(stage, limits, frames, local);
-    default: {
-      const auto sums = [&](std::size_t i)
-                            SLIPSTREAM_STEP { return general_sums(stage, frames, i); };
-      const Saturation saturation(frames, stage.cosines.size(), limits.full_scale);
-      return decode_with<0>(stage, limits, local, RowFrames{sums, saturation});
-    }
+    default:
+      return decode_weighted(stage, limits, frames, local);
   }
 }
 

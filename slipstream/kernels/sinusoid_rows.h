@@ -26,11 +26,19 @@ enum PixelFlag : std::int32_t {
 /// How the N frames of one sinusoid become a phase. U = sum u_n I_n and V = sum v_n I_n stand for
 /// the cosine and sine sums of Liu 2010, Eqs. (1.5), (1.6). For N = 3, 4, 6 they are the integers
 /// of Eqs. (2.1)-(2.3), for N = 5 numbers a + b sqrt(5) with integers a and b; otherwise they are
-/// the sums themselves, in double, with the weights `cosines` and `sines`.
+/// sums with the weights `cosines` and `sines`.
 struct SinusoidStage {
   int steps = 3;
   std::vector<double> cosines{};  ///< 2/N cos(2 pi n / N) for N above 6, or any other weights
   std::vector<double> sines{};
+  /// N times what each of these frames counts for in the mean; empty where all count alike.
+  std::vector<float> means{};
+  /// All three of each frame, where cosines and sines are whole numbers whose sums over frames of
+  /// 16 bits are exact in float; else empty.
+  struct WholeWeights {
+    float cosine = 0, sine = 0, mean = 1;
+  };
+  std::vector<WholeWeights> whole{};
   float sine_weight = 1;       ///< tan of the wrapped phase is this times V / U
   float sine_square = 1;       ///< its square
   float modulation_scale = 1;  ///< from the root of U^2 + sine_square V^2 to grey levels
@@ -56,7 +64,7 @@ struct SinusoidStage {
 /// What depends on the camera's bits and on the settings.
 struct SinusoidLimits {
   float least_square = 0;  ///< of U^2 + sine_square V^2: the modulation threshold
-  float mean_scale = 1;    ///< from the sum of the frames to the mean
+  float mean_scale = 1;    ///< from the sum of the frames, or by `means`, to the mean
   std::int32_t full_scale = std::numeric_limits<std::int32_t>::max();  ///< saturated from here on
 };
 

@@ -59,7 +59,7 @@ void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, fl
   float *const other = scratch.sum.begin(), *const sum = scratch.coarse.begin();
   std::copy_n(y, width, sum);
   for (std::size_t band = 1; band < stages.bands.size(); ++band) {
-    const auto& [sinusoid, first_frame, periods, weight, mean] = stages.bands[band];
+    const auto& [sinusoid, first_frame, periods, weight] = stages.bands[band];
     if (weight == 0) continue;
     place_near(static_cast<float>(periods), width, scratch.turns.row(static_cast<int>(band)), y,
                other);

@@ -118,20 +118,7 @@ struct Pass {
       const FusedStages::BandStage& band = stages.bands[i];
       to.turn = scratch.turns.row(static_cast<int>(i));
       to.another = i > 0;
-      const Pixel* const* first = rows + band.first_frame;
-      decode_row(band.sinusoid, limits[i], first, to);
-      if (i == 0 && !band.mean.empty()) weigh_mean(band, first, to);
-    }
-  }
-
-  /// The mean of frames that do not all count alike.
-  void weigh_mean(const FusedStages::BandStage& band, const Pixel* const* rows,
-                  const SinusoidRow& to) const {
-    const float scale = limits.front().mean_scale * static_cast<float>(band.sinusoid.steps);
-    std::fill_n(to.mean, to.width, 0.0F);
-    for (std::size_t n = 0; n < band.mean.size(); ++n) {
-      const float weight = scale * band.mean[n];
-      for (int i = 0; i < to.width; ++i) to.mean[i] += weight * static_cast<float>(rows[n][i]);
+      decode_row(band.sinusoid, limits[i], rows + band.first_frame, to);
     }
   }
 

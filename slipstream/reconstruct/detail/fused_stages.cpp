@@ -98,6 +98,40 @@ SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
   return stage;
 }
 
+/// The number of which all of them are whole multiples, so small that sums over frames of 16
+/// bits are exact in float; 0 where there is none.
+double common_unit(const std::vector<double>& weights) {
+  constexpr double rounding = 1e-9, largest_sum = 256;
+  double largest = 0;
+  for (const double weight : weights) largest = std::max(largest, std::abs(weight));
+  for (double times = 1; times < largest_sum; ++times) {
+    const double unit = largest / times;
+    double sum = 0;
+    const bool whole = std::all_of(weights.begin(), weights.end(), [&](double weight) {
+      sum += std::abs(weight / unit);
+      return std::abs(weight / unit - std::round(weight / unit)) < rounding;
+    });
+    if (whole) return sum < largest_sum + 0.5 ? unit : 0;
+  }
+  return 0;
+}
+
+/// Weights of whole numbers up to a factor for each sum, as those of the closed forms are.
+void make_whole(SinusoidStage& stage) {
+  const double cosine_unit = common_unit(stage.cosines), sine_unit = common_unit(stage.sines);
+  if (!(cosine_unit > 0 && sine_unit > 0)) return;
+  for (double& weight : stage.cosines) weight = std::round(weight / cosine_unit);
+  for (double& weight : stage.sines) weight = std::round(weight / sine_unit);
+  for (std::size_t n = 0; n < stage.cosines.size(); ++n) {
+    stage.whole.push_back(
+        {static_cast<float>(stage.cosines[n]), static_cast<float>(stage.sines[n]), stage.means[n]});
+  }
+  const double sine_weight = sine_unit / cosine_unit;
+  stage.sine_weight = static_cast<float>(sine_weight);
+  stage.sine_square = static_cast<float>(sine_weight * sine_weight);
+  stage.modulation_scale = static_cast<float>(cosine_unit);
+}
+
 /// Of any weights: the frames from the first to the last that has one.
 FusedStages::BandStage weighted_stage(const Band& band) {
   const auto counts = [&](std::size_t n) {
@@ -110,11 +144,15 @@ FusedStages::BandStage weighted_stage(const Band& band) {
     return std::vector<double>(weights.begin() + static_cast<std::ptrdiff_t>(first),
                                weights.begin() + static_cast<std::ptrdiff_t>(end));
   };
-  FusedStages::BandStage stage{.sinusoid = {.steps = static_cast<int>(end - first)},
+  const int steps = band.cycle ? band.cycle->steps : static_cast<int>(end - first);
+  FusedStages::BandStage stage{.sinusoid = {.steps = steps},
                                .first_frame = static_cast<int>(first)};
   stage.sinusoid.cosines = part(band.cosine);
   stage.sinusoid.sines = part(band.sine);
-  for (const double weight : part(band.mean)) stage.mean.push_back(static_cast<float>(weight));
+  for (const double weight : part(band.mean)) {
+    stage.sinusoid.means.push_back(static_cast<float>(steps * weight));
+  }
+  make_whole(stage.sinusoid);
   return stage;
 }
 
@@ -128,7 +166,6 @@ FusedStages::BandStage window_stage(Band band, const PhaseCorrections& correctio
     band.sine[n] = shifts.backwards ? -turned.imag() : turned.imag();
   }
   FusedStages::BandStage stage = weighted_stage(band);
-  stage.sinusoid.steps = band.cycle->steps;
   const auto correction = corrections.find(band.cycle->steps);
   if (correction != corrections.end()) add_correction(stage.sinusoid, correction->second);
   return stage;

@@ -22,8 +22,6 @@ struct FusedStages {
     int first_frame = 0;  ///< of those that it takes
     double periods = 1;
     float weight = 0;  ///< of its coordinate, see band_weights
-    /// What the frames count for in the mean, where they are no run of steps; else empty.
-    std::vector<float> mean{};
   };
 
   /// A sum of the bands' turns, unwrapped by what is before it.

@@ -51,7 +51,7 @@ int fail(Output& output, int code, std::string_view message) noexcept {
   try {
     std::string line(message);
     std::replace(line.begin(), line.end(), '\n', ' ');
-    Output::tell_failure(line);
+    output.tell_failure(line);
     told = true;
     output.document["error"] = line;
     output.finish();

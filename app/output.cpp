@@ -42,7 +42,12 @@ void Output::finish() {
     throw WorldError("cannot write to standard output");
 }
 
+void Output::release(const Output& held) {
+  for (const auto& [stream, line] : held.held_) write_line(stream, line);
+}
+
 void Output::write_line(std::FILE* stream, std::string_view line) {
+  if (holds_) return static_cast<void>(held_.emplace_back(stream, line));
   // finish() tells whether stdout took it; stderr has nobody to tell.
   const std::string shown = printable(line) + '\n';
   std::fwrite(shown.data(), 1, shown.size(), stream);

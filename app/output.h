@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdio>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +17,15 @@ class Output {
  public:
   explicit Output(bool json) : json_(json) {}
 
+  /// One of the same kind whose lines wait for their turn: for `release` of this one.
+  [[nodiscard]] Output held() const {
+    Output output(json_);
+    output.holds_ = true;
+    return output;
+  }
+  /// Says what the other holds.
+  void release(const Output& held);
+
   /// A line for people.
   template <class... Values>
   void say(fmt::format_string<Values...> format, Values&&... values) {
@@ -22,9 +33,9 @@ class Output {
   }
 
   /// A line on stderr that begins with "warning:".
-  static void warn(std::string_view message);
+  void warn(std::string_view message);
   /// A line on stderr that begins with the program's name.
-  static void tell_failure(std::string_view message);
+  void tell_failure(std::string_view message);
 
   /// The document that `--json` prints. An object from the start: one that [] would make is broken
   /// where it gets no memory.
@@ -37,9 +48,11 @@ class Output {
   void finish();
 
  private:
-  static void write_line(std::FILE* stream, std::string_view line);
+  void write_line(std::FILE* stream, std::string_view line);
 
   bool json_;
+  bool holds_ = false;
+  std::vector<std::pair<std::FILE*, std::string>> held_{};
 };
 
 }  // namespace slipstream::app

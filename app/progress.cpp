@@ -28,8 +28,11 @@ void Progress::draw() const {
   constexpr int width = 30;
   const auto filled =
       static_cast<int>(width * static_cast<double>(done_) / static_cast<double>(total_));
-  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}", label_, "", filled, "", width - filled, done_,
-             total_);
+  const std::chrono::duration<double> past = std::chrono::steady_clock::now() - start_;
+  const double rate = static_cast<double>(done_) / past.count();
+  fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}, {:.3g}/s, {:.0f} s left\033[K", label_, "",
+             filled, "", width - filled, done_, total_, rate,
+             static_cast<double>(total_ - done_) / rate);
   std::fflush(stderr);
 }
 

@@ -1,11 +1,14 @@
 #include <algorithm>
+#include <deque>
 #include <filesystem>
+#include <future>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include "app/cloud_input.h"
 #include "app/commands.h"
@@ -15,6 +18,7 @@
 #include "slipstream/clean/subsampled.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/epipolar_check.h"
@@ -40,6 +44,8 @@ struct ReconstructFlags {
 /// One scan's results, as they are told.
 struct ReconstructedScan {
   std::string folder;
+  std::string failure;  ///< why there are none; else empty
+  Output words{false};  ///< what is said of it, until its turn comes
   Cloud cloud;
   Maps maps;  ///< where asked for
   std::optional<Uncertainty> uncertainty;
@@ -206,20 +212,41 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
       sparse(*image);
     }
   }
-  write_results({.cloud = scan.files.cloud}, subsampled(scan.cloud, flags.subsample), {},
+  std::optional<Cloud> coarse;
+  if (flags.subsample > 1) coarse = subsampled(scan.cloud, flags.subsample);
+  write_results({.cloud = scan.files.cloud}, coarse ? *coarse : scan.cloud, {},
                 {.normals = normals ? &*normals : nullptr,
                  .uncertainty = uncertainty ? &*uncertainty : nullptr,
                  .remarks = doubts(scan.sound.checked.findings)});
 }
 
-ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlags& flags,
-                                   std::optional<Engine>& engine, Output& output) {
-  Stopwatch watch;
+/// A scan as it was read, and what is known of its results then.
+struct LoadedScan {
+  Scan scan;
   ReconstructedScan result;
-  result.folder = folder.string();
-  Scan scan = load(folder.string(), flags.cloud.input, !flags.one_camera, output);
-  result.warnings = scan.warnings;
+};
+
+LoadedScan loaded_scan(const std::string& folder, const ReconstructFlags& flags,
+                       const Output& output) {
+  LoadedScan loaded;
+  ReconstructedScan& result = loaded.result;
+  result.folder = folder;
+  result.words = output.held();
+  Stopwatch watch;
+  try {
+    loaded.scan = load(folder, flags.cloud.input, !flags.one_camera, result.words);
+  } catch (const Error& error) {
+    result.failure = error.what();
+  }
+  result.warnings = loaded.scan.warnings;
   result.read = watch.lap();
+  return loaded;
+}
+
+void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFlags& flags,
+                      std::optional<Engine>& engine) {
+  Output& output = result.words;
+  Stopwatch watch;
   result.sound = sound_scan(scan, result.folder, flags.cloud, output);
   const EngineSetup& setup = result.sound.setup;
   require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
@@ -239,7 +266,7 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
   }
   result.tables = watch.lap();
   if (!result.sound.gamma.sentence.empty()) {
-    output.say("{}: {}", folder.string(), result.sound.gamma.sentence);
+    output.say("{}: {}", result.folder, result.sound.gamma.sentence);
   }
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
@@ -249,11 +276,88 @@ ReconstructedScan reconstruct_scan(const fs::path& folder, const ReconstructFlag
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
     result.median_sigma = median_depth(*result.uncertainty);
   }
-  result.files = files_of_scan(flags.files, folder);
-  result.rms = error_against_truth(folder, result.cloud);
+  result.files = files_of_scan(flags.files, result.folder);
+  result.rms = error_against_truth(result.folder, result.cloud);
+}
+
+ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags,
+                                std::optional<Engine>& engine) {
+  ReconstructedScan& result = loaded.result;
+  if (!result.failure.empty()) return std::move(result);
+  try {
+    reconstruct_scan(loaded.scan, result, flags, engine);
+  } catch (const Error& error) {
+    result.failure = error.what();
+  }
+  return std::move(result);
+}
+
+ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flags) {
+  if (!result.failure.empty()) return result;
+  Stopwatch watch;
   write_files(flags, result);
   result.written = watch.lap();
   return result;
+}
+
+/// One that failed ends the program where it is the only one.
+void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
+  output.release(scan.words);
+  if (scan.failure.empty()) {
+    output.document["scans"].push_back(document_of(scan));
+    return tell(scan, output);
+  }
+  if (only_one) throw Error(scan.failure);
+  output.document["scans"].push_back({{"scan", scan.folder}, {"error", scan.failure}});
+  output.tell_failure(scan.failure);
+  output.exit_code = 2;
+}
+
+/// Each scan as if it were alone, told in the order given; while one is reconstructed, those after
+/// it are read and those before it are written. On one thread one after another.
+void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
+  const std::size_t count = flags.folders.size();
+  const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
+  const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
+  // Who writes waits for the disk more than for a core.
+  const std::size_t most_written = threads == 1 ? 0 : threads;
+  std::deque<std::future<LoadedScan>> loading;
+  std::deque<std::future<ReconstructedScan>> writing;
+  std::optional<Engine> engine;
+  Progress progress("scans", static_cast<int>(count));
+  const auto next_of = [](auto& waiting) {
+    auto next = waiting.front().get();
+    waiting.pop_front();
+    return next;
+  };
+  const auto tell_next = [&] {
+    const ReconstructedScan scan = next_of(writing);
+    progress.finish();
+    tell(scan, count == 1, output);
+    progress.advance();
+  };
+  for (std::size_t i = 0, asked = 0; i < count; ++i) {
+    for (; asked < std::min(i + threads, count); ++asked) {
+      loading.push_back(std::async(start, [&flags, &output, &folder = flags.folders[asked]] {
+        return loaded_scan(folder, flags, output);
+      }));
+    }
+    writing.push_back(std::async(
+        start, [&flags, scan = reconstructed(next_of(loading), flags, engine)]() mutable {
+          return written(std::move(scan), flags);
+        }));
+    while (writing.size() > most_written) tell_next();
+  }
+  while (!writing.empty()) tell_next();
+}
+
+/// Memory of one scan serves the next: what goes back to the system comes again page by page,
+/// zeroed, which costs more than reconstructing.
+void keep_memory() {
+  constexpr int most = 32 << 20;  // more is refused
+  ::mallopt(M_MMAP_THRESHOLD, most);
+  ::mallopt(M_TRIM_THRESHOLD, 4 * most);
+  ::mallopt(M_ARENA_MAX, 1);  // what one thread frees another takes
 }
 
 void reconstruct(const ReconstructFlags& given, Output& output) {
@@ -265,17 +369,9 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
   if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
     throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
   }
-  std::optional<Engine> engine;
+  keep_memory();
   output.document["scans"] = nlohmann::json::array();
-
-  Progress progress("scans", static_cast<int>(flags.folders.size()));
-  for (const std::string& folder : flags.folders) {
-    const ReconstructedScan scan = reconstruct_scan(folder, flags, engine, output);
-    output.document["scans"].push_back(document_of(scan));
-    progress.finish();
-    tell(scan, output);
-    progress.advance();
-  }
+  reconstruct_in_turn(flags, output);
   if (flags.files.named().empty()) {
     output.say("nothing was asked to be written; -o cloud.ply writes the cloud");
   }

@@ -29,7 +29,8 @@ void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags);
 void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
 
 /// A scan, a folder or a recording, with its scanner: what it says and the flags over that; that of
-/// a second camera with it where `all_cameras`. Warns of what the frames' reader had to say.
+/// a second camera with it where `all_cameras`. What the frames' reader had to say goes to `output`
+/// as warnings.
 Scan load(const std::string& path, const ScanInputFlags& flags, bool all_cameras, Output& output);
 
 /// The same of a scan whose scanner need not be known.

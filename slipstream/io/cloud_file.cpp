@@ -83,6 +83,8 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
       comments_of(remarks, "comment"), point_count(cloud), ply_intensity);
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  constexpr std::size_t place_intensity_colour = 12 + 8 + 3;
+  file.reserve(file.size() + point_count(cloud) * (place_intensity_colour + 4 * extras.size()));
   for_each_point(cloud, [&](int column, int row) {
     append_place(file, cloud, column, row);
     append_bytes(file, double{cloud.intensity(column, row)});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <exception>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
+#include "slipstream/image/parallel_rows.h"
 #include "slipstream/io/detail/picture_size.h"
 #include "slipstream/io/detail/png_reader.h"
 #include "slipstream/io/file.h"
@@ -137,6 +139,35 @@ void require_like_first(const fs::path& path, const cv::Mat& mat, const fs::path
   }
 }
 
+/// A frame's pixels, or why there are none.
+struct ReadFrame {
+  cv::Mat mat;
+  std::vector<std::string> warnings;
+  std::exception_ptr failure;
+};
+
+/// On as many threads as there are.
+std::vector<ReadFrame> read_at_once(const std::vector<fs::path>& paths) {
+  std::vector<ReadFrame> frames(paths.size());
+  for_each_row(static_cast<int>(paths.size()), [&](int n) {
+    const fs::path& path = paths[static_cast<std::size_t>(n)];
+    auto& [mat, warnings, failure] = frames[static_cast<std::size_t>(n)];
+    try {
+      mat = read_grey_mat(path, warnings);
+      const int depth = mat.depth();
+      if (depth != CV_8U && depth != CV_16U && depth != CV_64F) {
+        throw Error(fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits",
+                                path.string()));
+      }
+      require_scan_fits(paths.size(), mat.total() * mat.elemSize(), path);
+    } catch (...) {
+      mat.release();
+      failure = std::current_exception();
+    }
+  });
+  return frames;
+}
+
 }  // namespace
 
 bool is_image_file(const fs::path& path) {
@@ -148,16 +179,11 @@ bool is_image_file(const fs::path& path) {
 LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
   LoadedFrames loaded;
   std::vector<cv::Mat> mats;
-  for (const fs::path& path : paths) {
-    mats.push_back(read_grey_mat(path, loaded.warnings));
-    const int depth = mats.back().depth();
-    if (depth != CV_8U && depth != CV_16U && depth != CV_64F) {
-      throw Error(fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits",
-                              path.string()));
-    }
-    require_like_first(path, mats.back(), paths.front(), mats.front());
-    if (mats.size() == 1)
-      require_scan_fits(paths.size(), mats[0].total() * mats[0].elemSize(), path);
+  for (ReadFrame& frame : read_at_once(paths)) {
+    if (frame.failure) std::rethrow_exception(frame.failure);
+    mats.push_back(std::move(frame.mat));
+    loaded.warnings.insert(loaded.warnings.end(), frame.warnings.begin(), frame.warnings.end());
+    require_like_first(paths[mats.size() - 1], mats.back(), paths.front(), mats.front());
   }
   if (bits > 8 && !mats.empty() && mats.front().depth() == CV_8U) {
     throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",

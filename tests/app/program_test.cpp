@@ -188,6 +188,35 @@ TEST_F(Program, TakesSeveralScans) {
                  2, {"cloud.ply", "{name}"});
 }
 
+TEST_F(Program, ManyScansAreAsOneByOneAndGoOnPastOneThatFails) {
+  const std::vector<std::string> names{"scan", "b", "c", "d", "e"};
+  std::vector<std::string> scans;
+  for (const std::string& name : names) {
+    if (name != "scan") {
+      ASSERT_EQ(
+          run_program({"simulate", path(name), "--camera", "96x72", "--scene", "sphere"}).exit_code,
+          0);
+    }
+    scans.push_back(path(name));
+  }
+  fs::remove(path("c/frame_02.png"));
+  std::vector<std::string> arguments{"reconstruct", "-o", path("{name}.ply")};
+  arguments.insert(arguments.end(), scans.begin(), scans.end());
+  const ProgramRun many = run_program(arguments);
+  EXPECT_EQ(many.exit_code, 2);
+  EXPECT_NE(many.err.find("frame_02.png"), std::string::npos) << many.err;
+  std::size_t told = 0;
+  for (const std::string& name : names) {
+    EXPECT_EQ(fs::exists(path(name + ".ply")), name != "c") << name;
+    if (name == "c") continue;
+    EXPECT_EQ(run_program({"reconstruct", path(name), "-o", path("alone.ply")}).exit_code, 0);
+    EXPECT_EQ(contents(path("alone.ply")), contents(path(name + ".ply"))) << name;
+    const std::size_t at = many.out.find(path(name) + ": ");
+    EXPECT_GE(at, told) << "in the order given";
+    told = at;
+  }
+}
+
 TEST_F(Program, WritesPatterns) {
   const ProgramRun run =
       run_program({"patterns", path("patterns"), "--strategy", "pmp", "--steps", "4", "--projector",

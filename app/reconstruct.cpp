@@ -1,9 +1,14 @@
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <future>
+#include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,6 +24,8 @@
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/epipolar_check.h"
@@ -29,7 +36,10 @@ namespace fs = std::filesystem;
 namespace {
 
 struct ReconstructFlags {
-  std::vector<std::string> folders;
+  std::vector<std::string> paths;
+  std::optional<std::string> windows;
+  std::uint64_t every = 1;
+  std::vector<ScanName> scans;  ///< of those, what is asked for
   CloudInputFlags cloud;
   std::string backend = "fused";
   std::string unwrapping = "consensus";
@@ -43,7 +53,7 @@ struct ReconstructFlags {
 
 /// One scan's results, as they are told.
 struct ReconstructedScan {
-  std::string folder;
+  ScanName name;
   std::string failure;  ///< why there are none; else empty
   Output words{false};  ///< what is said of it, until its turn comes
   Cloud cloud;
@@ -62,7 +72,7 @@ struct ReconstructedScan {
 nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json files = nlohmann::json::object();
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
-  nlohmann::json told = {{"scan", scan.folder},
+  nlohmann::json told = {{"scan", scan.name.path},
                          {"points", point_count(scan.cloud)},
                          {"pixels", scan.cloud.z.pixel_count()},
                          {"counts", app::json_of(count_by_validity(scan.cloud))},
@@ -80,6 +90,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
                            {"tables", scan.tables},
                            {"reconstruct", scan.computed},
                            {"write", scan.written}}}};
+  if (scan.name.window) told["window"] = *scan.name.window;
   // Only what --anyway went on with is wrong and was reconstructed.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
   if (scan.median_sigma) told["median_sigma_z_mm"] = *scan.median_sigma;
@@ -94,7 +105,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
 }
 
 void tell(const ReconstructedScan& scan, Output& output) {
-  output.say("{}: {} points of {} pixels, backend {}", scan.folder, point_count(scan.cloud),
+  output.say("{}: {} points of {} pixels, backend {}", text_of(scan.name), point_count(scan.cloud),
              scan.cloud.z.pixel_count(), scan.backend);
   const auto counts = count_by_validity(scan.cloud);
   for (std::size_t i = 1; i < validity_count; ++i) {
@@ -177,7 +188,7 @@ void tell_contradiction(ReconstructedScan& result, Output& output) {
       .advice =
           "calibrate again: slipstream calibrate geometry; patterns along x alone are not held to "
           "this"};
-  output.warn(fmt::format("{}: {}", result.folder, text_of(finding)));
+  output.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
   result.sound.checked.findings.push_back(finding);
 }
 
@@ -189,7 +200,7 @@ void tell_no_points(ReconstructedScan& result, Output& output) {
       .what = "not one pixel became a point",
       .likely = fmt::format("{} in most of them", name_of(static_cast<Validity>(most))),
       .advice = "look at the frames with slipstream view"};
-  output.warn(fmt::format("{}: {}", result.folder, text_of(finding)));
+  output.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
   result.sound.checked.findings.push_back(finding);
 }
 
@@ -226,15 +237,16 @@ struct LoadedScan {
   ReconstructedScan result;
 };
 
-LoadedScan loaded_scan(const std::string& folder, const ReconstructFlags& flags,
-                       const Output& output) {
+LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Output& output) {
   LoadedScan loaded;
   ReconstructedScan& result = loaded.result;
-  result.folder = folder;
+  result.name = name;
   result.words = output.held();
   Stopwatch watch;
   try {
-    loaded.scan = load(folder, flags.cloud.input, !flags.one_camera, result.words);
+    ScanInputFlags input = flags.cloud.input;
+    input.window = name.window;
+    loaded.scan = load(name.path, input, !flags.one_camera, result.words);
   } catch (const Error& error) {
     result.failure = error.what();
   }
@@ -247,7 +259,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
                       std::optional<Engine>& engine) {
   Output& output = result.words;
   Stopwatch watch;
-  result.sound = sound_scan(scan, result.folder, flags.cloud, output);
+  result.sound = sound_scan(scan, text_of(result.name), flags.cloud, output);
   const EngineSetup& setup = result.sound.setup;
   require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
   watch.lap();
@@ -259,14 +271,15 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
       two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
   if (result.least_modulation > flags.cloud.settings.minimum_modulation) {
     output.say("{}: least modulation {:.1f} instead of {:.1f}, where noise hides the fringe order",
-               result.folder, result.least_modulation, flags.cloud.settings.minimum_modulation);
+               text_of(result.name), result.least_modulation,
+               flags.cloud.settings.minimum_modulation);
   }
   if (!two_cameras && (!engine || engine->setup() != setup)) {
     engine.emplace(setup);  // else its tables serve again
   }
   result.tables = watch.lap();
   if (!result.sound.gamma.sentence.empty()) {
-    output.say("{}: {}", result.folder, result.sound.gamma.sentence);
+    output.say("{}: {}", text_of(result.name), result.sound.gamma.sentence);
   }
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
@@ -276,8 +289,8 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
     result.median_sigma = median_depth(*result.uncertainty);
   }
-  result.files = files_of_scan(flags.files, result.folder);
-  result.rms = error_against_truth(result.folder, result.cloud);
+  result.files = files_of_scan(flags.files, result.name);
+  result.rms = error_against_truth(result.name.path, result.cloud);
 }
 
 ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags,
@@ -308,7 +321,7 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
     return tell(scan, output);
   }
   if (only_one) throw Error(scan.failure);
-  output.document["scans"].push_back({{"scan", scan.folder}, {"error", scan.failure}});
+  output.document["scans"].push_back({{"scan", text_of(scan.name)}, {"error", scan.failure}});
   output.tell_failure(scan.failure);
   output.exit_code = 2;
 }
@@ -316,11 +329,11 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
 /// Each scan as if it were alone, told in the order given; while one is reconstructed, those after
 /// it are read and those before it are written. On one thread one after another.
 void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
-  const std::size_t count = flags.folders.size();
+  const std::size_t count = flags.scans.size();
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
   // Who writes waits for the disk more than for a core.
-  const std::size_t most_written = threads == 1 ? 0 : threads;
+  const std::size_t most_written = threads == 1 ? 0 : threads + 2;
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
   std::optional<Engine> engine;
@@ -338,8 +351,8 @@ void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
   };
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
     for (; asked < std::min(i + threads, count); ++asked) {
-      loading.push_back(std::async(start, [&flags, &output, &folder = flags.folders[asked]] {
-        return loaded_scan(folder, flags, output);
+      loading.push_back(std::async(start, [&flags, &output, &name = flags.scans[asked]] {
+        return loaded_scan(name, flags, output);
       }));
     }
     writing.push_back(std::async(
@@ -360,9 +373,49 @@ void keep_memory() {
   ::mallopt(M_ARENA_MAX, 1);  // what one thread frees another takes
 }
 
+/// A whole number of A:B; `otherwise` where there is none.
+std::uint64_t window_from(std::string_view number, std::uint64_t otherwise,
+                          const std::string& range) {
+  std::uint64_t window = otherwise;
+  const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), window);
+  if (number.empty() || (failure == std::errc() && end == number.data() + number.size())) {
+    return window;
+  }
+  throw Error(fmt::format("--windows '{}' is no range; give A:B, as 0:100, 100: or :", range));
+}
+
+/// The scans that are asked for: folders, recordings or their windows.
+std::vector<ScanName> scans_of(const ReconstructFlags& flags) {
+  if (!flags.windows) return {flags.paths.begin(), flags.paths.end()};
+  const std::string& range = *flags.windows;
+  const std::size_t colon = std::min(range.find(':'), range.size());
+  constexpr auto none = std::numeric_limits<std::uint64_t>::max();
+  const std::string_view text = range;
+  const std::uint64_t first = window_from(text.substr(0, colon), 0, range);
+  const std::uint64_t last =
+      colon == range.size() ? first + 1 : window_from(text.substr(colon + 1), none, range);
+  if (flags.every < 1) throw Error("--every 0 is out of range; 1 or more");
+  std::vector<ScanName> scans;
+  for (const std::string& path : flags.paths) {
+    if (!is_recording(path)) throw Error(fmt::format("{}: --windows is of recordings", path));
+    const Sequence shown = scan_files_in(path, scan_changes_from(flags.cloud.input.scan)).sequence;
+    const std::uint64_t count = window_count(RecordingReader(path), shown);
+    if (first >= count) {
+      throw Error(fmt::format("{}: {} windows; none is in --windows {}", path, count, range));
+    }
+    for (std::uint64_t window = first; window < std::min(last, count);) {
+      scans.push_back({path, window});
+      if (flags.every >= count - window) break;
+      window += flags.every;
+    }
+  }
+  return scans;
+}
+
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
-  require_writable(flags.files, flags.folders);
+  flags.scans = scans_of(flags);
+  require_writable(flags.files, flags.scans);
   set_backend(flags.cloud.settings, flags.backend);
   flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);
   set_clean(flags.cloud.settings, flags.cloud.clean);
@@ -404,9 +457,12 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, reconstruct, "reconstruct",
                                             "scans to cloud, depth, phase, preview");
   command
-      .add_file("folders", flags.folders,
+      .add_file("scans", flags.paths,
                 "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
+  command.add("--windows", flags.windows,
+              "recordings: windows A:B of their frames, B not among them; : for all");
+  command.add("--every", flags.every, "of those windows every so many");
   command.add("--backend", flags.backend, "fused, lut, closed-form, equation or intensity-ratio");
   command.add("--cue-rule", flags.unwrapping,
               "fringe order from a cue in the same frames: consensus, likelihood or published");
@@ -420,7 +476,9 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
       "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "
       "preview.png\n  slipstream reconstruct frames --strategy dual-frequency --steps 3 --high 16 "
       "--low 1 --axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply\nSeveral scans: "
-      "{name} in a path stands for each scan's name, as in -o clouds/{name}.ply");
+      "{name} in a path stands for each scan's name, as in -o clouds/{name}.ply\n"
+      "Whole recordings: slipstream reconstruct scan.slip --windows : -o "
+      "clouds/{name}-{window}.ply");
 }
 
 }  // namespace slipstream::app

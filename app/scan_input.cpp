@@ -53,6 +53,7 @@ Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool a
                     Output& output) {
   ScanChanges changes = scan_changes_from(flags.scan);
   changes.bits = flags.bits;
+  changes.window = flags.window;
   if (flags.scanner) changes.scanner = *flags.scanner;
   Scan scan = all_cameras ? load_scan(path, changes) : load_scan(scan_files_in(path, changes));
   if (scan.scanner) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -18,6 +19,7 @@ struct ScanInputFlags {
   ScanFlags scan;
   std::optional<std::string> scanner;
   std::optional<int> bits;
+  std::optional<std::uint64_t> window;  ///< of a recording; no flag
   std::string gamma = "scanner";
   PhotometricCalibration photometry;  ///< as far as flags say it
 };

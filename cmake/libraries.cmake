@@ -18,7 +18,7 @@ set(slipstream_libraries
   "tinyobjloader::tinyobjloader  tinyobjloader   tinyobjloader"
   "nlohmann_json::nlohmann_json  nlohmann_json   nlohmann_json"
   "PNG::PNG                      libpng          PNG"
-  "ZLIB::ZLIB                    zlib            ZLIB"
+  "PkgConfig::libdeflate         libdeflate"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"
   "glfw                          glfw3           glfw3"

@@ -18,29 +18,80 @@ namespace {
 /// Cycles that are searched for a whole one, and as many as PatternWindows may keep of them.
 constexpr std::uint64_t searched_cycles = 8, kept_cycles = 4;
 
-}  // namespace
+/// Frames by their places in a recording, the last not among them.
+struct Places {
+  std::uint64_t first = 0, end = 0;
+};
 
-std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence) {
+/// The first whole cycle among the frames that are read; where `least` is given, the first that
+/// begins there or later, and with the first pattern.
+std::optional<FrameSet> cycle_among(const RecordingReader& recording, const Sequence& sequence,
+                                    const Places& read, std::optional<std::uint64_t> least = {}) {
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
   PatternWindows windows(sequence,
                          sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
                          recording.header().format.size);
-  const std::uint64_t searched = std::min(recording.count(), searched_cycles * cycle);
   // Frames take their memory when they are read.
-  Pool<Frame> pool(std::min(searched, kept_cycles * cycle + 1), [] { return Frame(); });
+  Pool<Frame> pool(std::min(read.end - read.first, kept_cycles * cycle + 1),
+                   [] { return Frame(); });
   std::vector<Pooled<Frame>> window;
-  for (std::uint64_t n = 0; n < searched; ++n) {
+  for (std::uint64_t n = read.first; n < read.end; ++n) {
     Pooled<Frame> frame = pool.take();
     if (!frame) break;
     if (!recording.read(n, frame.fill())) continue;
     windows.put(frame);
     frame = {};
     if (!windows.next(window) || windows.first_pattern() != 0) continue;
+    const auto sequence_of = [](const Pooled<Frame>& placed) { return placed->stamp.sequence; };
+    const bool begins_earlier = least && n + 1 < *least + window.size();
+    if (begins_earlier || (least && sequence_of(window.front()) > sequence_of(window.back()))) {
+      continue;
+    }
     return frame_set_of(static_cast<int>(window.size()), [&](int place) -> const Frame& {
       return *window[static_cast<std::size_t>(place)];
     });
   }
   return std::nullopt;
+}
+
+/// Where the first pattern is shown first, as the first frame's stamp says; a marker says nothing.
+std::uint64_t first_start(const RecordingReader& recording, const Sequence& sequence) {
+  Frame frame;
+  if (sequence.marker || recording.count() == 0 || !recording.read(0, frame)) return 0;
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
+  const FrameStamp& stamp = frame.stamp;
+  const std::uint64_t index = stamp.pattern_index
+                                  ? static_cast<std::uint64_t>(std::max(*stamp.pattern_index, 0))
+                                  : stamp.sequence;
+  return (cycle - index % cycle) % cycle;
+}
+
+}  // namespace
+
+std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence) {
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
+  return cycle_among(recording, sequence,
+                     {0, std::min(recording.count(), searched_cycles * cycle)});
+}
+
+std::uint64_t window_count(const RecordingReader& recording, const Sequence& sequence) {
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
+  const std::uint64_t before =
+      first_start(recording, sequence) + static_cast<std::uint64_t>(sequence.motion);
+  return recording.count() < before ? 0 : (recording.count() - before) / cycle;
+}
+
+std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequence& sequence,
+                                  std::uint64_t window) {
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
+  const std::uint64_t least = first_start(recording, sequence) + window * cycle;
+  // A marker is seen before the cycle that it announces. Where frames are lost the next cycle
+  // begins earlier; no two that are whole begin among so many frames.
+  const bool marked = sequence.marker && least >= cycle;
+  const std::uint64_t end =
+      least + 2 * cycle - (sequence.marker ? 2 : 1) + static_cast<std::uint64_t>(sequence.motion);
+  return cycle_among(recording, sequence,
+                     {marked ? least - cycle : least, std::min(end, recording.count())}, least);
 }
 
 std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name) {

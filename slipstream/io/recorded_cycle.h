@@ -13,6 +13,15 @@ namespace slipstream {
 /// PatternWindows puts them. None where none of its first cycles is whole.
 std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence);
 
+/// Windows of a recording that shows that sequence: whole cycles one behind another, counted from
+/// the first pattern on, with frames of motion the cycles that have those after them.
+std::uint64_t window_count(const RecordingReader& recording, const Sequence& sequence);
+
+/// The frames of a window, below window_count, in pattern order; none where no whole cycle begins
+/// there, for frames are lost or damaged.
+std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequence& sequence,
+                                  std::uint64_t window);
+
 /// The frames of a scan as a camera gives them, stamped with their places in it. Throws Error,
 /// calling the scan `name`, where no camera gives such frames.
 std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name);

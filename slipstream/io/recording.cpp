@@ -12,7 +12,7 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <zlib.h>
+#include <libdeflate.h>
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/scan_folder.h"
@@ -108,9 +108,11 @@ Bytes pixel_bytes(const Frame& frame) {
 
 /// CRC-32 of the parts one behind another.
 std::uint32_t checksum(std::initializer_list<Bytes> parts) {
-  uLong sum = crc32_z(0, nullptr, 0);
-  for (const Bytes part : parts) sum = crc32_z(sum, part.data(), part.size());
-  return static_cast<std::uint32_t>(sum);
+  std::uint32_t sum = 0;
+  for (const Bytes part : parts) {
+    if (!part.empty()) sum = libdeflate_crc32(sum, part.data(), part.size());
+  }
+  return sum;
 }
 
 std::uint32_t checksum_of(const RecordHeader& header, Bytes pixels, Bytes padding) {

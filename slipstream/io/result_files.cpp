@@ -1,6 +1,7 @@
 #include "slipstream/io/result_files.h"
 
 #include <array>
+#include <filesystem>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -14,8 +15,6 @@
 namespace slipstream {
 namespace {
 
-constexpr std::string_view placeholder = "{name}";
-
 constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 9> all_files{
     {{"cloud", &ResultFiles::cloud},
      {"mesh", &ResultFiles::mesh},
@@ -26,6 +25,13 @@ constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 9> all_
      {"mean", &ResultFiles::mean},
      {"epipolar", &ResultFiles::epipolar},
      {"preview", &ResultFiles::preview}}};
+
+void replace_all(std::string& path, std::string_view placeholder, std::string_view name) {
+  for (std::size_t at = path.find(placeholder); at != std::string::npos;
+       at = path.find(placeholder, at + name.size())) {
+    path.replace(at, placeholder.size(), name);
+  }
+}
 
 void write_map_if_asked(const std::string& path, const Image<float>& map) {
   if (!path.empty()) write_map(path, map);
@@ -46,27 +52,31 @@ bool ResultFiles::any_map() const {
            epipolar.empty());
 }
 
-ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan) {
-  const std::filesystem::path whole = std::filesystem::absolute(scan / "").parent_path();
+std::string text_of(const ScanName& scan) {
+  return scan.window ? fmt::format("{}, window {}", scan.path, *scan.window) : scan.path;
+}
+
+ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan) {
+  const std::filesystem::path folder = scan.path;
+  const std::filesystem::path whole = std::filesystem::absolute(folder / "").parent_path();
   const std::string name =
       (std::filesystem::is_directory(whole) ? whole.filename() : whole.stem()).string();
   ResultFiles filled = files;
   for (const auto& [kind, member] : all_files) {
-    std::string& path = filled.*member;
-    for (std::size_t at = path.find(placeholder); at != std::string::npos;
-         at = path.find(placeholder, at + name.size())) {
-      path.replace(at, placeholder.size(), name);
-    }
+    replace_all(filled.*member, "{name}", name);
+    if (scan.window) replace_all(filled.*member, "{window}", fmt::format("{:06}", *scan.window));
   }
   return filled;
 }
 
-void require_writable(const ResultFiles& files, const std::vector<std::string>& scans) {
+void require_writable(const ResultFiles& files, const std::vector<ScanName>& scans) {
   if (!files.cloud.empty()) require_cloud_ending(files.cloud);
   if (!files.mesh.empty()) require_mesh_ending(files.mesh);
   DistinctFiles distinct;
-  for (const std::string& scan : scans) distinct.add_input(scan);
-  for (const std::string& scan : scans) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    if (i == 0 || scans[i].path != scans[i - 1].path) distinct.add_input(scans[i].path);
+  }
+  for (const ScanName& scan : scans) {
     for (const auto& [name, path] : files_of_scan(files, scan).named()) distinct.add_output(path);
   }
 }

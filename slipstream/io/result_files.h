@@ -1,6 +1,7 @@
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,13 +22,22 @@ struct ResultFiles {
   [[nodiscard]] bool any_map() const;
 };
 
+/// A folder or a recording, and which of its windows.
+struct ScanName {
+  std::string path;
+  std::optional<std::uint64_t> window{};
+};
+
+/// "scan.slip, window 12"
+std::string text_of(const ScanName& scan);
+
 /// The files of one scan of several: "{name}" in a path stands for the name of the scan's folder,
-/// or of its recording without the ending.
-ResultFiles files_of_scan(const ResultFiles& files, const std::filesystem::path& scan);
+/// or of its recording without the ending, "{window}" for the window in six digits.
+ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan);
 
 /// Throws Error for a cloud or mesh of unknown ending, or where two of the scans would be written
 /// to one file.
-void require_writable(const ResultFiles& files, const std::vector<std::string>& scans);
+void require_writable(const ResultFiles& files, const std::vector<ScanName>& scans);
 
 /// Writes them: cloud with its extras, the mesh of its points, depth in mm, the maps as TIFF of
 /// 32-bit float, the preview as PNG. Throws as the writer of each.

@@ -30,7 +30,13 @@ FrameSet recorded_frames(const ScanFiles& files) {
   }
   require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
                     byte_count(recording.header().format), files.path);
-  std::optional<FrameSet> frames = first_cycle(recording, files.sequence);
+  std::optional<FrameSet> frames = files.window
+                                       ? window_at(recording, files.sequence, *files.window)
+                                       : first_cycle(recording, files.sequence);
+  if (!frames && files.window) {
+    throw Error(fmt::format("{}: frames of its window {} are missing or damaged",
+                            files.path.string(), *files.window));
+  }
   if (!frames) {
     throw Error(fmt::format("{}: {} frames, and no whole cycle of {} among the first",
                             files.path.string(), recording.count(), cycle_length(files.sequence)));

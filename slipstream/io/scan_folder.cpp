@@ -288,6 +288,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
   }
   files.sequence = changed(files.sequence, changes.sequence);
   if (!changes.order.empty()) files.order = changes.order;
+  files.window = changes.window;
   files.bits = changes.bits.value_or(files.bits);
   if (files.bits != 0 && (files.bits < 8 || files.bits > 16)) {
     throw Error(fmt::format("--camera-bits {} is out of range; 8 to 16", files.bits));

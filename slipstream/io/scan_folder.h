@@ -17,6 +17,7 @@ struct ScanFiles {
   int bits = 0;                                 ///< of the camera; 0 where not said
   std::vector<std::filesystem::path> frames{};  ///< pictures; none where it is a recording
   std::vector<int> order{};  ///< which frame shows each pattern; as they come where empty
+  std::optional<std::uint64_t> window{};  ///< of a recording, see window_at; else its first cycle
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
   /// The scan folder of a second camera that saw the same projector at the same time.
   std::optional<std::filesystem::path> second_camera{};
@@ -41,6 +42,7 @@ void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 struct ScanChanges {
   SequenceChanges sequence{};
   std::vector<int> order{};
+  std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<std::filesystem::path> scanner{};
 };

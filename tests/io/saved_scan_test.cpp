@@ -3,10 +3,12 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -52,6 +54,47 @@ TEST(SavedScan, ComesBackWhole) {
         point_count(reconstruct(read)),
         point_count(reconstruct({.frames = frames, .sequence = sequence, .scanner = scanner})));
   }
+}
+
+/// Five cycles after the last two frames of one, without the frame `lost`; the first pixel of a
+/// frame tells its cycle.
+void record_cycles(const fs::path& path, std::optional<int> lost) {
+  const FrameSet cycle = some_scan().frames;
+  const std::vector<Frame> frames = frames_of(cycle, "cycle");
+  RecordingWriter writer(
+      path, {.format = frames.front().format(), .sequence = sequence, .scanner = scanner});
+  for (int k = 2; k < 24; ++k) {
+    if (k == lost) continue;
+    Frame frame = frames[static_cast<std::size_t>(k % 4)];
+    std::get<Image<std::uint8_t>>(frame.pixels)(0, 0) = static_cast<std::uint8_t>(k / 4);
+    frame.stamp.sequence = static_cast<std::uint64_t>(k);
+    frame.stamp.pattern_index = k % 4;
+    writer.append(frame);
+  }
+  writer.finish();
+}
+
+std::vector<int> cycles_in(const fs::path& path) {
+  std::vector<int> cycles;
+  const std::uint64_t count = window_count(RecordingReader(path), sequence);
+  for (std::uint64_t window = 0; window < count; ++window) {
+    const Scan scan = load_scan(path, {.window = window});
+    scan.frames.visit([&](const auto& frames) {
+      cycles.push_back(static_cast<int>(frames[0](0, 0)));
+      for (const auto& frame : frames) EXPECT_EQ(frame(0, 0), cycles.back());
+    });
+  }
+  return cycles;
+}
+
+TEST(SavedScan, MayBeAnyWindowOfARecording) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "cycles.slip";
+  record_cycles(path, std::nullopt);
+  EXPECT_EQ(cycles_in(path), (std::vector{1, 2, 3, 4, 5}));
+  expect_error([&] { load_scan(path, {.window = 5}); }, {"cycles.slip", "window 5"});
+  record_cycles(path, 10);
+  EXPECT_EQ(cycles_in(path), (std::vector{1, 3, 4, 5}));
 }
 
 TEST(SavedScan, MayHaveNoScannerButGivesNoCloudThen) {

@@ -172,7 +172,11 @@ TEST_P(OwnStrategiesOn, HaveThePointsOfTheEquations) {
     const Scanner scanner = example_scanner({width, 90});
     const Axis axis = width == 160 ? Axis::x : Axis::y;
     const VirtualScan scan = statue_scan(scanner, axis);
-    for (const Strategy& strategy : fused_strategies()) {
+    std::vector<Strategy> strategies = fused_strategies();
+    strategies.push_back(Strategy(PhaseMeasuring{3, 1}).in_motion(1));
+    strategies.push_back(Strategy(PhaseMeasuring{4, 1}).in_motion(2));
+    strategies.push_back(Strategy(PhaseMeasuring{5, 1}).in_motion(2));
+    for (const Strategy& strategy : strategies) {
       for (const auto& [bits, noise] :
            {std::pair{8, 0.0}, {8, 1.55}, {8, 6.0}, {12, 1.55}, {16, 0.0}}) {
         SCOPED_TRACE(testing::Message() << text_of(strategy) << ", width " << width << ", noise "

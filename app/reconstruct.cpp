@@ -333,7 +333,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
   // Who writes waits for the disk more than for a core.
-  const std::size_t most_written = threads == 1 ? 0 : threads + 2;
+  const std::size_t most_written = threads == 1 ? 0 : threads + 1;
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
   std::optional<Engine> engine;

@@ -74,7 +74,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
   nlohmann::json told = {{"scan", scan.name.path},
                          {"points", point_count(scan.cloud)},
-                         {"pixels", scan.cloud.z.pixel_count()},
+                         {"pixels", scan.cloud.validity.pixel_count()},
                          {"counts", app::json_of(count_by_validity(scan.cloud))},
                          {"backend", scan.backend},
                          {"least_modulation", scan.least_modulation},
@@ -106,7 +106,7 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
 
 void tell(const ReconstructedScan& scan, Output& output) {
   output.say("{}: {} points of {} pixels, backend {}", text_of(scan.name), point_count(scan.cloud),
-             scan.cloud.z.pixel_count(), scan.backend);
+             scan.cloud.validity.pixel_count(), scan.backend);
   const auto counts = count_by_validity(scan.cloud);
   for (std::size_t i = 1; i < validity_count; ++i) {
     if (counts[i] == 0) continue;
@@ -310,6 +310,12 @@ ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flag
   Stopwatch watch;
   write_files(flags, result);
   result.written = watch.lap();
+  for (Image<float>* told_no_more :
+       {&result.cloud.x, &result.cloud.y, &result.cloud.z, &result.cloud.intensity}) {
+    *told_no_more = {};
+  }
+  result.maps = {};
+  result.uncertainty.reset();
   return result;
 }
 
@@ -333,7 +339,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
   // Who writes waits for the disk more than for a core.
-  const std::size_t most_written = threads == 1 ? 0 : threads + 1;
+  const std::size_t most_written = threads == 1 ? 0 : threads;
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
   std::optional<Engine> engine;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <utility>
 
@@ -333,13 +334,14 @@ class BundleProblem {
       double* pose = parameters_.poses[v].data();
       if (view.projector[i].allFinite()) {
         problem_.AddResidualBlock(
-            new PairError(view.camera[i], view.projector[i], slope_at(view, i), deviations),
-            new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
-            parameters_.projector.data(), parameters_.rig.data(), pose, place);
+            owned(std::make_unique<PairError>(view.camera[i], view.projector[i], slope_at(view, i),
+                                              deviations)),
+            &huber_, parameters_.camera.data(), parameters_.projector.data(),
+            parameters_.rig.data(), pose, place);
       } else if (view.camera[i].allFinite()) {
-        problem_.AddResidualBlock(new CameraError(view.camera[i], deviations.camera),
-                                  new ceres::HuberLoss(huber_reach), parameters_.camera.data(),
-                                  pose, place);
+        problem_.AddResidualBlock(
+            owned(std::make_unique<CameraError>(view.camera[i], deviations.camera)), &huber_,
+            parameters_.camera.data(), pose, place);
       }
     }
   }
@@ -367,12 +369,22 @@ class BundleProblem {
         hold(place);
         continue;
       }
-      problem_.AddResidualBlock(new PrintError(printed[i], *deviation), nullptr, place);
+      problem_.AddResidualBlock(owned(std::make_unique<PrintError>(printed[i], *deviation)),
+                                nullptr, place);
     }
   }
 
+  ceres::CostFunction* owned(std::unique_ptr<ceres::CostFunction> error) {
+    return errors_.emplace_back(std::move(error)).get();
+  }
+
   Parameters parameters_;
-  ceres::Problem problem_;
+  // Not the problem's, which loses them where there is no more memory.
+  std::vector<std::unique_ptr<ceres::CostFunction>> errors_;
+  ceres::HuberLoss huber_{huber_reach};
+  ceres::Problem problem_{
+      ceres::Problem::Options{.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP,
+                              .loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP}};
 };
 
 /// Standard deviation of the components, by the median of their sizes.

@@ -38,7 +38,7 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
     output.say("sigma_w^2 {:.4f}, standard error {:.2g}: Eq. ({}), {}, {} times{}{}",
                measured.variance, measured.standard_error, measured.equation, measured.method,
                measured.count, measured.reason.empty() ? "" : "; ", measured.reason);
-    output.document["measurements"].push_back(json_of(measured));
+    output.list("measurements").push_back(json_of(measured));
   }
   const NoiseMeasurement& trusted = all.front();
   if (mistakes_gamma_for_noise(trusted)) {

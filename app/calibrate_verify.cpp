@@ -77,9 +77,9 @@ void verify(const CalibrateVerifyFlags& flags, Output& output) {
                      {"translation_mm", found.translation},
                      {"poses", nlohmann::json::array()}};
   for (const VerifiedPose& pose : found.poses) {
-    output.document["poses"].push_back({{"name", pose.name},
-                                        {"before", json_of_measure(pose.before)},
-                                        {"after", json_of_measure(pose.after)}});
+    output.list("poses").push_back({{"name", pose.name},
+                                    {"before", json_of_measure(pose.before)},
+                                    {"after", json_of_measure(pose.after)}});
   }
   std::vector<Finding> findings = captures.findings;
   findings.insert(findings.end(), found.findings.begin(), found.findings.end());

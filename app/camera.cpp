@@ -11,12 +11,12 @@ void list(const ListFlags&, Output& output) {
   for (const CameraDescription& camera : list_cameras()) {
     output.say("{}  {} {} {}, {} {}", camera.name, camera.vendor, camera.model, camera.serial,
                camera.protocol, camera.address);
-    output.document["cameras"].push_back({{"source", camera.name},
-                                          {"vendor", camera.vendor},
-                                          {"model", camera.model},
-                                          {"serial", camera.serial},
-                                          {"protocol", camera.protocol},
-                                          {"address", camera.address}});
+    output.list("cameras").push_back({{"source", camera.name},
+                                      {"vendor", camera.vendor},
+                                      {"model", camera.model},
+                                      {"serial", camera.serial},
+                                      {"protocol", camera.protocol},
+                                      {"address", camera.address}});
   }
   if (output.document["cameras"].empty()) output.say("no camera answers");
 }

@@ -37,7 +37,7 @@ void check(const CheckFlags& flags, Output& output) {
     settings.photometry.response = choose_response(scan, flags.input).response;
     const std::vector<Finding> findings = check_and_repair(scan, settings).findings;
     if (any_wrong(findings)) output.exit_code = 2;
-    output.document["scans"].push_back({{"scan", folder}, {"findings", app::json_of(findings)}});
+    output.list("scans").push_back({{"scan", folder}, {"findings", app::json_of(findings)}});
     progress.finish();
     tell_findings(folder, findings, output);
     progress.advance();

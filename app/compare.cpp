@@ -138,7 +138,7 @@ void compare_strategies(const CompareFlags& flags, Output& output) {
   const std::vector<Row> rows = compared_rows(flags);
   const std::vector<std::string> table = table_of(rows);
   for (const std::string& line : table) output.say("{}", line);
-  for (const Row& row : rows) output.document["rows"].push_back(json_of(row));
+  for (const Row& row : rows) output.list("rows").push_back(json_of(row));
   if (flags.folder.empty()) return;
   write_comparison(flags.folder, rows, table);
   output.document["folder"] = flags.folder;

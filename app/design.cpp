@@ -80,10 +80,11 @@ void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& o
   for (const auto& [strategy, success, sigma] : designs) {
     output.say("{:6} | {:10.3g} | {:10.4f} % | {}", frame_count(strategy), sigma, 100 * success,
                label_of(strategy));
-    output.document["strategies"].push_back({{"strategy", label_of(strategy)},
-                                             {"frames", frame_count(strategy)},
-                                             {"success", success},
-                                             {"coordinate_sigma", sigma}});
+    output.list("strategies")
+        .push_back({{"strategy", label_of(strategy)},
+                    {"frames", frame_count(strategy)},
+                    {"success", success},
+                    {"coordinate_sigma", sigma}});
   }
 }
 
@@ -101,7 +102,7 @@ void tell_motion(int steps, double speed, Output& output) {
     const double ratio =
         std::sqrt(component_noise(motion_window(cycle, extra).bands.front()) / noise);
     output.say("{:6} | {:6} | {:11.3g} | {:.2f}", extra, steps + extra, ripple, ratio);
-    output.document["motion"].push_back(
+    output.list("motion").push_back(
         {{"motion", extra}, {"frames", steps + extra}, {"ripple_rad", ripple}, {"noise", ratio}});
   }
 }

@@ -193,7 +193,7 @@ void write_model(const ModelPoints& model, const std::string& file, Output& outp
   }
   write_cloud(file, model.cloud, {.normals = &model.normals});
   output.say("model: {} points in {}", model.cloud.size().width, file);
-  output.document["files"]["model"] = file;
+  output.object("files")["model"] = file;
 }
 
 /// What the session measured, and what is to be kept of its last cloud.
@@ -213,7 +213,7 @@ void write_results(LiveSession& session, const LiveFlags& flags, Output& output)
       throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
     output.say("cloud: {}", flags.output);
-    output.document["files"]["cloud"] = flags.output;
+    output.object("files")["cloud"] = flags.output;
   }
   if (!flags.model.empty()) write_model(session.pipeline.model(), flags.model, output);
 #ifdef SLIPSTREAM_VIEW
@@ -268,7 +268,7 @@ void live(const LiveFlags& flags, Output& output) {
 
   write_results(session, flags, output);
   recorder.finish_recording();  // one that was begun in the window too
-  if (!flags.record.empty()) output.document["files"]["recording"] = flags.record;
+  if (!flags.record.empty()) output.object("files")["recording"] = flags.record;
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ void measure_point(const std::string& pixel, const Measuring& in) {
   const MeasuredPoint point = point_of(in, pixel);
   nlohmann::json told{{"pixel", pixel}, {"position_mm", json_of(point.position)}};
   if (point.sigma) told["sigma_mm"] = json_of(*point.sigma);
-  in.output.document["points"].push_back(std::move(told));
+  in.output.list("points").push_back(std::move(told));
   in.output.say("point {}: {} mm{}", pixel, text_of(point.position),
                 point.sigma ? fmt::format(", sigma {} mm", text_of(*point.sigma)) : "");
 }
@@ -86,7 +86,7 @@ void measure_distance(const std::pair<std::string, std::string>& pixels, const M
   const Distance apart = distance(point_of(in, pixels.first), point_of(in, pixels.second));
   nlohmann::json told{{"from", pixels.first}, {"to", pixels.second}, {"length_mm", apart.length}};
   if (apart.sigma) told["sigma_mm"] = *apart.sigma;
-  in.output.document["distances"].push_back(std::move(told));
+  in.output.list("distances").push_back(std::move(told));
   in.output.say("distance {} to {}: {:.3f} mm{}", pixels.first, pixels.second, apart.length,
                 apart.sigma ? fmt::format(", sigma {:.3f} mm", *apart.sigma) : "");
 }
@@ -98,7 +98,7 @@ void tell_fit(const char* list, nlohmann::json told, const Residuals& residuals,
                {"points", residuals.points},
                {"outliers", residuals.outliers}});
   if (residuals.noise) told["noise_mm"] = *residuals.noise;
-  output.document[list].push_back(std::move(told));
+  output.list(list).push_back(std::move(told));
   output.say("  residuals of {} points: rms {:.4f} mm{}, largest {:.4f} mm; {} outliers left out",
              residuals.points, residuals.rms,
              residuals.noise ? fmt::format(" (noise alone: {:.4f})", *residuals.noise) : "",

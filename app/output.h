@@ -37,9 +37,18 @@ class Output {
   /// A line on stderr that begins with the program's name.
   void tell_failure(std::string_view message);
 
-  /// The document that `--json` prints. An object from the start: one that [] would make is broken
-  /// where it gets no memory.
+  /// The document that `--json` prints. What is in it is made whole, here and by list and object:
+  /// what
+  /// [] or push_back make of nothing is broken where they get no memory.
   nlohmann::json document = nlohmann::json::object();
+
+  /// That of the name in the document, empty where it was not there.
+  nlohmann::json& list(const std::string& name) {
+    return *document.emplace(name, nlohmann::json::array()).first;
+  }
+  nlohmann::json& object(const std::string& name) {
+    return *document.emplace(name, nlohmann::json::object()).first;
+  }
 
   /// What the program ends with once all is said: 2 where what it was to judge is bad.
   int exit_code = 0;

@@ -36,7 +36,7 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
   }
   const Size projector = changes_from(flags.scan).projector.value_or(usual_projector);
   for (const fs::path& file : write_uniform_pictures(flags.folder, projector, flags.uniform)) {
-    output.document["patterns"].push_back(file.string());
+    output.list("patterns").push_back(file.string());
   }
   output.say(
       "wrote {} uniform patterns to {}; take a picture of each under the same name, and run: "
@@ -59,7 +59,7 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
   Progress progress("patterns", patterns.count);
   for (const fs::path& picture : slipstream::write_patterns(folder, patterns, sequence, flags.bits,
                                                             [&] { progress.advance(); })) {
-    output.document["patterns"].push_back(picture.string());
+    output.list("patterns").push_back(picture.string());
   }
   output.document["scan"] = (folder / "scan.yaml").string();
   output.say("wrote {} patterns of {} for a projector of {} to {}", patterns.count,

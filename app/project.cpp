@@ -49,7 +49,7 @@ void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
   for (const Monitor& monitor : monitors) {
     output.say("{}: {}, {} at {} Hz, its corner at {},{}", number, monitor.name,
                text_of(monitor.size), monitor.refresh_hz, monitor.left, monitor.top);
-    output.document["monitors"].push_back(json_of(monitor, number++));
+    output.list("monitors").push_back(json_of(monitor, number++));
   }
   if (monitors.empty()) output.say("no monitor is connected");
 }

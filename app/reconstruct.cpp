@@ -323,11 +323,11 @@ ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flag
 void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
   output.release(scan.words);
   if (scan.failure.empty()) {
-    output.document["scans"].push_back(document_of(scan));
+    output.list("scans").push_back(document_of(scan));
     return tell(scan, output);
   }
   if (only_one) throw Error(scan.failure);
-  output.document["scans"].push_back({{"scan", text_of(scan.name)}, {"error", scan.failure}});
+  output.list("scans").push_back({{"scan", text_of(scan.name)}, {"error", scan.failure}});
   output.tell_failure(scan.failure);
   output.exit_code = 2;
 }

@@ -60,7 +60,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   if (flags.list) {
     for (const Reproducible& item : items) {
       output.say("{:12} {}", item.name(), item.title);
-      output.document["names"].push_back(item.name());
+      output.list("names").push_back(item.name());
     }
     return;
   }
@@ -74,7 +74,7 @@ void reproduce(const ReproduceFlags& flags, Output& output) {
   Progress progress("reproduce", static_cast<int>(items.size()));
   for (const Reproducible& item : items) {
     const Reproduced done = run(item, flags);
-    output.document[std::string(item.kind) + "s"].push_back(json_of(done));
+    output.list(std::string(item.kind) + "s").push_back(json_of(done));
     report += markdown_of(done, fs::path(flags.report).parent_path());
     progress.advance();
     output.say("{}", text_of(done));

@@ -38,7 +38,7 @@ void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& outp
     if (shape.size) told["size_mm"] = *shape.size;
     if (shape.spacing) told["spacing_mm"] = *shape.spacing;
     if (shape.bending) told["planarity_mm"] = *shape.bending;
-    output.document[shape.size ? "spheres" : "planes"].push_back(std::move(told));
+    output.list(shape.size ? "spheres" : "planes").push_back(std::move(told));
   }
 }
 

@@ -57,7 +57,7 @@ void write_picture(const char* name, const std::string& path, const Image<Colour
                    Output& output) {
   write_image(path, picture);
   output.say("{}: {}", name, path);
-  output.document["files"][name] = path;
+  output.object("files")[name] = path;
 }
 
 void write_snapshot(const view::ViewSource& source, const ViewFlags& flags, Output& output) {

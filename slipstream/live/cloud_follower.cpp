@@ -79,7 +79,7 @@ void FollowedObject::take_in(const LiveCloud& cloud) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
   const std::lock_guard model_lock(model_mutex_);
-  (void)model_->add(cloud.cloud);
+  (void)model_->add(cloud.cloud, seconds_of(cloud));
   const std::chrono::duration<double, std::milli> taken = Clock::now() - start;
   const std::lock_guard lock(mutex_);
   model_milliseconds_ += taken.count();

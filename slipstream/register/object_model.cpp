@@ -49,26 +49,35 @@ void cover(Image<std::uint8_t>& covered, const Eigen::Vector2d& pixel) {
 
 bool ObjectModel::fits(const Registration& registration, const Cloud& cloud) const {
   constexpr std::size_t fewest = 200;
-  constexpr double least_share = 0.6, most_rms = 1;  // pixels' widths
+  constexpr double least_share = 0.75, most_rms = 0.7;  // pixels' widths
   const double depth = (registration.pose * elements_.front().position.cast<double>()).z();
   return cloud.size() == camera_.size && registration.points >= fewest &&
          registration.share > least_share &&
          registration.rms < most_rms * depth / camera_.intrinsic(0, 0);
 }
 
-bool ObjectModel::add(const Cloud& cloud) {
+Eigen::Isometry3d ObjectModel::expected_at(double time) const {
+  if (!(last_.time > before_last_.time)) return last_.pose;
+  const double share = (time - last_.time) / (last_.time - before_last_.time);
+  const Eigen::AngleAxisd turn(last_.pose.linear() * before_last_.pose.linear().transpose());
+  const Vector place = last_.pose * middle_, step = place - before_last_.pose * middle_;
+  Eigen::Isometry3d onward = Eigen::Isometry3d::Identity();
+  onward.translate(place + share * step);
+  onward.rotate(Eigen::AngleAxisd(share * turn.angle(), turn.axis()));
+  onward.translate(-place);
+  return onward * last_.pose;
+}
+
+bool ObjectModel::add(const Cloud& cloud, double time) {
   if (cloud.size() != camera_.size) throw Error("a view is not of the size of the camera's others");
   const Normals normals = smoothed_normals(cloud);
   if (!elements_.empty()) {
-    const Eigen::Isometry3d last = registration_.pose;
-    Registration found = register_to(elements_, cloud, normals, camera_, last_step_ * last);
-    if (!fits(found, cloud)) found = register_to(elements_, cloud, normals, camera_, last);
+    Registration found = register_to(elements_, cloud, normals, camera_, expected_at(time));
+    if (!fits(found, cloud)) found = register_to(elements_, cloud, normals, camera_, last_.pose);
     if (!fits(found, cloud)) {
       ++left_out_;
-      last_step_.setIdentity();
       return false;
     }
-    last_step_ = found.pose * last.inverse();
     registration_ = found;
   }
   add_uncovered(cloud, normals, take_mean(cloud, normals));
@@ -77,6 +86,13 @@ bool ObjectModel::add(const Cloud& cloud) {
     ++left_out_;
     return false;
   }
+  if (views_ == 0) {
+    for (const ModelElement& element : elements_) {
+      middle_ += element.position.cast<double>() / static_cast<double>(elements_.size());
+    }
+  }
+  before_last_ = views_ == 0 ? Seen{time, registration_.pose} : last_;
+  last_ = {time, registration_.pose};
   ++views_;
   return true;
 }

@@ -28,10 +28,11 @@ class ObjectModel {
   /// The lens that the clouds are seen through.
   explicit ObjectModel(const Lens& camera) : camera_(camera) {}
 
-  /// Takes a view in; false where it does not fit the model, or has too few points to begin one:
-  /// then nothing is taken. The first view's frame is the object's. Throws Error where the cloud is
-  /// not of the camera's size.
-  bool add(const Cloud& cloud);
+  /// Takes a view in that was seen at `time`, later than those before, in any unit: it is looked
+  /// for where even motion would have brought the object, or else where it was. False where it does
+  /// not fit the model, or has too few points to begin one: then nothing is taken. The first view's
+  /// frame is the object's. Throws Error where the cloud is not of the camera's size.
+  bool add(const Cloud& cloud, double time);
 
   [[nodiscard]] const std::vector<ModelElement>& elements() const { return elements_; }
   /// Those that three views have seen, or all views where they are fewer.
@@ -42,6 +43,13 @@ class ObjectModel {
   [[nodiscard]] const Registration& registration() const { return registration_; }
 
  private:
+  struct Seen {
+    double time = 0;
+    Eigen::Isometry3d pose;
+  };
+
+  /// Where the object would be by then if it went on as between the last two views.
+  [[nodiscard]] Eigen::Isometry3d expected_at(double time) const;
   [[nodiscard]] bool fits(const Registration& registration, const Cloud& cloud) const;
   /// The view into the mean of the elements that it sees; which pixels those cover.
   Image<std::uint8_t> take_mean(const Cloud& cloud, const Normals& normals);
@@ -51,7 +59,8 @@ class ObjectModel {
   Lens camera_;
   std::vector<ModelElement> elements_;
   Registration registration_;
-  Eigen::Isometry3d last_step_ = Eigen::Isometry3d::Identity();  // from view to view
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // of the first view
+  Seen before_last_, last_;                           // of the views that were taken in
   int views_ = 0, left_out_ = 0;
 };
 

@@ -49,7 +49,7 @@ TEST(ObjectModel, OfAWholeTurnIsTheObject) {
   ObjectModel model(scanner.camera);
   double worst_turn = 0;
   for (int view = 0; view < 360; ++view) {
-    ASSERT_TRUE(model.add(camera.see(scene, view))) << view;
+    ASSERT_TRUE(model.add(camera.see(scene, view), view)) << view;
     const Eigen::Affine3d moved = scene.front().motion.at(view);
     const Eigen::Matrix3d off = model.registration().pose.linear() * moved.linear().transpose();
     worst_turn = std::max(worst_turn, Eigen::AngleAxisd(off).angle());
@@ -67,19 +67,32 @@ TEST(ObjectModel, OfAWholeTurnIsTheObject) {
   EXPECT_EQ(model.left_out(), 0);
 }
 
+TEST(ObjectModel, GoesOnWhereViewsAreMissed) {
+  const Scanner scanner = example_scanner({160, 120});
+  const Scene scene = turning_object(scanner);
+  DepthCamera camera(scanner, 0.05);
+  ObjectModel model(scanner.camera);
+  for (const int view : {0, 1, 2, 3, 4, 5, 20, 22, 24, 40, 44, 65}) {
+    EXPECT_TRUE(model.add(camera.see(scene, view), view)) << view;
+  }
+  const Eigen::Matrix3d truth = scene.front().motion.at(65).linear();
+  EXPECT_LT(Eigen::AngleAxisd(model.registration().pose.linear() * truth.transpose()).angle(),
+            0.01);
+}
+
 TEST(ObjectModel, LeavesOutWhatDoesNotFit) {
   const Scanner scanner = example_scanner({160, 120});
   const Scene scene = turning_object(scanner);
   DepthCamera camera(scanner, 0.05);
   ObjectModel model(scanner.camera);
-  EXPECT_FALSE(model.add(Cloud({160, 120})));
-  for (int view = 0; view < 4; ++view) EXPECT_TRUE(model.add(camera.see(scene, view)));
-  EXPECT_FALSE(model.add(camera.see(scene, 120)));
-  EXPECT_FALSE(model.add(Cloud({160, 120})));
+  EXPECT_FALSE(model.add(Cloud({160, 120}), 4));
+  for (int view = 0; view < 4; ++view) EXPECT_TRUE(model.add(camera.see(scene, view), view));
+  EXPECT_FALSE(model.add(camera.see(scene, 120), 4));
+  EXPECT_FALSE(model.add(Cloud({160, 120}), 4));
   EXPECT_EQ(model.left_out(), 3);
   EXPECT_EQ(model.views(), 4);
-  EXPECT_TRUE(model.add(camera.see(scene, 4)));
-  EXPECT_THROW((void)model.add(Cloud({16, 12})), Error);
+  EXPECT_TRUE(model.add(camera.see(scene, 4), 4));
+  EXPECT_THROW((void)model.add(Cloud({16, 12}), 5), Error);
 }
 
 TEST(Registration, FindsAPoseFromNearIt) {
@@ -87,7 +100,7 @@ TEST(Registration, FindsAPoseFromNearIt) {
   const Scene scene = turning_object(scanner);
   DepthCamera camera(scanner, 0);
   ObjectModel model(scanner.camera);
-  (void)model.add(camera.see(scene, 0));
+  (void)model.add(camera.see(scene, 0), 0);
   const Cloud cloud = camera.see(scene, 2.5);
   const Registration found = register_to(model.elements(), cloud, smoothed_normals(cloud),
                                          scanner.camera, Eigen::Isometry3d::Identity());
@@ -103,7 +116,7 @@ TEST(Registration, LeavesATurnOfASphereAsItIs) {
   const Scene scene = scene_named("sphere", scanner);
   DepthCamera camera(scanner, 0.05);
   ObjectModel model(scanner.camera);
-  for (int view = 0; view < 20; ++view) EXPECT_TRUE(model.add(camera.see(scene, 0)));
+  for (int view = 0; view < 20; ++view) EXPECT_TRUE(model.add(camera.see(scene, 0), view));
   const Vector centre = working_volume(scanner).centre;
   EXPECT_LT((model.registration().pose * centre - centre).norm(), 0.05);
   EXPECT_LT(Eigen::AngleAxisd(model.registration().pose.linear()).angle(), 0.02);

@@ -236,7 +236,8 @@ BenchRow model_view_row() {
   const Size size = work->views[0].size();
   return {
       .name = "model-view", .steps = 3, .width = size.width, .height = size.height, .run = [work] {
-        work->model.add(work->views[work->view++ % 2]);
+        const std::size_t view = work->view++;
+        work->model.add(work->views[view % 2], static_cast<double>(view));
       }};
 }
 

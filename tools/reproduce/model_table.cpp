@@ -48,7 +48,7 @@ Reproduction model_table(std::uint64_t seed) {
     turned.front().pose = Eigen::Isometry3d(turntable.at(view).matrix()) * turned.front().pose;
     const Photometry photometry{.noise_variance = 1.55, .seed = seed + view};
     engine.cloud(take_scan(scanner, turned, pattern_set(sequence), photometry).frames, cloud);
-    (void)model.add(cloud);
+    (void)model.add(cloud, view);
   }
   const ModelPoints points = model.points();
   const std::vector<double> distances = distances_from(scene, points);

@@ -277,7 +277,7 @@ void add_live(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, live, "live",
                   "cameras, virtual scanner or recording to clouds, as frames come");
-  flags.source.virtual_scanner.motion = {0.5, 0, 0};
+  flags.source.virtual_scanner.idle_motion = {0.5, 0, 0};
   command.add("--source", flags.source.source, source_forms());
   command.add("--rate", flags.source.rate,
               "frames per second; 0: as fast as it goes; else the source's own");

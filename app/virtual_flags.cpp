@@ -26,8 +26,7 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
   group.add("--reflectivity", flags.reflectivity, "alpha of every surface, 0 to 1");
   group.add("--move", flags.motion, "how it moves from frame to frame: X Y Z, mm")
       ->expected(3)
-      ->default_str(flags.motion.empty() ? "0 0 0"
-                                         : fmt::format("{}", fmt::join(flags.motion, " ")));
+      ->default_str(fmt::format("{}", fmt::join(flags.idle_motion, " ")));
   group.add("--turn", flags.turn,
             "how it turns about its upright axis from frame to frame: degrees");
   group
@@ -99,6 +98,9 @@ Swing<double> swing_from(const std::vector<double>& flag, std::string_view name,
 
 Motion motion_from(const VirtualFlags& flags, const Eigen::Vector3d& centre) {
   Motion motion{.centre = centre};
+  const bool idle =
+      flags.motion.empty() && flags.turn == 0 && flags.vibration.empty() && flags.breathing.empty();
+  if (idle) motion.step = flags.idle_motion;
   if (!flags.motion.empty()) motion.step = Eigen::Vector3d(flags.motion.data());
   motion.turn = Eigen::Vector3d(0, flags.turn * std::numbers::pi / 180, 0);
   const Swing<double> vibration = swing_from(flags.vibration, "--vibrate", 1000);

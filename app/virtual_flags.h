@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <CLI/App.hpp>
+#include <Eigen/Core>
 
 #include "app/scan_flags.h"
 #include "slipstream/geometry/scanner.h"
@@ -19,8 +20,9 @@ struct VirtualFlags {
   std::optional<std::string> mesh;
   double mesh_size = 0;
   std::optional<double> reflectivity;
-  std::vector<double> motion;     ///< empty, or X Y Z
-  double turn = 0;                ///< degrees
+  std::vector<double> motion;                             ///< empty, or X Y Z
+  Eigen::Vector3d idle_motion = Eigen::Vector3d::Zero();  ///< where no flag says how it moves
+  double turn = 0;                                        ///< degrees
   std::vector<double> vibration;  ///< empty, or amplitude and period, as the next
   std::vector<double> breathing;
   std::optional<std::string> scanner;  ///< file; its flag is the subcommand's own

@@ -42,7 +42,7 @@ void add_scan_flags(CLI::App& subcommand, ScanFlags& flags);
 /// What they say, by the library's words. Throws Error for an axis or a size that is none.
 SequenceChanges changes_from(const ScanFlags& flags);
 
-/// The same and the order. Throws Error for one that is none.
+/// The same and the order.
 ScanChanges scan_changes_from(const ScanFlags& flags);
 
 /// "1824x1140". Throws Error, naming the flag, for anything else.

@@ -19,7 +19,7 @@ inline std::vector<Strategy> every_phase_strategy() {
           MultiFrequency{.steps = {4, 3, 3}, .periods = {9.6, 11.3, 10.5}, .shifts = elsewhere},
           GrayPhase{},
           GrayPhase{.steps = 3, .periods = 20, .complementary = false, .shifts = elsewhere},
-          GrayPhase{.steps = 5, .periods = 12, .reference = "inverse", .code_first = true},
+          GrayPhase{.steps = 5, .periods = 12, .reference = "inverse"},
           GrayPhase{.periods = 16, .reference = "white-black"},
           GrayPhase{.periods = 8, .reference = "none"},
           TwoPlusOne{},

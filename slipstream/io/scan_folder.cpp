@@ -12,6 +12,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
@@ -280,6 +281,49 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   return std::string(yaml.c_str()) + "\n";
 }
 
+namespace {
+
+/// Of frames whose code or sinusoids come first, in each showing of all patterns.
+std::vector<int> order_by_kind(bool code_first, const Sequence& sequence) {
+  const int patterns = frame_count(sequence.strategy);
+  const std::vector<int> sinusoids = measuring_frames(sequence.strategy.layout());
+  std::vector<int> shown(sinusoids), order(static_cast<std::size_t>(frame_count(sequence)));
+  for (int n = 0; n < patterns; ++n) {
+    if (!std::binary_search(sinusoids.begin(), sinusoids.end(), n)) shown.push_back(n);
+  }
+  if (sinusoids.empty() || shown.size() == sinusoids.size()) {
+    throw Error(
+        fmt::format("--order in words is for frames of sinusoids and of a code; {} has one "
+                    "of them alone",
+                    sequence.strategy.name()));
+  }
+  if (code_first) {
+    std::rotate(shown.begin(), shown.begin() + static_cast<std::ptrdiff_t>(sinusoids.size()),
+                shown.end());
+  }
+  for (int n = 0; n < frame_count(sequence); ++n) {
+    const int pattern = shown[static_cast<std::size_t>(n % patterns)];
+    order[static_cast<std::size_t>(n - n % patterns + pattern)] = n;
+  }
+  return order;
+}
+
+std::vector<int> order_from(const std::string& text, const Sequence& sequence) {
+  if (text == "sinusoids,code" || text == "code,sinusoids") {
+    return order_by_kind(text.starts_with("code"), sequence);
+  }
+  std::vector<int> order = numbers_in<int>(text, ',');
+  if (order.empty()) {
+    throw Error(
+        fmt::format("--order {} is no order; give numbers with commas between, as 2,0,1, "
+                    "or sinusoids,code or code,sinusoids",
+                    text));
+  }
+  return order;
+}
+
+}  // namespace
+
 void amend(ScanFiles& files, const ScanChanges& changes) {
   if (!files.described && !changes.sequence.strategy) {
     throw Error(fmt::format(
@@ -287,7 +331,7 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
         files.frames.empty() ? "does not say what patterns it shows" : "no scan.yaml in it"));
   }
   files.sequence = changed(files.sequence, changes.sequence);
-  if (!changes.order.empty()) files.order = changes.order;
+  if (!changes.order.empty()) files.order = order_from(changes.order, files.sequence);
   files.window = changes.window;
   files.bits = changes.bits.value_or(files.bits);
   if (files.bits != 0 && (files.bits < 8 || files.bits > 16)) {

@@ -41,13 +41,16 @@ void write_scan_files(const std::filesystem::path& file, const ScanFiles& scan);
 /// What is said of a scan over what its folder or recording says.
 struct ScanChanges {
   SequenceChanges sequence{};
-  std::vector<int> order{};
+  /// Which frame shows each pattern, counted from 0, as "2,0,1"; or what comes first, as
+  /// "code,sinusoids". Empty: as it was.
+  std::string order{};
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<std::filesystem::path> scanner{};
 };
 
-/// Throws Error where neither says what the frames show, and for bits that no camera has.
+/// Throws Error where neither says what the frames show, for bits that no camera has and for an
+/// order that is none.
 void amend(ScanFiles& files, const ScanChanges& changes);
 
 /// The scan in a folder, as its scan.yaml says it or the names of its pictures do, or in a

@@ -20,15 +20,31 @@ PhaseSum band_alone(const Layout& layout, std::size_t band) {
   return sum;
 }
 
+/// Variance of the band's phase where a share of 1 has a modulation of B = 1, frames one of 1.
+double phase_noise(const Band& band) {
+  return component_noise(band) / (band.share * band.share);
+}
+
+/// How far noise must carry C + i S to turn it by `angle`, in standard deviations, squared.
+double turn(double angle, double phase_noise) {
+  const double distance = std::sin(std::min(std::abs(angle), pi / 2));
+  return distance * distance / phase_noise;
+}
+
 /// Standard deviations from the right fringe order of `fine`, given `coarse`, to the next one.
 double margin(const Layout& layout, const PhaseSum& coarse, const PhaseSum& fine) {
   const double ratio = fine.periods / coarse.periods;
+  const auto factor = [&](std::size_t i) { return ratio * coarse.of[i] - fine.of[i]; };
   double variance = 0;
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
-    const double factor = ratio * coarse.of[i] - fine.of[i];
-    variance += factor * factor * component_noise(layout.bands[i]);
+    variance += factor(i) * factor(i) * phase_noise(layout.bands[i]);
   }
-  return pi / std::sqrt(variance);
+  double square = 0;
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    const double noise = phase_noise(layout.bands[i]);
+    square += turn(pi * factor(i) * noise / variance, noise);
+  }
+  return std::sqrt(square);
 }
 
 /// All sums of factors from -2 to 2, at most four bands counted, from few periods to many up to
@@ -102,12 +118,22 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> s
   return chain;
 }
 
-double worst_step(const Layout& layout, const std::vector<PhaseSum>& chain) {
-  double least = infinity;
+std::vector<WrongOrder> wrong_steps(const Layout& layout, const std::vector<PhaseSum>& chain) {
+  std::vector<WrongOrder> wrong;
   for (std::size_t i = 1; i < chain.size(); ++i) {
-    least = std::min(least, margin(layout, chain[i - 1], chain[i]));
+    wrong.push_back({margin(layout, chain[i - 1], chain[i]), 2});
   }
-  return least;
+  return wrong;
+}
+
+double nearest_of(const std::vector<WrongOrder>& wrong) {
+  double nearest = infinity;
+  for (const WrongOrder& order : wrong) nearest = std::min(nearest, order.margin);
+  return nearest;
+}
+
+double worst_step(const Layout& layout, const std::vector<PhaseSum>& chain) {
+  return nearest_of(wrong_steps(layout, chain));
 }
 
 /// One that is a circle does not mind the field's ends; it may be somewhat less sure for that.
@@ -127,21 +153,27 @@ std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   return good ? circle : any;
 }
 
-/// The distance of the phases of all bands from those at the nearest other coordinate at which the
-/// measuring band has the same phase.
-double likelihood_margin(const Layout& layout) {
+/// The coordinates at which the measuring band has the same phase: half way to what fits all bands
+/// best there.
+std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
   const double f_h = measuring_band(layout).periods;
-  double nearest = infinity;
+  std::vector<WrongOrder> wrong;
   for (int k = 1; k < f_h; ++k) {
-    double square = 0;
-    for (const Band& band : layout.bands) {
+    const auto apart = [&](const Band& band) {
       const double turns = band.periods * k / f_h;
-      const double apart = 2 * pi * (turns - std::round(turns));
-      square += apart * apart / component_noise(band);
+      return 2 * pi * (turns - std::round(turns));
+    };
+    double along = 0, length = 0, square = 0;
+    for (const Band& band : layout.bands) {
+      along += apart(band) * band.periods / phase_noise(band);
+      length += band.periods * band.periods / phase_noise(band);
     }
-    nearest = std::min(nearest, std::sqrt(square) / 2);
+    for (const Band& band : layout.bands) {
+      square += turn((apart(band) - along / length * band.periods) / 2, phase_noise(band));
+    }
+    wrong.push_back({std::sqrt(square), 2 * (f_h - k) / f_h});
   }
-  return nearest;
+  return wrong;
 }
 
 }  // namespace
@@ -172,7 +204,7 @@ std::vector<double> band_weights(const Layout& layout) {
   weights[measuring] = 1;
   if (!weighs) return weights;
   const auto precision = [](const Band& band) {
-    return band.periods * band.periods / component_noise(band);
+    return band.periods * band.periods / phase_noise(band);
   };
   const double best = precision(layout.bands[measuring]);
   double sum = 0;
@@ -201,9 +233,13 @@ double open_by_code(const Code& code, double periods) {
   return std::min(periods / (2 * code.stripes), 0.4);
 }
 
+std::vector<WrongOrder> wrong_orders(const Layout& layout) {
+  if (layout.unwrapping == Unwrapping::likelihood) return wrong_likelihoods(layout);
+  return wrong_steps(layout, unwrapping_chain(layout));
+}
+
 double unwrapping_margin(const Layout& layout) {
-  if (layout.unwrapping == Unwrapping::likelihood) return likelihood_margin(layout);
-  return worst_step(layout, unwrapping_chain(layout));
+  return nearest_of(wrong_orders(layout));
 }
 
 }  // namespace slipstream

@@ -22,8 +22,8 @@ std::vector<PhaseSum> unwrapping_chain(const Layout& layout);
 /// ends of the field meet: all have whole multiples of its periods.
 bool is_circle(const Layout& layout);
 /// Weights of the bands' coordinates in that of the layout, which add up to 1: with
-/// Unwrapping::beats and likelihood the inverse of their variances under equal modulations (a band
-/// of less than a hundredth of the best has none); else the measuring band's alone.
+/// Unwrapping::beats and likelihood the inverse of their variances (a band of less than a hundredth
+/// of the best has none); else the measuring band's alone.
 std::vector<double> band_weights(const Layout& layout);
 
 /// The fewest periods that unwrapping begins with: the coordinate is known up to whole multiples of
@@ -34,10 +34,19 @@ double least_periods(const Layout& layout);
 /// stripe is a whole period nothing confirms the order next to its ends; the doubt begins before.
 double open_by_code(const Code& code, double periods);
 
-/// How sure the fringe order is where all bands have a modulation of B = 1 and frames a noise
-/// variance of 1: the distance to the nearest wrong one, in standard deviations. B / sigma_w times
-/// this is what noise must reach to make it wrong. Infinite where nothing is unwrapped, or not by
-/// bands.
+/// A way for the fringe order to go wrong.
+struct WrongOrder {
+  /// What noise must reach, in its standard deviations where alpha alpha_p / 2 and sigma_w are 1:
+  /// in proportion to their ratio.
+  double margin = 0;
+  double count = 0;  ///< of orders so far away: as seen from a pixel, on average over the field
+};
+
+/// Each step of the chain has one order before the right one and one behind it; with
+/// Unwrapping::likelihood each whole number of periods of the measuring band is one way. Empty
+/// where nothing is unwrapped, or not by bands.
+std::vector<WrongOrder> wrong_orders(const Layout& layout);
+/// The nearest of them; infinite where there is none.
 double unwrapping_margin(const Layout& layout);
 
 }  // namespace slipstream

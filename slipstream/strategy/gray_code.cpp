@@ -142,20 +142,17 @@ void GrayPhase::require_valid() const {
 }
 
 double GrayPhase::shape(int n, double y) const {
-  const Layout whole = layout();
-  const StepRun run = *step_run(whole.bands.front());
-  if (n < run.first || n >= run.first + run.steps) return code_shape(*whole.code, n, y);
-  return sinusoid_intensity({steps, periods, shifts}, n - run.first, y);
+  if (n >= steps) return code_shape(*layout().code, n, y);
+  return sinusoid_intensity({steps, periods, shifts}, n, y);
 }
 
 Layout GrayPhase::layout() const {
   const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
   const int frames = steps + frame_count(shown, reference);
-  const int first = code_first ? frames - steps : 0;
   Layout layout{.frames = frames,
-                .bands = {phase_shifted_band(frames, first, steps, periods, 1, 1, shifts)},
+                .bands = {phase_shifted_band(frames, 0, steps, periods, 1, 1, shifts)},
                 .unwrapping = Unwrapping::code};
-  layout.code = code_in_frames(frames, code_first ? 0 : steps, shown, reference);
+  layout.code = code_in_frames(frames, steps, shown, reference);
   layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
   if (reference == "mean" || reference == "none")
     layout.code->reference = layout.bands.front().mean;

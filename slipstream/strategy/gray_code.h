@@ -76,7 +76,6 @@ struct GrayPhase {
   std::optional<bool> complementary{};
   /// As GrayCode's, but "mean" is that of the sinusoids, as is "none".
   std::string reference = "mean";
-  bool code_first = false;
   Shifts shifts{};
 
   template <class Self, class Visit>
@@ -86,7 +85,6 @@ struct GrayPhase {
     visit("bits", "pictures of the code", self.bits);
     visit("complementary", "one bit more, of half a period: true or false", self.complementary);
     visit("reference", "white-black, inverse, mean or none: what is bright", self.reference);
-    visit("code_first", "the code is shown before the sinusoids", self.code_first);
     visit_shifts(self.shifts, visit);
   }
 

@@ -74,15 +74,16 @@ double predicted_success(const Layout& layout, double alpha, double noise_varian
   if (layout.unwrapping == Unwrapping::vote) {
     return predicted_unwrapping(layout, {}, alpha, 0, noise_variance);
   }
-  const auto weakest =
-      std::min_element(layout.bands.begin(), layout.bands.end(),
-                       [](const Band& a, const Band& b) { return a.share < b.share; });
-  const double deviations = modulation_at(alpha) * weakest->share / std::sqrt(noise_variance);
+  const double deviations = modulation_at(alpha) / std::sqrt(noise_variance);
+  double right = 1;
+  for (const WrongOrder& order : wrong_orders(layout)) {
+    right *= std::pow(1 - upper_tail(order.margin * deviations), order.count);
+  }
+  if (!layout.code) return right;
   // A bit is told from its reference, whose noise is less than its own.
-  const double bits = layout.code ? static_cast<double>(layout.code->frames.size()) : 0;
-  const double wrong_bit = upper_tail(deviations / std::sqrt(2.0));
-  return (1 - 2 * upper_tail(unwrapping_margin(layout) * deviations)) *
-         std::pow(1 - wrong_bit, bits);
+  const double weakest = measuring_band(layout).share * deviations;
+  const double wrong_bit = upper_tail(weakest / std::sqrt(2.0));
+  return right * std::pow(1 - wrong_bit, static_cast<double>(layout.code->frames.size()));
 }
 
 std::vector<StrategyDesign> strategy_designs(const StrategyGoal& goal) {

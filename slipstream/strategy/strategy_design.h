@@ -28,7 +28,8 @@ struct StrategyDesign {
 void require_valid(const StrategyGoal& goal);
 
 /// Share of the pixels whose fringe order noise leaves right: of a layout that votes as
-/// predicted_unwrapping; else by unwrapping_margin, and by the bits of a code.
+/// predicted_unwrapping; else by wrong_orders, where C and S of each band have noise alike, and by
+/// the bits of a code.
 double predicted_success(const Layout& layout, double alpha, double noise_variance);
 
 /// Of each kind the one of the registry that meets the goal with least noise; where a noise is

@@ -83,11 +83,16 @@ BandUnwrapper::Coordinate BandUnwrapper::likeliest(std::span<const double> phase
   for (int k = -1; k <= f_h; ++k) {
     const double y = unwrapped_coordinate(phases[measuring_], k, f_h);
     if (y < first || y >= first + 1) continue;
-    double cost = 0;
+    // What is left by the coordinate of this order that fits all bands best.
+    double square = 0, along = 0, length = 0;
     for (std::size_t i = 0; i < phases.size(); ++i) {
-      const double apart = residual(i, y) * modulations[i];
-      cost += apart * apart / component_noise(layout_.bands[i]);
+      const double apart = residual(i, y), f = layout_.bands[i].periods;
+      const double weight = modulations[i] * modulations[i] / component_noise(layout_.bands[i]);
+      square += weight * apart * apart;
+      along += weight * apart * f;
+      length += weight * f * f;
     }
+    const double cost = length > 0 ? square - along * along / length : 0;
     if (cost < least) {
       least = cost;
       likeliest = y;

@@ -95,6 +95,23 @@ TEST_F(CheckProgram, TakesPicturesInAnotherOrder) {
   EXPECT_EQ(run_program({"check", path("scan"), "--order", "2,0,1,4,5,3"}).exit_code, 0);
 }
 
+TEST_F(CheckProgram, TakesPicturesWhoseCodeComesFirst) {
+  const std::vector<std::string> patterns{"--strategy", "gray-phase", "--steps", "3",
+                                          "--periods",  "4",          "--axis",  "x"};
+  fs::remove_all(path("scan"));
+  std::vector<std::string> simulate{"simulate", path("scan"), "--camera", "160x120"};
+  simulate.insert(simulate.end(), patterns.begin(), patterns.end());
+  ASSERT_EQ(run_program(simulate).exit_code, 0);
+  ASSERT_EQ(run_program({"reconstruct", path("scan"), "-o", path("right.ply")}).exit_code, 0);
+  rename_frames({3, 4, 5, 0, 1, 2});  // three steps, and a code of two bits and one more
+  const auto reconstructed = [&](const std::string& order) {
+    return run_program({"reconstruct", path("scan"), "--order", order, "-o", path("cloud.ply")});
+  };
+  ASSERT_EQ(reconstructed("code,sinusoids").exit_code, 0);
+  EXPECT_EQ(contents(path("cloud.ply")), contents(path("right.ply")));
+  EXPECT_TRUE(says(reconstructed("sinusoids,code").err, "do not fit together"));
+}
+
 TEST_F(CheckProgram, RefusesWhatIsNoOrder) {
   const auto reconstructed = [&](const std::string& order) {
     return run_program({"reconstruct", path("scan"), "--order", order, "-o", path("cloud.ply")});
@@ -106,6 +123,7 @@ TEST_F(CheckProgram, RefusesWhatIsNoOrder) {
   for (const std::string order : {"a", "0;1;2;3;4;5", "0,1,2,3,4,5,"}) {
     expect_one_line(reconstructed(order), {"--order " + order, "numbers with commas between"});
   }
+  expect_one_line(reconstructed("code,sinusoids"), {"dual-frequency has one of them alone"});
   // What shows patterns has no pictures to put in order.
   expect_one_line(run_program({"patterns", path("new"), "--order", "0,1,2"}), {"--order"});
 }

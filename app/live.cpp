@@ -70,6 +70,15 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
   return setup;
 }
 
+/// Whether windows of more than a cycle may do for things that move: the patterns are one sinusoid
+/// shown over and over, and are read by the fused pass.
+bool takes_motion(const Sequence& sequence) {
+  const Layout& layout = sequence.strategy.layout();
+  const auto run = step_run(measuring_band(layout));
+  return layout.bands.size() == 1 && !layout.cue && run && run->steps == layout.frames &&
+         sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
+}
+
 nlohmann::json json_of(const Latency& latency) {
   return {{"p50", latency.p50}, {"p99", latency.p99}, {"max", latency.max}};
 }
@@ -114,6 +123,7 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"windows_lost", statistics.windows_lost},
           {"resynchronisations", statistics.resynchronisations},
           {"cleaned", app::json_of(statistics.cleaned)},
+          {"motion", statistics.motion},
           {"seconds", statistics.seconds},
           {"latency_ms", json_of(statistics.latency)},
           {"screen_latency_ms", json_of(statistics.screen_latency)},
@@ -231,7 +241,10 @@ void live(const LiveFlags& flags, Output& output) {
   NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);
   if (opened.sequence.marker) indexing = PatternIndexing::marker;
-  const EngineSetup setup = setup_from(opened, flags, output);
+  EngineSetup setup = setup_from(opened, flags, output);
+  const bool motion_when_seen =
+      !flags.source.scan.motion && setup.sequence.motion == 0 && takes_motion(setup.sequence);
+  if (motion_when_seen) setup.sequence.motion = 2;
 
   const RecordingHeader header{
       .format = opened.frames->format(),
@@ -240,8 +253,10 @@ void live(const LiveFlags& flags, Output& output) {
       .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
   RecordedSource& recorder = *source;
-  LiveSettings settings{
-      .indexing = indexing, .most_frames = flags.frames, .model = !flags.model.empty()};
+  LiveSettings settings{.indexing = indexing,
+                        .motion_when_seen = motion_when_seen,
+                        .most_frames = flags.frames,
+                        .model = !flags.model.empty()};
   if (!flags.track.empty()) settings.track = tracked_shape_named(flags.track);
   LivePipeline pipeline(std::move(source), setup, settings);
 

@@ -28,6 +28,7 @@
 #include "slipstream/io/recording.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
+#include "slipstream/phase/frame_motion.h"
 #include "slipstream/reconstruct/epipolar_check.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 
@@ -231,6 +232,10 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
                  .remarks = doubts(scan.sound.checked.findings)});
 }
 
+bool measures_motion(const EngineSetup& setup) {
+  return MotionMeasurement::is_possible(measuring_band(setup.sequence.strategy.layout()));
+}
+
 /// A scan as it was read, and what is known of its results then.
 struct LoadedScan {
   Scan scan;
@@ -266,6 +271,9 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   const bool two_cameras = !scan.further_cameras.empty();
   if (!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty())) {
     throw Error("--epipolar is of one camera and patterns along both axes: --axis both");
+  }
+  if (!flags.files.motion.empty() && (two_cameras || !measures_motion(setup))) {
+    throw Error("--motion-map is of one camera and frames beyond a cycle: --motion 2");
   }
   result.least_modulation =
       two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
@@ -450,6 +458,8 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
   group.add_output(
       "--epipolar", files.epipolar,
       "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
+  group.add_output("--motion-map", files.motion,
+                   "with --motion: how far the phase moves from frame to frame, rad: .tiff");
   group.add_output("--preview", files.preview, "depth as a coloured picture with a scale: .png");
   group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
   group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");

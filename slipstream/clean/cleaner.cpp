@@ -43,12 +43,6 @@ TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
   return trust;
 }
 
-void drop(Cloud& cloud, int column, int row, Validity reason) {
-  cloud.x(column, row) = cloud.y(column, row) = cloud.z(column, row) =
-      std::numeric_limits<float>::quiet_NaN();
-  cloud.validity(column, row) = reason;
-}
-
 /// The points of a word that are left out because of those around them.
 struct WordEvidence {
   const DepthPlanes& planes;
@@ -142,7 +136,7 @@ struct Cleaner::Pass {
   }
 
   void drop_bits(Word bits, int row, int word, Validity reason, ValidityCounts& counted) const {
-    for_each_bit(bits, word, [&](int column) { drop(cloud, column, row, reason); });
+    for_each_bit(bits, word, [&](int column) { cloud.leave_out(column, row, reason); });
     counted[static_cast<std::size_t>(reason)] += static_cast<std::size_t>(std::popcount(bits));
   }
 
@@ -236,7 +230,7 @@ struct Cleaner::Pass {
     memory.components.find(cloud.size(), memory.kept, planes.to_right, planes.to_below);
     memory.components.for_each_run_below(settings.smallest_component, [&](const PixelRun& run) {
       for (int column = run.first; column <= run.last; ++column) {
-        drop(cloud, column, run.row, Validity::small_component);
+        cloud.leave_out(column, run.row, Validity::small_component);
       }
       counts[static_cast<std::size_t>(Validity::small_component)] +=
           static_cast<std::size_t>(run.last - run.first + 1);
@@ -253,7 +247,7 @@ struct Cleaner::Pass {
         const bool outlined = settings.outline.empty() || memory.outline(column, row) != 0;
         if (!(cloud.z(column, row) > 0)) continue;
         if (outlined && (!settings.box || is_inside(*settings.box, cloud, column, row))) continue;
-        drop(cloud, column, row, Validity::outside_region);
+        cloud.leave_out(column, row, Validity::outside_region);
         ++counted[static_cast<std::size_t>(Validity::outside_region)];
       }
     });

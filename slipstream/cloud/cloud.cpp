@@ -7,12 +7,19 @@ namespace slipstream {
 namespace {
 
 constexpr std::array<std::string_view, validity_count> validity_names{
-    "valid",           "too dark",
-    "saturated",       "doubtful fringe order",
-    "no point",        "outside the projector's field",
-    "out of range",    "low trust",
-    "mixed pixel",     "outlier",
-    "small component", "outside the region"};
+    "valid",
+    "too dark",
+    "saturated",
+    "doubtful fringe order",
+    "no point",
+    "outside the projector's field",
+    "out of range",
+    "low trust",
+    "mixed pixel",
+    "outlier",
+    "small component",
+    "outside the region",
+    "moved"};
 
 }  // namespace
 

@@ -26,9 +26,10 @@ enum class Validity : std::uint8_t {
   outlier,          ///< off the surface that its neighbours agree on
   small_component,  ///< connected with too few others
   outside_region,   ///< outside the box or the outline asked for
+  moved,  ///< changed while it was measured, and not as an even motion of one surface does
 };
 
-inline constexpr std::size_t validity_count = 12;
+inline constexpr std::size_t validity_count = 13;
 
 /// Pixels of each kind of Validity, in its order.
 using ValidityCounts = std::array<std::size_t, validity_count>;
@@ -54,6 +55,11 @@ struct BasicCloud {
   Image<Validity> validity;
 
   [[nodiscard]] Size size() const { return z.size(); }
+  /// The pixel has no point, for that reason.
+  void leave_out(int column, int row, Validity reason) {
+    x(column, row) = y(column, row) = z(column, row) = nan;
+    validity(column, row) = reason;
+  }
 
  private:
   static constexpr Real nan = std::numeric_limits<Real>::quiet_NaN();

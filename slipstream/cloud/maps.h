@@ -24,6 +24,9 @@ struct BasicMaps {
   /// Where patterns were shown along both axes: how far the two coordinates lie from the pixel's
   /// epipolar line, projector pixels, signed; NaN where either was not measured. Else empty.
   Image<Real> epipolar_distance{};
+  /// Of a window over more than a cycle, see MotionMeasurement: how far the phase moves from frame
+  /// to frame, rad. Else empty.
+  Image<Real> motion{};
 };
 
 /// What is shown and written.

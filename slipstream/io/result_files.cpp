@@ -15,7 +15,7 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 9> all_files{
+constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 10> all_files{
     {{"cloud", &ResultFiles::cloud},
      {"mesh", &ResultFiles::mesh},
      {"depth", &ResultFiles::depth},
@@ -24,6 +24,7 @@ constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 9> all_
      {"modulation", &ResultFiles::modulation},
      {"mean", &ResultFiles::mean},
      {"epipolar", &ResultFiles::epipolar},
+     {"motion", &ResultFiles::motion},
      {"preview", &ResultFiles::preview}}};
 
 void replace_all(std::string& path, std::string_view placeholder, std::string_view name) {
@@ -49,7 +50,7 @@ std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
 
 bool ResultFiles::any_map() const {
   return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty() &&
-           epipolar.empty());
+           epipolar.empty() && motion.empty());
 }
 
 std::string text_of(const ScanName& scan) {
@@ -91,6 +92,7 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
   write_map_if_asked(files.modulation, maps.modulation);
   write_map_if_asked(files.mean, maps.mean);
   write_map_if_asked(files.epipolar, maps.epipolar_distance);
+  write_map_if_asked(files.motion, maps.motion);
   if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
 }
 

@@ -14,7 +14,7 @@ namespace slipstream {
 /// Where to write what was made of a scan; a path that is empty: not at all.
 struct ResultFiles {
   std::string cloud{}, mesh{}, depth{}, coordinate{}, phase{}, modulation{}, mean{}, epipolar{},
-      preview{};
+      motion{}, preview{};
 
   /// Those that are not empty, each with its name above.
   [[nodiscard]] std::vector<std::pair<const char*, std::string>> named() const;

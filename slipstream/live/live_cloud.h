@@ -15,8 +15,9 @@ struct LiveCloud {
   ValidityCounts cleaned{};  ///< how many points cleaning took, by reason
   /// The window, as PatternWindows gives it, each frame still as the camera gave it.
   std::vector<Pooled<Frame>> frames;
-  int first_pattern = 0;                           ///< of its first frame
-  FrameStamp newest;                               ///< of the frame that completed the window
+  int first_pattern = 0;  ///< of its first frame
+  int motion = 0;         ///< frames beyond a cycle that the cloud was made of: see motion_window
+  FrameStamp newest;      ///< of the frame that completed the window
   std::chrono::steady_clock::time_point finished;  ///< when the cloud was whole
 };
 

@@ -24,6 +24,19 @@ const Sequence& sequence_of(const LivePlan& plan) {
   return plan.reconstruct->engines.front().setup().sequence;
 }
 
+/// Share of the pixels that move from which on a window is no still one.
+constexpr double least_moving = 0.01;
+
+/// The cycle in the middle of a window of `extra` frames more, in pattern order.
+FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra) {
+  const int N = window.count() - extra;
+  std::vector<int> frames(static_cast<std::size_t>(N));
+  for (int n = extra / 2; n < extra / 2 + N; ++n) {
+    frames[static_cast<std::size_t>((first_pattern + n) % N)] = n;
+  }
+  return window.chosen(frames);
+}
+
 /// LiveCheck as a function that can be copied.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
   const bool known = has_geometry(setup.scanner);
@@ -46,6 +59,10 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
     later.sequence = merged_sequence(setup.sequence, first);
     engines.emplace_back(later);
   }
+  if (settings.motion_when_seen && setup.sequence.motion > 0) {
+    later.sequence = cycle_of(setup.sequence);
+    still.emplace(later);
+  }
 }
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
@@ -54,7 +71,14 @@ ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
     return {};
   }
   view_window(window.frames, views);
-  return engines[static_cast<std::size_t>(window.first_pattern)].cloud(views, window.cloud);
+  Engine& moving = engines[static_cast<std::size_t>(window.first_pattern)];
+  const int extra = engines.front().setup().sequence.motion;
+  if (still && moving.moving_share(views) < least_moving) {
+    window.motion = 0;
+    return still->cloud(middle_cycle(views, window.first_pattern, extra), window.cloud);
+  }
+  window.motion = extra;
+  return moving.cloud(views, window.cloud);
 }
 
 bool WindowEngine::is_due(const LiveCloud& window) const {
@@ -348,7 +372,10 @@ LiveStatistics LiveRun::statistics() const {
   followed_.add_to(statistics);
   const std::lock_guard lock(mutex_);
   statistics.findings = findings_.current();
-  if (newest_) statistics.cleaned = newest_->cleaned;
+  if (newest_) {
+    statistics.cleaned = newest_->cleaned;
+    statistics.motion = newest_->motion;
+  }
   return statistics;
 }
 

@@ -30,7 +30,8 @@ namespace slipstream {
 struct WindowEngine {
   WindowEngine(const EngineSetup& setup, const LiveSettings& settings);
 
-  /// Into the window's cloud; without a scanner it is empty. What cleaning took, by reason.
+  /// Into the window's cloud, and how much of the window that took; without a scanner it is empty.
+  /// What cleaning took, by reason.
   ValidityCounts reconstruct(LiveCloud& window);
   /// Whether the window is to be looked at: once in a cycle, when its last pattern has come.
   [[nodiscard]] bool is_due(const LiveCloud& window) const;
@@ -38,6 +39,7 @@ struct WindowEngine {
 
   /// Of windows that begin with each pattern; one for all where they are in pattern order.
   std::vector<Engine> engines;
+  std::optional<Engine> still;  ///< of one cycle, where that is to do while nothing moves
   FrameViews views;
   std::function<std::vector<Finding>(const FrameViews&)> check;
   std::optional<std::uint64_t> looked;  ///< sequence of the newest frame that was looked at

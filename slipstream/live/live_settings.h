@@ -22,6 +22,9 @@ struct LiveSettings {
   std::size_t waiting_frames = 16;
   /// Clouds that consumers may hold at a time without keeping the pipeline waiting.
   std::size_t held_clouds = 4;
+  /// Of a sequence with frames beyond a cycle: a window in which little moves becomes the cloud of
+  /// its middle cycle alone, in less time.
+  bool motion_when_seen = false;
   /// Capture ends after so many.
   std::optional<std::uint64_t> most_frames = {};
   /// Called for every cloud, in order, in the thread of the show stage; while it takes its time

@@ -56,6 +56,7 @@ struct LiveStatistics {
   /// How many points cleaning took from the newest cloud, by reason, and at `valid` how many gaps
   /// it filled.
   ValidityCounts cleaned{};
+  int motion = 0;                ///< of the newest cloud: see LiveCloud
   double seconds = 0;            ///< since the start
   double clouds_per_second = 0;  ///< over the whole time
   Latency latency;               ///< from capture to cloud

@@ -36,7 +36,7 @@ struct Band {
   /// band's, the carrier is no more; B is the lesser of theirs.
   double carrier = 0;
   std::vector<Band> mirrored{};  ///< one with a carrier, else none
-  /// Of a window over several cycles of steps, see motion_window: those of one.
+  /// Of a window over several cycles of steps, see motion_window: those it begins with.
   std::optional<StepRun> cycle{};
 
   friend bool operator==(const Band&, const Band&) = default;

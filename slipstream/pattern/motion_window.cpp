@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <iterator>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -25,34 +28,89 @@ Weights with_zero(const Weights& weights, Phasor zero, Phasor kept) {
   return product;
 }
 
-/// What weights each N frames in a row so that a ripple cancels: of phasors that turn by `image`
-/// from one frame to the next, where those of the phase stand still.
-Weights weights_of_rows(int extra, Phasor image) {
+Weights phasors(const std::vector<double>& real, const std::vector<double>& imaginary) {
+  Weights weights;
+  for (std::size_t n = 0; n < real.size(); ++n) weights.emplace_back(real[n], imaginary[n]);
+  return weights;
+}
+
+/// By what the weights turn from each frame of a cycle to the next; none where that is not one.
+std::optional<Phasor> turn_of(const Weights& weights) {
+  constexpr double rounding = 1e-9;
+  const Phasor turn = weights[1] / weights[0];
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    const Phasor next = weights[(n + 1) % weights.size()];
+    if (!(std::abs(weights[n] * turn - next) < rounding)) return std::nullopt;
+  }
+  return turn;
+}
+
+[[noreturn]] void refuse_motion() {
+  throw Error(
+      "frames of things that move are weighed over several cycles of patterns that differ by equal "
+      "shifts; take pmp or pcmp");
+}
+
+/// The weights of a cycle's sums, and by what each turns.
+struct CycleSum {
+  explicit CycleSum(Weights of) : weights(std::move(of)) {
+    if (const auto found = turn_of(weights)) {
+      turn = *found;
+    } else {
+      refuse_motion();
+    }
+  }
+
+  Weights weights;
+  Phasor turn;
+};
+
+CycleSum sum_of(const Band& band) {
+  return CycleSum(phasors(band.cosine, band.sine));
+}
+
+CycleSum sum_of(const std::vector<double>& weights) {
+  return CycleSum(phasors(weights, std::vector<double>(weights.size())));
+}
+
+/// Of a window of that many frames more than a cycle: each N frames in a row give the sum, and
+/// where the sinusoid of the `moving` sum moves, two phasors beside it that turn from row to row.
+/// In its own sum one of them is the phase. A weighted sum of the rows has zeros at the others.
+Weights window_of(const CycleSum& sum, const CycleSum& moving, int extra, int first) {
+  const Phasor both[] = {sum.turn * moving.turn, sum.turn / moving.turn};
+  const bool own = std::abs(both[1] - 1.0) < 1e-9;
   Weights rows{1};
-  for (int k = 0; k < extra; ++k) rows = with_zero(rows, image, 1);
-  return rows;
+  for (int k = 0; k < extra; ++k) {
+    const bool alone = !own && k + 1 == extra && extra % 2 == 1;  // it would not stay real
+    rows = with_zero(rows, alone ? -1 : both[own ? 0 : k % 2], 1);
+  }
+  const std::size_t N = sum.weights.size();
+  Weights window(N + rows.size() - 1);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t n = row; n < row + N; ++n) {
+      window[n] += rows[row] * sum.weights[(n + static_cast<std::size_t>(first)) % N];
+    }
+  }
+  return window;
 }
 
-/// The steps that are all of the layout, as phasors for each frame.
-Weights steps_of(const Layout& cycle) {
-  const bool of_one_band = cycle.bands.size() == 1 && !cycle.cue && !cycle.code;
-  const auto run = of_one_band ? step_run(cycle.bands.front()) : std::nullopt;
-  if (!run || run->steps != cycle.frames) {
-    throw Error(
-        "frames of things that move are weighed over several cycles of one sinusoid; take pmp");
-  }
-  Weights steps;
-  const Band& band = cycle.bands.front();
-  for (std::size_t n = 0; n < band.cosine.size(); ++n) {
-    steps.emplace_back(band.cosine[n], band.sine[n]);
-  }
-  return steps;
+std::vector<double> parts_of(const Weights& weights, double (*part)(const Phasor&)) {
+  std::vector<double> parts;
+  std::transform(weights.begin(), weights.end(), std::back_inserter(parts), part);
+  return parts;
 }
 
-/// How the conjugate fringe turns from each N frames in a row to the next.
-Phasor image_of(const Weights& steps) {
-  const Phasor step = steps[1] / steps[0];
-  return step * step;
+Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int first) {
+  const Weights window = window_of(sum_of(band), moving, extra, first);
+  Band made = band;
+  for (std::vector<double>* const weights : {&made.cosine, &made.sine}) {
+    std::rotate(weights->begin(), weights->begin() + first, weights->end());
+  }
+  made.cycle = step_run(made);
+  made.cosine = parts_of(window, std::real);
+  made.sine = parts_of(window, std::imag);
+  made.mean = parts_of(window_of(sum_of(band.mean), moving, extra, first), std::real);
+  return made;
 }
 
 }  // namespace
@@ -61,33 +119,22 @@ Layout motion_window(const Layout& cycle, int extra, int first) {
   if (extra < 0 || extra > 16) {
     throw Error(fmt::format("motion {} is out of range; 0 to 16 frames more than a cycle", extra));
   }
-  const Weights steps = steps_of(cycle);
-  const std::size_t N = steps.size();
-  Band band = cycle.bands.front();
-  band.cycle = step_run(band);
-  const Weights rows = weights_of_rows(extra, image_of(steps));
-  // Of the mean both fringes are zeros; one more turns neither and keeps it real.
-  Weights means{1};
-  for (int k = 0; k < extra; ++k) means = with_zero(means, -1, 1);
-  band.cosine.assign(N + rows.size() - 1, 0);
-  band.sine = band.mean = band.cosine;
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (std::size_t n = row; n < row + N; ++n) {
-      const Phasor weight = rows[row] * steps[(n + static_cast<std::size_t>(first)) % N];
-      band.cosine[n] += weight.real();
-      band.sine[n] += weight.imag();
-      band.mean[n] += means[row].real() / static_cast<double>(N);
-    }
-  }
+  const bool composed = !measuring_band(cycle).mirrored.empty();
+  if (composed || cycle.code || !cycle.single_frames.empty()) refuse_motion();
+  const CycleSum moving = sum_of(measuring_band(cycle));
   Layout window = cycle;
-  window.frames = static_cast<int>(band.mean.size());
-  window.bands = {band};
+  window.frames += extra;
+  for (Band& band : window.bands) band = band_in_motion(band, moving, extra, first);
+  if (window.cue) {
+    window.cue->weights =
+        parts_of(window_of(sum_of(cycle.cue->weights), moving, extra, first), std::real);
+  }
   return window;
 }
 
 double motion_ripple(const Layout& cycle, int extra, double speed) {
-  const Weights steps = steps_of(cycle);
-  const Band band = motion_window(cycle, extra).bands.front();
+  const Weights steps = sum_of(measuring_band(cycle)).weights;
+  const Band band = measuring_band(motion_window(cycle, extra));
   // Frame n is Re(conj(s_n) exp(i n speed)) up to scale, s_n its step.
   Phasor fringe = 0, image = 0;
   for (std::size_t n = 0; n < band.mean.size(); ++n) {

@@ -1,7 +1,9 @@
 #include "slipstream/reconstruct/engine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -10,6 +12,7 @@
 #include "slipstream/capture/merged_exposures.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/phase/frame_motion.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 
@@ -52,6 +55,8 @@ struct Engine::Tables {
     require_reconstructible(complete);
     raise_least_modulation(complete);
     noise = depth_noise(complete);
+    const Band& band = measuring_band(complete.sequence.strategy.layout());
+    if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
     if (setup.settings.engine != EngineKind::reference && !unwraps_by_depth(complete)) {
       fused = FusedEngine::make(complete, corrections);
     }
@@ -69,6 +74,13 @@ struct Engine::Tables {
     scaled.noise *= static_cast<float>(frames.full_scale() / 255);
     return scaled;
   }
+  /// The most noise that a pixel has.
+  [[nodiscard]] double noise_variance_of(const FrameViews& frames) const {
+    const double grey_level = frames.full_scale() / 255;
+    return noise_variance_at(255, cue_settings(complete).noise_variance,
+                             setup.scanner.photometry.noise_gain) *
+           grey_level * grey_level;
+  }
   void require_geometry() const {
     if (!has_geometry(setup.scanner)) throw Error("without a scanner frames give maps, no points");
   }
@@ -80,7 +92,8 @@ struct Engine::Tables {
   /// See as_reconstructed; with the modulation that its cue needs.
   EngineSetup complete;
   PhaseCorrections corrections;
-  DepthNoise noise;  ///< of frames of 8 bits
+  DepthNoise noise;                                 ///< of frames of 8 bits
+  std::optional<MotionMeasurement> measure_motion;  ///< of windows of more than a cycle
   std::optional<FusedEngine> fused;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
@@ -92,6 +105,7 @@ struct Engine::Memory {
   FusedMemory fused;
   MergedFrames merged;
   Image<float> modulation;
+  FrameMotion motion;
   Cleaner clean;
 };
 
@@ -140,6 +154,7 @@ ValidityCounts Engine::cloud(const FrameViews& given, Cloud& cloud) {
     convert(result.cloud, cloud);
     convert(result.maps.modulation, modulation);
   }
+  leave_out_moved(frames, cloud);
   divide_by_gain(frames, cloud.intensity);
   return memory_->clean(cloud, modulation, tables_->noise_for(frames));
 }
@@ -148,19 +163,28 @@ void Engine::depth(const FrameViews& given, Depth& depth) {
   tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
-    return (*tables_->fused)(frames, {.depth = &depth}, memory_->fused);
+    (*tables_->fused)(frames, {.depth = &depth}, memory_->fused);
+  } else {
+    const BasicCloud<double> cloud = tables_->reference()(frames).cloud;
+    convert(cloud.z, depth.z);
+    depth.validity = cloud.validity;
   }
-  const BasicCloud<double> cloud = tables_->reference()(frames).cloud;
-  convert(cloud.z, depth.z);
-  depth.validity = cloud.validity;
+  leave_out_moved(frames, depth.validity, [&](int column, int row) {
+    depth.z(column, row) = std::numeric_limits<float>::quiet_NaN();
+    depth.validity(column, row) = Validity::moved;
+  });
 }
 
 void Engine::maps(const FrameViews& given, Maps& maps) {
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
-    return (*tables_->fused)(frames, {.maps = &maps}, memory_->fused);
+    (*tables_->fused)(frames, {.maps = &maps}, memory_->fused);
+  } else {
+    convert(tables_->reference().maps(frames), maps);
   }
-  convert(tables_->reference().maps(frames), maps);
+  if (!tables_->measure_motion) return;
+  (*tables_->measure_motion)(frames, memory_->motion);
+  std::swap(maps.motion, memory_->motion.speed);
 }
 
 ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
@@ -173,8 +197,39 @@ ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Map
     convert(result.cloud, cloud);
     convert(result.maps, maps);
   }
+  leave_out_moved(frames, cloud);
+  if (tables_->measure_motion) std::swap(maps.motion, memory_->motion.speed);
   divide_by_gain(frames, cloud.intensity);
   return memory_->clean(cloud, maps.modulation, tables_->noise_for(frames));
+}
+
+template <class LeaveOut>
+void Engine::leave_out_moved(const FrameViews& frames, const Image<Validity>& validity,
+                             const LeaveOut& leave_out) {
+  if (!tables_->measure_motion) return;
+  FrameMotion& motion = memory_->motion;
+  (*tables_->measure_motion)(frames, motion);
+  constexpr double deviations = 5;
+  const auto limit = static_cast<float>(deviations * std::sqrt(tables_->noise_variance_of(frames)));
+  for_each_row(validity.height(), [&](int row) {
+    for (int column = 0; column < validity.width(); ++column) {
+      const bool valid = validity(column, row) == Validity::valid;
+      if (valid && motion.unexplained(column, row) > limit) leave_out(column, row);
+    }
+  });
+}
+
+void Engine::leave_out_moved(const FrameViews& frames, Cloud& cloud) {
+  leave_out_moved(frames, cloud.validity,
+                  [&](int column, int row) { cloud.leave_out(column, row, Validity::moved); });
+}
+
+double Engine::moving_share(const FrameViews& frames) const {
+  if (!tables_->measure_motion) return 0;
+  const double grey_level = frames.full_scale() / 255;
+  return tables_->measure_motion->moving_share(
+      frames, tables_->complete.settings.minimum_modulation * grey_level,
+      tables_->noise_variance_of(frames));
 }
 
 Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {

@@ -40,7 +40,8 @@ class Engine {
   // Each throws Error when the frames are not of the camera's size or not as many as the
   // sequence's. Memory that the output has is used where it is of the size.
 
-  /// Returns how many points cleaning took, by reason.
+  /// Returns how many points cleaning took, by reason. Of a window over more than a cycle, pixels
+  /// are left out before that whose frames differ by what neither noise nor an even motion makes.
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud);
   /// Less is computed and written than for a cloud; nothing is cleaned.
   void depth(const FrameViews& frames, Depth& depth);
@@ -48,6 +49,10 @@ class Engine {
   void maps(const FrameViews& frames, Maps& maps);
   /// Both in one pass; likewise.
   ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps);
+
+  /// Share of the measured pixels whose phase moves, see MotionMeasurement; 0 where the frames are
+  /// no window of more than a cycle.
+  [[nodiscard]] double moving_share(const FrameViews& frames) const;
 
   /// How sure each point of a scan is under noise of the scanner's variance at the pixel's mean
   /// (1.6 where it is not known): sigma of y by Eq. (3.40) or (3.63), and of X, Y, Z through the
@@ -60,6 +65,11 @@ class Engine {
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
 
  private:
+  template <class LeaveOut>
+  void leave_out_moved(const FrameViews& frames, const Image<Validity>& validity,
+                       const LeaveOut& leave_out);
+  void leave_out_moved(const FrameViews& frames, Cloud& cloud);
+
   struct Tables;
   struct Memory;
 

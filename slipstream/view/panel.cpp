@@ -72,6 +72,9 @@ void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
   count_row("frames repeated", statistics.frames.repeated);
   count_row("scans lost", statistics.windows_lost);
   count_row("order set right", statistics.resynchronisations);
+  if (statistics.motion > 0) {
+    row("frames more, for motion", fmt::format("{}", statistics.motion));
+  }
   ImGui::EndTable();
 }
 

@@ -31,7 +31,8 @@ double largest_difference(const Cloud& a, const Cloud& b) {
 TEST(LiveMotion, gives_a_cloud_for_each_frame_wherever_its_window_begins) {
   constexpr std::uint64_t frames = 40;
   for (const int steps : {3, 4}) {
-    const Strategy cycle = PhaseMeasuring{.steps = steps, .frequency = 1};
+    const Strategy cycle = PhaseMeasuring{
+        .steps = steps, .frequency = 1, .shifts = {.origin = 2.1, .backwards = steps == 3}};
     EngineSetup setup{example_scanner({64, 48}),
                       {.strategy = cycle, .motion = 2},
                       {.clean = CleanSettings::none()}};

@@ -1,6 +1,7 @@
 #include "slipstream/pattern/motion_window.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -8,7 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/strategy/phase_measuring.h"
+#include "slipstream/strategy/registry.h"
 #include "slipstream/strategy/strategy.h"
 
 namespace slipstream {
@@ -70,6 +71,47 @@ RC_GTEST_PROP(MotionWindow, errs_by_no_more_than_the_ripple_that_is_told, ()) {
   RC_ASSERT(worst >= 0.99 * told - 1e-9);
 }
 
+/// Cues and channels stand in the frames beside a phase that moves: they are read, and it is, as
+/// what is there in the middle of the window would be at rest.
+TEST(MotionWindow, ReadsCuesThroughMotion) {
+  constexpr double y = 0.37, speed = 0.04;
+  for (const int N : {3, 4, 5, 6}) {
+    const PhaseChannelMultiplexing cycle{.steps = N};
+    const double moved = speed / two_pi / cycle.f_h();
+    for (const int first : {0, 1}) {
+      std::array<double, 3> phase_error{}, cue_error{};
+      for (const int extra : {0, 2, 4}) {
+        const Layout window = motion_window(cycle.layout(), extra, first);
+        const auto off = [&](const auto& read) {
+          return std::abs(std::remainder(read(moved) - read(0), two_pi));
+        };
+        const auto sum = [&](const std::vector<double>& weights, double step) {
+          double total = 0;
+          for (int n = 0; n < window.frames; ++n) {
+            const double at = y + step * (n - (window.frames - 1) / 2.0);
+            total += weights[static_cast<std::size_t>(n)] * cycle.shape((n + first) % N, at);
+          }
+          return total;
+        };
+        const auto phase_of = [&](const Band& band) {
+          return
+              [&](double step) { return std::atan2(sum(band.sine, step), sum(band.cosine, step)); };
+        };
+        const auto at = static_cast<std::size_t>(extra / 2);
+        phase_error[at] = off(phase_of(window.bands.front()));
+        cue_error[at] = window.cue
+                            ? off([&](double step) { return sum(window.cue->weights, step); })
+                            : off(phase_of(window.bands.back()));
+      }
+      // What is left of the phase is by the cue, which moves too.
+      EXPECT_LT(phase_error[1], std::min(0.005, 0.7 * phase_error[0])) << N << " from " << first;
+      EXPECT_LT(phase_error[2], 0.005);
+      EXPECT_LT(cue_error[1], 0.15 * cue_error[0]) << N << " from " << first;
+      EXPECT_LT(cue_error[2], 0.3 * cue_error[0]);
+    }
+  }
+}
+
 TEST(MotionRipple, FallsByAPowerOfTheSpeedForEachFrame) {
   for (const int N : {3, 4, 5, 6, 8}) {
     const Layout cycle = PhaseMeasuring{N, 1}.layout();
@@ -84,9 +126,11 @@ TEST(MotionRipple, FallsByAPowerOfTheSpeedForEachFrame) {
 TEST(MotionWindow, RefusesWhatIsNoCycleOfOneSinusoid) {
   EXPECT_THROW(motion_window(PhaseMeasuring{4, 1}.layout(), -1), Error);
   EXPECT_THROW(motion_window(PhaseMeasuring{4, 1}.layout(), 17), Error);
-  Layout two = PhaseMeasuring{4, 1}.layout();
-  two.bands.push_back(two.bands.front());
-  EXPECT_THROW(motion_window(two, 2), Error);
+  for (const Strategy& strategy :
+       {Strategy(DualFrequency{}), Strategy(GrayPhase{}), Strategy(TwoPlusOne{}),
+        Strategy(ModulatedPhaseShifting{.periods = {1}})}) {
+    EXPECT_THROW(motion_window(strategy.layout(), 2), Error) << strategy.name();
+  }
 }
 
 TEST(StrategyInMotion, ShowsTheCycleFromThatPatternOn) {

@@ -24,11 +24,13 @@ struct Measured {
 
 std::vector<Measured> measured_by() {
   const Strategy four = PhaseMeasuring{4, 1};
-  return {{"4 steps", {.strategy = four}},
-          {"4 steps, K = 2", {.strategy = four, .motion = 2}},
-          {"4 steps, K = 4", {.strategy = four, .motion = 4}},
-          {"2+1", {.strategy = TwoPlusOne{}}},
-          {"PCMP of 5 steps", {.strategy = PhaseChannelMultiplexing{.steps = 5}}}};
+  return {
+      {"4 steps", {.strategy = four}},
+      {"4 steps, K = 2", {.strategy = four, .motion = 2}},
+      {"4 steps, K = 4", {.strategy = four, .motion = 4}},
+      {"2+1", {.strategy = TwoPlusOne{}}},
+      {"PCMP of 5 steps", {.strategy = PhaseChannelMultiplexing{.steps = 5}}},
+      {"PCMP of 5 steps, K = 2", {.strategy = PhaseChannelMultiplexing{.steps = 5}, .motion = 2}}};
 }
 
 /// Whether no other surface and no shadow is within two pixels.

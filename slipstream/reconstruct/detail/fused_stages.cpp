@@ -160,8 +160,7 @@ FusedStages::BandStage weighted_stage(const Band& band) {
 FusedStages::BandStage window_stage(Band band, const PhaseCorrections& corrections) {
   const Shifts shifts = band.cycle->shifts;
   for (std::size_t n = 0; n < band.cosine.size(); ++n) {
-    const auto turned =
-        std::complex(band.cosine[n], band.sine[n]) * std::polar(1.0, -shifts.origin);
+    const auto turned = std::complex(band.cosine[n], band.sine[n]) * std::polar(1.0, shifts.origin);
     band.cosine[n] = turned.real();
     band.sine[n] = shifts.backwards ? -turned.imag() : turned.imag();
   }

@@ -1,0 +1,143 @@
+// What windows of more than a cycle say of motion itself.
+#include "slipstream/phase/frame_motion.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
+
+namespace slipstream {
+namespace {
+
+/// A window of eight periods, whose order nothing tells.
+Sequence window_of(int steps, int extra) {
+  return {.strategy = PhaseMeasuring{steps, 8, {.origin = 0.4}}, .motion = extra};
+}
+
+EngineSetup setup_of(const Scanner& scanner, const Sequence& sequence) {
+  return {scanner, sequence, {.clean = CleanSettings::none()}};
+}
+
+Scene moving(Scene scene, const Eigen::Vector3d& motion) {
+  for (Body& body : scene) {
+    body.texture = uniform_texture(0.8);
+    body.motion = motion;
+  }
+  return scene;
+}
+
+/// Frames of a phase that moves alike everywhere.
+FrameSet drifting(const Sequence& sequence, double speed, double noise_variance) {
+  const PatternSet patterns = pattern_set(sequence);
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> w(0, std::sqrt(noise_variance));
+  FrameSet::ImagesUnquantised images;
+  for (int n = 0; n < patterns.count; ++n) {
+    Image<double>& image = images.emplace_back(Size{512, 64});
+    const double periods = highest_frequency(sequence.strategy);
+    const double moved = speed * n / (2 * std::numbers::pi) / periods;
+    for (int row = 0; row < 64; ++row) {
+      for (int column = 0; column < 512; ++column) {
+        image(column, row) = 0.5 * patterns.intensity(n, column / 512.0 + moved) + w(random);
+      }
+    }
+  }
+  return FrameSet(std::move(images));
+}
+
+TEST(MotionMeasurement, FindsHowFarThePhaseMovesFromFrameToFrame) {
+  for (const int steps : {3, 4, 5, 7}) {
+    for (const int extra : {1, 2, 3, 4}) {
+      for (const bool backwards : {false, true}) {
+        for (const int first : {0, 2}) {
+          Sequence sequence = window_of(steps, extra);
+          sequence.strategy = PhaseMeasuring{steps, 8, {.origin = 0.4, .backwards = backwards}};
+          const Sequence window = merged_sequence(sequence, first);
+          const Band& band = window.strategy.layout().bands.front();
+          ASSERT_TRUE(MotionMeasurement::is_possible(band));
+          for (const double speed : {0.0, 0.01, -0.1, 0.2}) {
+            FrameMotion motion;
+            MotionMeasurement measure(band);
+            measure(drifting(window, speed, 0), motion);
+            for (std::size_t i = 0; i < motion.speed.pixel_count(); ++i) {
+              // Of one difference the slope is nothing at two phases.
+              if (extra == 1 && i % 7 != 0) continue;
+              const double off = std::abs(motion.speed.begin()[i] - speed);
+              ASSERT_LT(off, extra == 1 ? 0.4 : (steps == 3 ? 0.2 : 0.08) * std::abs(speed) + 1e-5)
+                  << steps << " + " << extra << " from " << first << ", " << speed;
+            }
+          }
+        }
+      }
+    }
+  }
+  EXPECT_FALSE(MotionMeasurement::is_possible(PhaseMeasuring{4, 1}.layout().bands.front()));
+  EXPECT_FALSE(MotionMeasurement::is_possible(
+      window_of(4, 0).strategy.in_motion(0, 0).layout().bands.front()));
+}
+
+TEST(MotionMeasurement, CallsNoiseWhatItIs) {
+  for (const int extra : {2, 4}) {
+    const Sequence window = merged_sequence(window_of(4, extra));
+    FrameMotion motion;
+    MotionMeasurement measure(window.strategy.layout().bands.front());
+    measure(drifting(window, 0.1, 4), motion);
+    double square = 0;
+    for (const float sigma : motion.unexplained) square += sigma * sigma;
+    EXPECT_NEAR(square / static_cast<double>(motion.unexplained.pixel_count()), 4, 0.2);
+  }
+}
+
+TEST(MovedPixels, AreNoneWhereNothingMoves) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Sequence sequence{.strategy = PhaseMeasuring{4, 1}, .motion = 2};
+  const VirtualScan scan = take_scan(scanner, scene_named("statue", scanner), pattern_set(sequence),
+                                     {.ambient = 5, .noise_variance = 1.5});
+  Cloud cloud;
+  Maps maps;
+  Engine(setup_of(scanner, sequence)).cloud_and_maps(scan.frames, cloud, maps);
+  EXPECT_EQ(count_by_validity(cloud.validity)[static_cast<std::size_t>(Validity::moved)], 0U);
+  ASSERT_EQ(maps.motion.size(), cloud.size());
+}
+
+/// Of a sphere that moves across the view its outline passes over pixels, which are no points then.
+TEST(MovedPixels, AreThoseThatEdgesPass) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Sequence sequence = {.strategy = PhaseMeasuring{4, 1}, .motion = 2};
+  const PatternSet patterns = pattern_set(sequence);
+  const Eigen::Vector3d motion(0.5, 0, 0);  // mm a frame
+  const Photometry photometry{.noise_variance = 0.5};
+  const Scene scene = moving(scene_named("sphere", scanner), motion);
+  const FrameSet frames = take_scan(scanner, scene, patterns, photometry).frames;
+  Scene middle = scene;
+  for (Body& body : middle) body.pose.pretranslate(0.5 * (patterns.count - 1) * motion);
+  const Image<double> truth = take_scan(scanner, middle, pattern_alone(patterns, 0)).depth;
+
+  EngineSetup setup = setup_of(scanner, sequence);
+  setup.scanner.photometry.noise_variance = 0.5 + 1.0 / 12;
+  Engine engine(setup);
+  Cloud cloud;
+  engine.cloud(frames, cloud);
+  Depth depth;
+  engine.depth(frames, depth);
+  double moved = 0, wrong = 0;
+  for (std::size_t i = 0; i < truth.pixel_count(); ++i) {
+    const Validity validity = cloud.validity.begin()[i];
+    EXPECT_EQ(validity, depth.validity.begin()[i]);
+    moved += validity == Validity::moved ? 1 : 0;
+    const double error = std::abs(cloud.z.begin()[i] - truth.begin()[i]);
+    wrong += validity != Validity::valid || error < 30 ? 0 : 1;
+  }
+  EXPECT_GT(moved, 300);
+  EXPECT_LT(wrong, 20);
+}
+
+}  // namespace
+}  // namespace slipstream

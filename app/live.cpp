@@ -242,8 +242,10 @@ void live(const LiveFlags& flags, Output& output) {
   if (!opened.warning.empty()) output.warn(opened.warning);
   if (opened.sequence.marker) indexing = PatternIndexing::marker;
   EngineSetup setup = setup_from(opened, flags, output);
-  const bool motion_when_seen =
-      !flags.source.scan.motion && setup.sequence.motion == 0 && takes_motion(setup.sequence);
+  const std::string scheme = scheme_of(flags.source.source);
+  // A replay may end with its first cycle.
+  const bool motion_when_seen = scheme != "replay" && !flags.source.scan.motion &&
+                                setup.sequence.motion == 0 && takes_motion(setup.sequence);
   if (motion_when_seen) setup.sequence.motion = 2;
 
   const RecordingHeader header{
@@ -263,7 +265,6 @@ void live(const LiveFlags& flags, Output& output) {
   const RunEnd end(flags.duration);
   if (!flags.record.empty()) recorder.record_to(flags.record);
   pipeline.start();
-  const std::string scheme = scheme_of(flags.source.source);
   LiveSession session{pipeline,
                       recorder,
                       setup,

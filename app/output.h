@@ -38,8 +38,7 @@ class Output {
   void tell_failure(std::string_view message);
 
   /// The document that `--json` prints. What is in it is made whole, here and by list and object:
-  /// what
-  /// [] or push_back make of nothing is broken where they get no memory.
+  /// what [] or push_back make of nothing is broken where they get no memory.
   nlohmann::json document = nlohmann::json::object();
 
   /// That of the name in the document, empty where it was not there.

@@ -1,14 +1,11 @@
 #include <algorithm>
-#include <charconv>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <future>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -19,13 +16,12 @@
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/progress.h"
+#include "app/scan_list.h"
 #include "app/stopwatch.h"
 #include "slipstream/clean/subsampled.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
-#include "slipstream/io/recorded_cycle.h"
-#include "slipstream/io/recording.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/phase/frame_motion.h"
@@ -334,8 +330,13 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
     output.list("scans").push_back(document_of(scan));
     return tell(scan, output);
   }
-  if (only_one) throw Error(scan.failure);
-  output.list("scans").push_back({{"scan", text_of(scan.name)}, {"error", scan.failure}});
+  if (only_one) {
+    output.document.update(scan.words.document);  // the findings that it was refused for
+    throw Error(scan.failure);
+  }
+  nlohmann::json failed{{"scan", text_of(scan.name)}, {"error", scan.failure}};
+  failed.update(scan.words.document);
+  output.list("scans").push_back(std::move(failed));
   output.tell_failure(scan.failure);
   output.exit_code = 2;
 }
@@ -387,48 +388,10 @@ void keep_memory() {
   ::mallopt(M_ARENA_MAX, 1);  // what one thread frees another takes
 }
 
-/// A whole number of A:B; `otherwise` where there is none.
-std::uint64_t window_from(std::string_view number, std::uint64_t otherwise,
-                          const std::string& range) {
-  std::uint64_t window = otherwise;
-  const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), window);
-  if (number.empty() || (failure == std::errc() && end == number.data() + number.size())) {
-    return window;
-  }
-  throw Error(fmt::format("--windows '{}' is no range; give A:B, as 0:100, 100: or :", range));
-}
-
-/// The scans that are asked for: folders, recordings or their windows.
-std::vector<ScanName> scans_of(const ReconstructFlags& flags) {
-  if (!flags.windows) return {flags.paths.begin(), flags.paths.end()};
-  const std::string& range = *flags.windows;
-  const std::size_t colon = std::min(range.find(':'), range.size());
-  constexpr auto none = std::numeric_limits<std::uint64_t>::max();
-  const std::string_view text = range;
-  const std::uint64_t first = window_from(text.substr(0, colon), 0, range);
-  const std::uint64_t last =
-      colon == range.size() ? first + 1 : window_from(text.substr(colon + 1), none, range);
-  if (flags.every < 1) throw Error("--every 0 is out of range; 1 or more");
-  std::vector<ScanName> scans;
-  for (const std::string& path : flags.paths) {
-    if (!is_recording(path)) throw Error(fmt::format("{}: --windows is of recordings", path));
-    const Sequence shown = scan_files_in(path, scan_changes_from(flags.cloud.input.scan)).sequence;
-    const std::uint64_t count = window_count(RecordingReader(path), shown);
-    if (first >= count) {
-      throw Error(fmt::format("{}: {} windows; none is in --windows {}", path, count, range));
-    }
-    for (std::uint64_t window = first; window < std::min(last, count);) {
-      scans.push_back({path, window});
-      if (flags.every >= count - window) break;
-      window += flags.every;
-    }
-  }
-  return scans;
-}
-
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
-  flags.scans = scans_of(flags);
+  flags.scans =
+      scans_of(flags.paths, flags.windows, flags.every, scan_changes_from(flags.cloud.input.scan));
   require_writable(flags.files, flags.scans);
   set_backend(flags.cloud.settings, flags.backend);
   flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);

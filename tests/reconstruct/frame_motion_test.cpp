@@ -62,7 +62,7 @@ TEST(MotionMeasurement, FindsHowFarThePhaseMovesFromFrameToFrame) {
               // Of one difference the slope is nothing at two phases.
               if (extra == 1 && i % 7 != 0) continue;
               const double off = std::abs(motion.speed.begin()[i] - speed);
-              ASSERT_LT(off, extra == 1 ? 0.4 : (steps == 3 ? 0.25 : 0.08) * std::abs(speed) + 1e-5)
+              ASSERT_LT(off, extra == 1 ? 0.4 : 0.02 * std::abs(speed) + 1.8 * speed * speed + 1e-5)
                   << steps << " + " << extra << " from " << first << ", " << speed;
             }
           }

@@ -52,11 +52,11 @@ std::string text_of(const ObjectTrack& track) {
     return fmt::format("{:.{}f} {:.{}f} {:.{}f}", v.x(), digits, v.y(), digits, v.z(), digits);
   };
   const std::string where = track.shape.radius
-                                ? "at " + vector(track.place, 3)
-                                : fmt::format("at {:.3f} on the camera's axis, normal {}",
+                                ? "at " + vector(track.place, 3) + " mm"
+                                : fmt::format("at {:.3f} mm on the camera's axis, normal {}",
                                               track.place.z(), vector(track.normal, 4));
-  return fmt::format("{} {} mm, residual {:.3f} mm, {:.2f} mm/s; {}", name, where,
-                     track.residuals.rms, track.velocity.norm(), seen);
+  return fmt::format("{} {}, residual {:.3f} mm, {:.2f} mm/s; {}", name, where, track.residuals.rms,
+                     track.velocity.norm(), seen);
 }
 
 void ObjectTracker::look(const Cloud& cloud, double seconds) {

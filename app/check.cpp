@@ -34,7 +34,7 @@ void check(const CheckFlags& flags, Output& output) {
     Scan scan = load_checkable(folder, flags.input, true, output);
     CheckSettings settings = flags.settings;
     settings.photometry = flags.input.photometry;
-    settings.photometry.response = choose_response(scan, flags.input).response;
+    settings.photometry.response = choose_response(scan, flags.input.gamma).response;
     const std::vector<Finding> findings = check_and_repair(scan, settings).findings;
     if (any_wrong(findings)) output.exit_code = 2;
     output.list("scans").push_back({{"scan", folder}, {"findings", app::json_of(findings)}});

@@ -12,7 +12,7 @@ namespace {
 /// Puts into the scan the response that its phases are corrected for, both in the check and in the
 /// cloud. Two cameras under one projector match whatever phase it shows.
 GammaChoice gamma_of(Scan& scan, const ScanInputFlags& flags) {
-  GammaChoice choice = choose_response(scan, flags);
+  GammaChoice choice = choose_response(scan, flags.gamma);
   if (scan.further_cameras.empty()) return choice;
   return {.source = "two cameras", .sentence = "two cameras, free of gamma"};
 }

@@ -1,35 +1,20 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <CLI/App.hpp>
 
 #include "app/output.h"
-#include "slipstream/check/scan_check.h"
+#include "slipstream/check/checked_scan.h"
 
 namespace slipstream::app {
 
 /// Adds --anyway.
 void add_anyway_flag(CLI::App& subcommand, bool& anyway);
 
-/// What is amiss with a scan, and what was done about it.
-struct CheckedScan {
-  std::vector<Finding> findings;
-  std::vector<std::string> repairs;  ///< a line each, for people
-};
-
-/// Asks check_scan of each of the scan's cameras; what is told of a further one says so. The frames
-/// of a camera that have slipped are put in the order that was found. Of several cameras nothing is
-/// told of gamma: they match whatever phase the projector shows.
-CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings = {});
-
 /// Warns of all that is doubtful and says what was repaired. Where something is wrong throws Error,
 /// naming the scan and all findings, what is wrong first; with `anyway` it warns of that too.
 void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
                     Output& output);
-
-/// What is wrong with the scan that a cloud was made of all the same, for the header of its file.
-std::vector<std::string> doubts(const std::vector<Finding>& findings);
 
 }  // namespace slipstream::app

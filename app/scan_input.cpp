@@ -37,18 +37,6 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
             "largest depth, mm; twice the farthest calibrated where not given");
 }
 
-namespace {
-
-GammaChoice choose_response_of_camera(Scan& scan, const std::string& how) {
-  std::optional<MeasuredResponse> known;
-  if (scan.scanner) known = scan.scanner->photometry.response;
-  GammaChoice choice = choose_gamma(how, known, scan.sequence.strategy.layout(), scan.frames);
-  if (scan.scanner) scan.scanner->photometry.response = choice.response;
-  return choice;
-}
-
-}  // namespace
-
 Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool all_cameras,
                     Output& output) {
   ScanChanges changes = scan_changes_from(flags.scan);
@@ -73,11 +61,6 @@ Scan load(const std::string& path, const ScanInputFlags& flags, bool all_cameras
   if (scan.scanner) return scan;
   throw Error(fmt::format(
       "{}: no scanner is known for it; name its file with --scanner or in scan.yaml", path));
-}
-
-GammaChoice choose_response(Scan& scan, const ScanInputFlags& flags) {
-  for (Scan& further : scan.further_cameras) choose_response_of_camera(further, flags.gamma);
-  return choose_response_of_camera(scan, flags.gamma);
 }
 
 nlohmann::json json_of(const GammaChoice& choice) {

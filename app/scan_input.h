@@ -39,10 +39,6 @@ Scan load(const std::string& path, const ScanInputFlags& flags, bool all_cameras
 Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool all_cameras,
                     Output& output);
 
-/// Puts the response that --gamma chooses into the scanner of each camera that is known, so that
-/// what looks at the scan next corrects phases for it. Returns that of the first camera.
-GammaChoice choose_response(Scan& scan, const ScanInputFlags& flags);
-
 /// As the JSON document says it: `source`, and where there is one `gamma`, `standard_error`,
 /// `pixels`, `refused`.
 nlohmann::json json_of(const GammaChoice& choice);

@@ -82,4 +82,13 @@ GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredRes
   return how == "blind" ? blind_choice(layout, frames) : choose_gamma(how, of_scanner);
 }
 
+GammaChoice choose_response(Scan& scan, const std::string& how) {
+  for (Scan& further : scan.further_cameras) choose_response(further, how);
+  std::optional<MeasuredResponse> known;
+  if (scan.scanner) known = scan.scanner->photometry.response;
+  GammaChoice choice = choose_gamma(how, known, scan.sequence.strategy.layout(), scan.frames);
+  if (scan.scanner) scan.scanner->photometry.response = choice.response;
+  return choice;
+}
+
 }  // namespace slipstream

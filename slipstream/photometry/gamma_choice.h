@@ -7,6 +7,7 @@
 #include "slipstream/gamma/blind.h"
 #include "slipstream/gamma/response.h"
 #include "slipstream/pattern/layout.h"
+#include "slipstream/scan/scan.h"
 
 namespace slipstream {
 
@@ -27,5 +28,9 @@ GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredRes
 /// steps by the one that is surest.
 GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredResponse>& of_scanner,
                          const Layout& layout, const FrameViews& frames);
+
+/// Likewise for each camera of a scan: puts the response into its scanner, where that is known, so
+/// that what looks at the scan next corrects phases for it. Returns that of the first camera.
+GammaChoice choose_response(Scan& scan, const std::string& how);
 
 }  // namespace slipstream

@@ -29,7 +29,12 @@ void add_settings_in_pixels(const SequenceChanges& changes, int length,
 
 }  // namespace
 
-Sequence changed(const Sequence& known, const SequenceChanges& changes) {
+SequenceChanges changes_to(const Sequence& sequence) {
+  return {.strategy = sequence.strategy.name(), .known = sequence};
+}
+
+Sequence changed(const Sequence& first, const SequenceChanges& changes) {
+  const Sequence& known = changes.known ? *changes.known : first;
   const bool replaced = changes.strategy && *changes.strategy != known.strategy.name();
   StrategySettings settings = replaced ? StrategySettings{} : known.strategy.settings();
   for (const auto& [name, value] : changes.settings) {
@@ -37,7 +42,8 @@ Sequence changed(const Sequence& known, const SequenceChanges& changes) {
   }
   Sequence sequence = known;
   if (changes.axes) set_axes(sequence, *changes.axes);
-  sequence.projector = changes.projector.value_or(known.projector);
+  if (sequence.projector == Size{}) sequence.projector = first.projector;
+  sequence.projector = changes.projector.value_or(sequence.projector);
   add_settings_in_pixels(changes, length_along(sequence.axis, sequence.projector), settings);
   sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);

@@ -23,7 +23,12 @@ struct SequenceChanges {
   bool marker = false;  ///< a marker ends each cycle, whatever was known
   bool binary = false;  ///< shown a bit at a time, whatever was known
   std::optional<int> motion{};
+  /// Takes the place of what is known, but for a projector that it does not say.
+  std::optional<Sequence> known{};
 };
+
+/// Those after which a sequence is that one, whatever was known.
+SequenceChanges changes_to(const Sequence& sequence);
 
 /// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is
 /// not.

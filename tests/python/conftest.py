@@ -1,0 +1,39 @@
+"""What the tests of the Python module share."""
+
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+import slipstream
+
+SOURCES = pathlib.Path(__file__).parents[2]
+PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
+
+
+def run_program(*arguments):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
+
+
+def program(*arguments):
+    """What the program prints; it must succeed."""
+    done = run_program(*arguments)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def taken(name, camera=(320, 240), scene="sphere", **settings):
+    sequence = slipstream.Sequence(slipstream.Strategy(name, **settings))
+    return slipstream.simulate(sequence, scene=scene, camera=camera)
+
+
+@pytest.fixture(scope="session")
+def dual():
+    """A virtual scan of two frequencies."""
+    return taken("dual-frequency", steps=3, high=16, low=1)
+
+
+@pytest.fixture
+def engine(dual):
+    return slipstream.Engine(dual.scan.scanner, dual.scan.sequence)

@@ -1,0 +1,104 @@
+"""Live: frames to clouds as they come."""
+
+import itertools
+import time
+
+import numpy
+import pytest
+from conftest import taken
+
+import slipstream
+
+SEQUENCE = slipstream.Sequence("pmp, steps 4")
+SMALL = {"camera": (160, 120), "scene": "sphere"}
+
+
+def test_newest_clouds_of_the_virtual_camera():
+    with slipstream.Live("virtual", SEQUENCE, rate=200, most_frames=60, **SMALL) as live:
+        clouds = list(live)
+    assert 1 <= len(clouds) <= 60
+    assert all(len(cloud) > 1000 for cloud in clouds)
+    assert live.statistics["captured"] == 60 and not live.running
+    assert live.statistics["clouds"] == 57
+    assert live.findings == []
+
+
+def test_every_cloud_to_a_function():
+    counts = []
+    with slipstream.Live("virtual", SEQUENCE, on_cloud=lambda cloud: counts.append(len(cloud)),
+                         rate=0, most_frames=40, **SMALL) as live:
+        for _ in live:
+            pass
+    assert len(counts) == 37 and min(counts) > 1000
+
+
+def test_frames_of_ones_own_give_the_clouds_of_an_engine():
+    scan = taken("pmp", camera=(160, 120), steps=4).scan
+    frames = list(scan.frames)
+    camera = itertools.islice(itertools.cycle(frames), 16)
+    clouds = []
+    with slipstream.Live(camera, scan.sequence, scan.scanner, clouds.append) as live:
+        for _ in live:
+            pass
+    right = slipstream.Engine(scan.scanner, scan.sequence).cloud(frames)
+    assert len(clouds) == 13
+    for cloud in clouds[::4]:  # those whose window begins with the first pattern
+        assert numpy.array_equal(cloud.z, right.z, equal_nan=True)
+
+
+def test_a_recording_is_a_source(tmp_path):
+    taken("pmp", camera=(160, 120), steps=4).save(tmp_path / "scan.slip")
+    with slipstream.Live(f"replay:{tmp_path / 'scan.slip'}", rate=0) as live:
+        assert len(list(live)[-1]) > 1000
+
+
+def test_what_a_function_throws_comes_out():
+    def fail(cloud):
+        raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        with slipstream.Live("virtual", SEQUENCE, on_cloud=fail, rate=0, **SMALL) as live:
+            for _ in live:
+                pass
+
+
+def test_what_a_camera_throws_comes_out():
+    scan = taken("pmp", camera=(160, 120), steps=4).scan
+
+    def camera():
+        yield from scan.frames
+        raise RuntimeError("unplugged")
+
+    with pytest.raises(RuntimeError, match="unplugged"):
+        with slipstream.Live(camera(), scan.sequence, scan.scanner) as live:
+            for _ in live:
+                pass
+
+
+def test_what_is_raised_within_is_not_hidden():
+    with pytest.raises(ZeroDivisionError):
+        with slipstream.Live("virtual", SEQUENCE, rate=0, **SMALL):
+            raise ZeroDivisionError
+
+
+def test_it_ends_when_nobody_asks_any_more():
+    live = slipstream.Live("virtual", SEQUENCE, rate=0, on_cloud=lambda cloud: None, **SMALL)
+    live.start()
+    time.sleep(0.05)
+    del live  # while its thread calls Python
+    held = []
+    with slipstream.Live("virtual", SEQUENCE, rate=0, most_frames=40, **SMALL) as live:
+        for cloud in live:
+            held.append(cloud)  # as many as there are: each is a copy
+    assert held
+
+
+def test_sources_are_refused_as_the_program_does():
+    with pytest.raises(slipstream.Error, match="source"):
+        slipstream.Live("nothing:3", SEQUENCE)
+    with pytest.raises(slipstream.Error, match="sequence"):
+        slipstream.Live(iter([numpy.zeros((4, 4), numpy.uint8)]))
+    with pytest.raises(slipstream.Error, match="scanner"):
+        slipstream.Live(iter([numpy.zeros((4, 4), numpy.uint8)]), SEQUENCE)
+    with pytest.raises(slipstream.Error, match="no frame"):
+        slipstream.Live(iter([]), SEQUENCE)

@@ -39,6 +39,7 @@ void add_simulate(CLI::App& program, Command& chosen);
 void add_calibrate(CLI::App& program, Command& chosen);
 void add_design(CLI::App& program, Command& chosen);
 void add_reconstruct(CLI::App& program, Command& chosen);
+void add_batch(CLI::App& program, Command& chosen);
 void add_assist(CLI::App& program, Command& chosen);
 void add_check(CLI::App& program, Command& chosen);
 void add_measure(CLI::App& program, Command& chosen);

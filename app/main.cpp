@@ -124,6 +124,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_calibrate(program, chosen);
   add_design(program, chosen);
   add_reconstruct(program, chosen);
+  add_batch(program, chosen);
   add_check(program, chosen);
   add_measure(program, chosen);
   add_verify(program, chosen);

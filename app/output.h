@@ -26,6 +26,9 @@ class Output {
   /// Says what the other holds.
   void release(const Output& held);
 
+  /// Whether somebody wants the document.
+  [[nodiscard]] bool is_json() const { return json_; }
+
   /// A line for people.
   template <class... Values>
   void say(fmt::format_string<Values...> format, Values&&... values) {

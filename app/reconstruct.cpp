@@ -12,41 +12,26 @@
 #include <fmt/format.h>
 #include <malloc.h>
 
-#include "app/cloud_input.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
+#include "app/manifest.h"
 #include "app/progress.h"
+#include "app/reconstruct_flags.h"
 #include "app/scan_list.h"
 #include "app/stopwatch.h"
 #include "slipstream/clean/subsampled.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
-#include "slipstream/io/result_files.h"
+#include "slipstream/io/checksum.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/phase/frame_motion.h"
 #include "slipstream/reconstruct/epipolar_check.h"
-#include "slipstream/reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
 namespace {
-
-struct ReconstructFlags {
-  std::vector<std::string> paths;
-  std::optional<std::string> windows;
-  std::uint64_t every = 1;
-  std::vector<ScanName> scans;  ///< of those, what is asked for
-  CloudInputFlags cloud;
-  std::string backend = "fused";
-  std::string unwrapping = "consensus";
-  bool one_camera = false;
-  PhaseMatchSettings match;
-  int subsample = 1;
-  bool normals = false;
-  bool uncertainty = false;
-  ResultFiles files;
-};
 
 /// One scan's results, as they are told.
 struct ReconstructedScan {
@@ -64,6 +49,20 @@ struct ReconstructedScan {
   std::optional<double> rms, median_sigma;                 ///< mm
   double least_modulation = 0;                             ///< of a point, grey levels of 255
   double read = 0, tables = 0, computed = 0, written = 0;  ///< s
+  bool done_before = false;                                ///< nothing else is told then
+  nlohmann::json entry;                                    ///< of the manifest
+};
+
+/// What was done, as it is done.
+struct ManifestLog {
+  ManifestLog(const std::string& path, Output& output)
+      : file(path, [&] { output.warn(path + ": another run writes it; waiting for its end"); }),
+        before(read_manifest(path)) {
+    file.cut(before.whole_bytes);
+  }
+
+  GrowingFile file;
+  Manifest before;
 };
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
@@ -238,15 +237,24 @@ struct LoadedScan {
   ReconstructedScan result;
 };
 
-LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Output& output) {
+LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
+                       const Output& output) {
   LoadedScan loaded;
   ReconstructedScan& result = loaded.result;
   result.name = name;
   result.words = output.held();
+  result.entry = entry_for(name, flags.settings);
   Stopwatch watch;
   try {
     ScanInputFlags input = flags.cloud.input;
     input.window = name.window;
+    if (before != nullptr) {
+      const ScanFiles files = scan_files_in(name.path, changes_of(input));
+      result.entry["input"] = fmt::format("{:08x}", checksum_of(files));
+      const auto outputs = files_of_scan(flags.files, name).written();
+      result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
+      if (result.done_before) return loaded;
+    }
     loaded.scan = load(name.path, input, !flags.one_camera, result.words);
   } catch (const Error& error) {
     result.failure = error.what();
@@ -300,7 +308,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
 ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags,
                                 std::optional<Engine>& engine) {
   ReconstructedScan& result = loaded.result;
-  if (!result.failure.empty()) return std::move(result);
+  if (result.done_before || !result.failure.empty()) return std::move(result);
   try {
     reconstruct_scan(loaded.scan, result, flags, engine);
   } catch (const Error& error) {
@@ -310,9 +318,10 @@ ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags
 }
 
 ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flags) {
-  if (!result.failure.empty()) return result;
+  if (result.done_before || !result.failure.empty()) return result;
   Stopwatch watch;
   write_files(flags, result);
+  if (!flags.manifest.empty()) result.entry["outputs"] = sums_of(result.files.written());
   result.written = watch.lap();
   for (Image<float>* told_no_more :
        {&result.cloud.x, &result.cloud.y, &result.cloud.z, &result.cloud.intensity}) {
@@ -323,11 +332,20 @@ ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flag
   return result;
 }
 
+std::string line_of(const ReconstructedScan& scan) {
+  nlohmann::json entry = scan.entry;
+  entry["seconds"] = scan.read + scan.sound.choosing + scan.sound.checking + scan.tables +
+                     scan.computed + scan.written;
+  if (!scan.failure.empty()) entry["error"] = scan.failure;
+  if (scan.failure.empty()) entry["counts"] = app::json_of(count_by_validity(scan.cloud));
+  return app::line_of(entry);
+}
+
 /// One that failed ends the program where it is the only one.
 void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
   output.release(scan.words);
   if (scan.failure.empty()) {
-    output.list("scans").push_back(document_of(scan));
+    if (output.is_json()) output.list("scans").push_back(document_of(scan));
     return tell(scan, output);
   }
   if (only_one) {
@@ -343,7 +361,7 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
 
 /// Each scan as if it were alone, told in the order given; while one is reconstructed, those after
 /// it are read and those before it are written. On one thread one after another.
-void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
+void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output& output) {
   const std::size_t count = flags.scans.size();
   const auto threads = static_cast<std::size_t>(count == 1 ? 1 : parallel_threads());
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
@@ -358,16 +376,18 @@ void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
     waiting.pop_front();
     return next;
   };
+  std::size_t done_before = 0;
   const auto tell_next = [&] {
     const ReconstructedScan scan = next_of(writing);
     progress.finish();
-    tell(scan, count == 1, output);
+    if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
+    scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
     progress.advance();
   };
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
     for (; asked < std::min(i + threads, count); ++asked) {
-      loading.push_back(std::async(start, [&flags, &output, &name = flags.scans[asked]] {
-        return loaded_scan(name, flags, output);
+      loading.push_back(std::async(start, [&flags, &output, log, &name = flags.scans[asked]] {
+        return loaded_scan(name, flags, log != nullptr ? &log->before : nullptr, output);
       }));
     }
     writing.push_back(std::async(
@@ -377,6 +397,9 @@ void reconstruct_in_turn(const ReconstructFlags& flags, Output& output) {
     while (writing.size() > most_written) tell_next();
   }
   while (!writing.empty()) tell_next();
+  if (log == nullptr) return;
+  output.document["done_before"] = done_before;
+  if (done_before > 0) output.say("{} of {} scans were done before", done_before, count);
 }
 
 /// Memory of one scan serves the next: what goes back to the system comes again page by page,
@@ -390,8 +413,14 @@ void keep_memory() {
 
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
-  flags.scans =
-      scans_of(flags.paths, flags.windows, flags.every, scan_changes_from(flags.cloud.input.scan));
+  flags.scans = scan_names(listed_scans(flags), flags.every);
+  flags.settings = settings_of(*flags.command);
+  reconstruct_scans(std::move(flags), output);
+}
+
+}  // namespace
+
+void reconstruct_scans(ReconstructFlags flags, Output& output) {
   require_writable(flags.files, flags.scans);
   set_backend(flags.cloud.settings, flags.backend);
   flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);
@@ -401,56 +430,28 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
   }
   keep_memory();
   output.document["scans"] = nlohmann::json::array();
-  reconstruct_in_turn(flags, output);
+  if (!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest)) {
+    throw Error(fmt::format("{}: is there already; --resume goes on with it", flags.manifest));
+  }
+  std::optional<ManifestLog> log;
+  if (!flags.manifest.empty()) log.emplace(flags.manifest, output);
+  reconstruct_in_turn(flags, log ? &*log : nullptr, output);
   if (flags.files.named().empty()) {
     output.say("nothing was asked to be written; -o cloud.ply writes the cloud");
   }
 }
 
-void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
-  const FlagGroup group{command, "What to write"};
-  ResultFiles& files = flags.files;
-  group.add_output("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz");
-  group.add_output("--mesh", files.mesh,
-                   "its points joined, with the camera's picture: .ply, .stl, .obj or .glb");
-  group.add_output("--depth", files.depth, "depth map, mm: .tiff");
-  group.add_output("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff");
-  group.add_output("--phase", files.phase, "wrapped phase, rad: .tiff");
-  group.add_output("--modulation", files.modulation, "modulation B, grey levels: .tiff");
-  group.add_output("--mean", files.mean, "mean A, grey levels: .tiff");
-  group.add_output(
-      "--epipolar", files.epipolar,
-      "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
-  group.add_output("--motion-map", files.motion,
-                   "with --motion: how far the phase moves from frame to frame, rad: .tiff");
-  group.add_output("--preview", files.preview, "depth as a coloured picture with a scale: .png");
-  group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
-  group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");
-  group.add("--uncertainty", flags.uncertainty,
-            "standard deviation of each point, by the frames' noise, into the cloud");
-}
-
-}  // namespace
-
 void add_reconstruct(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, reconstruct, "reconstruct",
                                             "scans to cloud, depth, phase, preview");
+  add_scans_flags(command, flags);
+  command.add_output("--manifest", flags.manifest,
+                     "what was done, as it is done, a line of JSON for each scan");
   command
-      .add_file("scans", flags.paths,
-                "scan folders (pictures, and scan.yaml or flags) or recordings")
-      ->required();
-  command.add("--windows", flags.windows,
-              "recordings: windows A:B of their frames, B not among them; : for all");
-  command.add("--every", flags.every, "of those windows every so many");
-  command.add("--backend", flags.backend, "fused, lut, closed-form, equation or intensity-ratio");
-  command.add("--cue-rule", flags.unwrapping,
-              "fringe order from a cue in the same frames: consensus, likelihood or published");
-  command.add("--one-camera", flags.one_camera,
-              "use the first camera alone where the scan has two");
-  command.add("--match-window", flags.match.window,
-              "two cameras: half the width of the window whose plane gives the depth, pixels");
-  add_output_flags(command.app, flags);
-  add_cloud_input_flags(command.app, flags.cloud);
+      .add("--resume", flags.resume,
+           "leave out what the manifest says is done, if input, settings and outputs are as then")
+      ->needs("--manifest");
+  add_reconstruct_flags(command.app, flags);
   command.app.footer(
       "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "
       "preview.png\n  slipstream reconstruct frames --strategy dual-frequency --steps 3 --high 16 "

@@ -37,12 +37,17 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
             "largest depth, mm; twice the farthest calibrated where not given");
 }
 
-Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool all_cameras,
-                    Output& output) {
+ScanChanges changes_of(const ScanInputFlags& flags) {
   ScanChanges changes = scan_changes_from(flags.scan);
   changes.bits = flags.bits;
   changes.window = flags.window;
   if (flags.scanner) changes.scanner = *flags.scanner;
+  return changes;
+}
+
+Scan load_checkable(const std::string& path, const ScanInputFlags& flags, bool all_cameras,
+                    Output& output) {
+  const ScanChanges changes = changes_of(flags);
   Scan scan = all_cameras ? load_scan(path, changes) : load_scan(scan_files_in(path, changes));
   if (scan.scanner) {
     PhotometricCalibration& known = scan.scanner->photometry;

@@ -30,6 +30,9 @@ void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags);
 /// Adds --min-modulation, --keep-saturated, --nearest and --farthest.
 void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
 
+/// What they say of it over what it says itself.
+ScanChanges changes_of(const ScanInputFlags& flags);
+
 /// A scan, a folder or a recording, with its scanner: what it says and the flags over that; that of
 /// a second camera with it where `all_cameras`. What the frames' reader had to say goes to `output`
 /// as warnings.

@@ -1,58 +1,67 @@
 #include "app/scan_list.h"
 
 #include <algorithm>
-#include <charconv>
-#include <limits>
-#include <string_view>
-#include <system_error>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 
 namespace slipstream::app {
+namespace fs = std::filesystem;
 namespace {
 
-/// A whole number of A:B; `otherwise` where there is none.
-std::uint64_t window_from(std::string_view number, std::uint64_t otherwise,
-                          const std::string& range) {
-  std::uint64_t window = otherwise;
-  const auto [end, failure] = std::from_chars(number.data(), number.data() + number.size(), window);
-  if (number.empty() || (failure == std::errc() && end == number.data() + number.size())) {
-    return window;
+/// With paths as from where the program runs: in the list they are relative to it.
+std::vector<ListedScans> scans_in_list(const fs::path& list) {
+  const std::vector<std::uint8_t> bytes = read_file(list);
+  std::vector<ListedScans> scans =
+      scan_list_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, list.string());
+  for (ListedScans& listed : scans) listed.path = (list.parent_path() / listed.path).string();
+  return scans;
+}
+
+void set_end(ListedScans& listed, const ScanChanges& changes) {
+  const std::string& path = listed.path;
+  if (!is_recording(path)) {
+    if (fs::exists(path)) throw Error(fmt::format("{}: windows are of recordings", path));
+    return listed.windows.reset();  // who reads it says why, and goes on
   }
-  throw Error(fmt::format("--windows '{}' is no range; give A:B, as 0:100, 100: or :", range));
+  std::uint64_t count = 0;
+  try {
+    count = window_count(RecordingReader(path), scan_files_in(path, changes).sequence);
+  } catch (const Error&) {
+    return listed.windows.reset();
+  }
+  if (listed.windows->first >= count) {
+    throw Error(fmt::format("{}: {} windows; none is in {}:", path, count, listed.windows->first));
+  }
+  listed.windows->end = std::min(listed.windows->end, count);
 }
 
 }  // namespace
 
-std::vector<ScanName> scans_of(const std::vector<std::string>& paths,
-                               const std::optional<std::string>& windows, std::uint64_t every,
-                               const ScanChanges& changes) {
-  if (!windows) return {paths.begin(), paths.end()};
-  const std::string& range = *windows;
-  const std::size_t colon = std::min(range.find(':'), range.size());
-  constexpr auto none = std::numeric_limits<std::uint64_t>::max();
-  const std::string_view text = range;
-  const std::uint64_t first = window_from(text.substr(0, colon), 0, range);
-  const std::uint64_t last =
-      colon == range.size() ? first + 1 : window_from(text.substr(colon + 1), none, range);
-  if (every < 1) throw Error("--every 0 is out of range; 1 or more");
-  std::vector<ScanName> scans;
-  for (const std::string& path : paths) {
-    if (!is_recording(path)) throw Error(fmt::format("{}: --windows is of recordings", path));
-    const Sequence shown = scan_files_in(path, changes).sequence;
-    const std::uint64_t count = window_count(RecordingReader(path), shown);
-    if (first >= count) {
-      throw Error(fmt::format("{}: {} windows; none is in --windows {}", path, count, range));
+std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
+  if (flags.every < 1) throw Error("--every 0 is out of range; 1 or more");
+  std::vector<ListedScans> scans;
+  for (const std::string& path : flags.paths) {
+    if (lower_case_extension(path) != ".txt") {
+      scans.push_back({.path = path});
+      continue;
     }
-    for (std::uint64_t window = first; window < std::min(last, count);) {
-      scans.push_back({path, window});
-      if (every >= count - window) break;
-      window += every;
+    const std::vector<ListedScans> listed = scans_in_list(path);
+    scans.insert(scans.end(), listed.begin(), listed.end());
+  }
+  for (ListedScans& listed : scans) {
+    if (flags.windows && !listed.windows) {
+      listed.windows = window_range_from(*flags.windows);
+      listed.cost = 0;
     }
+    const bool known =
+        listed.cost > 0 && listed.windows && listed.windows->end != WindowRange::last;
+    if (listed.windows && !known) set_end(listed, changes_of(flags.cloud.input));
   }
   return scans;
 }

@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -48,6 +49,21 @@ std::string temporary_name(const fs::path& path) {
 
 int create(const std::string& name) {
   return ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+}
+
+std::span<const std::uint8_t> bytes_of(std::string_view text) {
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// False, with errno, where the disk does not take it.
+bool write_all(int descriptor, std::span<const std::uint8_t> rest) {
+  while (!rest.empty()) {
+    const ssize_t written = ::write(descriptor, rest.data(), rest.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    rest = rest.subspan(static_cast<std::size_t>(written));
+  }
+  return true;
 }
 
 /// False, with errno, where what was written may not be on the disk. Some file systems cannot say.
@@ -152,13 +168,8 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::write(std::initializer_list<std::span<const std::uint8_t>> parts) {
-  for (std::span<const std::uint8_t> rest : parts) {
-    while (!rest.empty()) {
-      const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail();
-      rest = rest.subspan(static_cast<std::size_t>(written));
-    }
+  for (const std::span<const std::uint8_t> part : parts) {
+    if (!write_all(descriptor_, part)) fail();
   }
 }
 
@@ -199,6 +210,32 @@ void OutputFile::fail() const {
                                stays ? "; what came until then is in " + name_ : ""));
 }
 
+GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& waits)
+    : path_(path),
+      descriptor_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+  require(descriptor_ >= 0);
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+  waits();
+  while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
+}
+
+GrowingFile::~GrowingFile() {
+  ::close(descriptor_);
+}
+
+void GrowingFile::cut(std::uint64_t size) {
+  require(::ftruncate(descriptor_, static_cast<off_t>(size)) == 0);
+}
+
+void GrowingFile::append(std::string_view line) {
+  require(write_all(descriptor_, bytes_of(line)));
+}
+
+void GrowingFile::require(bool done) const {
+  if (done) return;
+  throw WorldError(fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno)));
+}
+
 void write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
   OutputFile file(path);
   file.write({bytes});
@@ -206,7 +243,7 @@ void write_file(const fs::path& path, std::span<const std::uint8_t> bytes) {
 }
 
 void write_file(const fs::path& path, std::string_view text) {
-  write_file(path, std::span(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+  write_file(path, bytes_of(text));
 }
 
 void remove_temporary_files() noexcept {

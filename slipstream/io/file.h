@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <span>
 #include <string>
@@ -79,6 +80,28 @@ class OutputFile {
   Writing writing_;
   bool remembered_ = false;  ///< by remove_temporary_files
   int descriptor_ = -1;      ///< once closed
+};
+
+/// A file that grows line by line, of one process at a time. Each member throws WorldError.
+class GrowingFile {
+ public:
+  /// Opens it, or makes it. While another process has it so, calls `waits`, and waits until that
+  /// has ended; not on file systems that know no locks.
+  GrowingFile(const std::filesystem::path& path, const std::function<void()>& waits);
+  GrowingFile(const GrowingFile&) = delete;
+  GrowingFile& operator=(const GrowingFile&) = delete;
+  ~GrowingFile();
+
+  /// Cuts off what is behind so many bytes.
+  void cut(std::uint64_t size);
+  /// Where that fails, as on a full disk, a part of the line may be there.
+  void append(std::string_view line);
+
+ private:
+  void require(bool done) const;
+
+  std::filesystem::path path_;
+  int descriptor_;
 };
 
 /// Writes a file whole or not at all. Throws as OutputFile.

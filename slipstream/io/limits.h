@@ -20,5 +20,7 @@ inline constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::ma
 inline constexpr std::uint64_t largest_picture = 160'000'000;
 /// Bytes of the pixels of all frames of a scan.
 inline constexpr std::uint64_t largest_scan = std::uint64_t{4} << 30;
+/// Scans of one run, by lists and ranges of windows.
+inline constexpr std::uint64_t most_scans = 10'000'000;
 
 }  // namespace slipstream

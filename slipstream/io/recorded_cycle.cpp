@@ -66,12 +66,36 @@ std::uint64_t first_start(const RecordingReader& recording, const Sequence& sequ
   return (cycle - index % cycle) % cycle;
 }
 
+std::uint64_t start_of(const RecordingReader& recording, const Sequence& sequence,
+                       std::uint64_t window) {
+  return first_start(recording, sequence) +
+         window * static_cast<std::uint64_t>(cycle_length(sequence));
+}
+
+/// Where a window's frames are looked for, or those of the first cycle.
+Places searched(const RecordingReader& recording, const Sequence& sequence,
+                std::optional<std::uint64_t> window) {
+  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
+  const auto motion = static_cast<std::uint64_t>(sequence.motion);
+  if (!window) return {0, std::min(recording.count(), searched_cycles * (cycle + motion))};
+  const std::uint64_t least = start_of(recording, sequence, *window);
+  // A marker is seen before the cycle that it announces. Where frames are lost the next cycle
+  // begins earlier; no two that are whole begin among so many frames.
+  const bool marked = sequence.marker && least >= cycle;
+  const std::uint64_t end = least + 2 * cycle - (sequence.marker ? 2 : 1) + motion;
+  return {marked ? least - cycle : least, std::min(end, recording.count())};
+}
+
 }  // namespace
 
 std::optional<FrameSet> first_cycle(const RecordingReader& recording, const Sequence& sequence) {
-  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
-  return cycle_among(recording, sequence,
-                     {0, std::min(recording.count(), searched_cycles * cycle)});
+  return cycle_among(recording, sequence, searched(recording, sequence, std::nullopt));
+}
+
+std::uint32_t cycle_checksum(const RecordingReader& recording, const Sequence& sequence,
+                             std::optional<std::uint64_t> window, std::uint32_t before) {
+  const Places places = searched(recording, sequence, window);
+  return recording.checksum(places.first, places.end, before);
 }
 
 std::uint64_t window_count(const RecordingReader& recording, const Sequence& sequence) {
@@ -83,15 +107,8 @@ std::uint64_t window_count(const RecordingReader& recording, const Sequence& seq
 
 std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequence& sequence,
                                   std::uint64_t window) {
-  const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence));
-  const std::uint64_t least = first_start(recording, sequence) + window * cycle;
-  // A marker is seen before the cycle that it announces. Where frames are lost the next cycle
-  // begins earlier; no two that are whole begin among so many frames.
-  const bool marked = sequence.marker && least >= cycle;
-  const std::uint64_t end =
-      least + 2 * cycle - (sequence.marker ? 2 : 1) + static_cast<std::uint64_t>(sequence.motion);
-  return cycle_among(recording, sequence,
-                     {marked ? least - cycle : least, std::min(end, recording.count())}, least);
+  return cycle_among(recording, sequence, searched(recording, sequence, window),
+                     start_of(recording, sequence, window));
 }
 
 std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name) {

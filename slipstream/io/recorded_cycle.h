@@ -22,6 +22,11 @@ std::uint64_t window_count(const RecordingReader& recording, const Sequence& seq
 std::optional<FrameSet> window_at(const RecordingReader& recording, const Sequence& sequence,
                                   std::uint64_t window);
 
+/// RecordingReader::checksum of the frames that window_at, or without a window first_cycle, looks
+/// at.
+std::uint32_t cycle_checksum(const RecordingReader& recording, const Sequence& sequence,
+                             std::optional<std::uint64_t> window, std::uint32_t before);
+
 /// The frames of a scan as a camera gives them, stamped with their places in it. Throws Error,
 /// calling the scan `name`, where no camera gives such frames.
 std::vector<Frame> frames_of(const FrameViews& scan, const std::string& name);

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <libdeflate.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/checksum.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 
@@ -110,7 +110,7 @@ Bytes pixel_bytes(const Frame& frame) {
 std::uint32_t checksum(std::initializer_list<Bytes> parts) {
   std::uint32_t sum = 0;
   for (const Bytes part : parts) {
-    if (!part.empty()) sum = libdeflate_crc32(sum, part.data(), part.size());
+    sum = slipstream::checksum(part, sum);
   }
   return sum;
 }
@@ -306,6 +306,7 @@ void RecordingReader::read_header() {
         scanner_from(texts.substr(header.scan_length, header.scanner_length), path_.string());
   }
   header_size_ = header.header_size;
+  header_checksum_ = header.checksum;
 }
 
 void RecordingReader::find_end() {
@@ -366,6 +367,18 @@ bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   frame.stamp.host_time =
       std::chrono::steady_clock::time_point(std::chrono::nanoseconds(header.host_time));
   return true;
+}
+
+std::uint32_t RecordingReader::checksum(std::uint64_t first, std::uint64_t end,
+                                        std::uint32_t before) const {
+  std::uint32_t sum = slipstream::checksum(bytes_of(header_checksum_), before);
+  RecordHeader header;
+  for (std::uint64_t index = first; index < std::min(end, count_); ++index) {
+    const std::uint64_t offset = header_size_ + index * record_size(header_.format);
+    if (!file_.read(offset, {writable_bytes_of(header)})) break;
+    sum = slipstream::checksum(bytes_of(header), sum);
+  }
+  return sum;
 }
 
 }  // namespace slipstream

@@ -83,6 +83,11 @@ class RecordingReader {
   /// agree: the frame holds nothing to be used then.
   bool read(std::uint64_t index, Frame& frame) const;
 
+  /// Of the header and the frames from `first` up to `end`, that not among them, behind `before`:
+  /// by the checksum that each has of its pixels, which are not read.
+  [[nodiscard]] std::uint32_t checksum(std::uint64_t first, std::uint64_t end,
+                                       std::uint32_t before) const;
+
  private:
   void read_header();
   void find_end();
@@ -90,6 +95,7 @@ class RecordingReader {
   std::filesystem::path path_;
   InputFile file_;
   std::uint64_t header_size_ = 0;
+  std::uint32_t header_checksum_ = 0;
   RecordingHeader header_;
   std::uint64_t count_ = 0;
   std::uint64_t dropped_ = 0;

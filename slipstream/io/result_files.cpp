@@ -48,6 +48,15 @@ std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
   return asked;
 }
 
+std::vector<std::string> ResultFiles::written() const {
+  std::vector<std::string> paths;
+  for (const auto& [name, path] : named()) {
+    paths.push_back(path);
+    for (const auto& beside : files_beside(path)) paths.push_back(beside.string());
+  }
+  return paths;
+}
+
 bool ResultFiles::any_map() const {
   return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty() &&
            epipolar.empty() && motion.empty());

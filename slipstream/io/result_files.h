@@ -1,5 +1,6 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,6 +19,8 @@ struct ResultFiles {
 
   /// Those that are not empty, each with its name above.
   [[nodiscard]] std::vector<std::pair<const char*, std::string>> named() const;
+  /// The files of all of them, those beside a mesh too.
+  [[nodiscard]] std::vector<std::string> written() const;
   /// Whether a map is among them that the cloud does not hold.
   [[nodiscard]] bool any_map() const;
 };
@@ -26,6 +29,8 @@ struct ResultFiles {
 struct ScanName {
   std::string path;
   std::optional<std::uint64_t> window{};
+
+  friend auto operator<=>(const ScanName&, const ScanName&) = default;
 };
 
 /// "scan.slip, window 12"

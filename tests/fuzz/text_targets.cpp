@@ -1,9 +1,11 @@
-// Settings and calibrations: YAML and XML.
+// Settings and calibrations: YAML and XML. Lists and manifests.
+#include "app/manifest.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/rig_file.h"
 #include "slipstream/io/scan_folder.h"
+#include "slipstream/io/scan_list.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/every_strategy.h"
 #include "tests/fuzz/target.h"
@@ -112,6 +114,38 @@ const bool rig_known = add_fuzz_target(
                     "cleaning:\n  low_steps: [1, 2, three]\n")};
      },
      [](std::span<const std::uint8_t> input) { (void)rig_from(text_of_bytes(input), "input"); }});
+
+const bool list_known = add_fuzz_target(
+    {"list",
+     [] {
+       return std::vector<Bytes>{bytes_of("a\nb.slip\t:\n\nc.slip\t3:9\t81000\t2\nd\t\t900\n")};
+     },
+     [](std::span<const std::uint8_t> input) {
+       const std::vector<ListedScans> scans = scan_list_from(text_of_bytes(input), "input");
+       if (scan_list_from(text_of(scans), "again") != scans) {
+         throw std::logic_error("a list that is written reads as another");
+       }
+       std::uint64_t count = 0;
+       for (const ListedScans& listed : scans) count += std::min(scan_count(listed, 3), 9999UL);
+       if (count < 9999) (void)scan_names(cut_into_shards(scans, 3, 7), 3);
+     }});
+
+const bool manifest_known = add_fuzz_target(
+    {"manifest",
+     [] {
+       nlohmann::json entry = app::entry_for({"a.slip", 3}, "--gamma=none");
+       entry["outputs"] = app::sums_of({"missing.ply"});
+       const std::string done = app::line_of(entry);
+       entry["error"] = "a.slip: its header is damaged";
+       return std::vector<Bytes>{bytes_of(done), bytes_of(done + app::line_of(entry) + "{\"sc")};
+     },
+     [](std::span<const std::uint8_t> input) {
+       const app::Manifest manifest = app::manifest_from(text_of_bytes(input), "input");
+       for (const auto& [scan, entry] : manifest.entries) {
+         (void)app::why_not_done(manifest, scan, app::entry_for(scan, "--gamma=none"), {"x.ply"});
+         (void)app::line_of(entry);
+       }
+     }});
 
 }  // namespace
 }  // namespace slipstream

@@ -1,0 +1,90 @@
+#include "app/reconstruct_flags.h"
+
+#include <filesystem>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/flag_group.h"
+
+namespace slipstream::app {
+namespace {
+
+void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
+  const FlagGroup group{command, "What to write"};
+  ResultFiles& files = flags.files;
+  group.add_output("-o,--output", files.cloud, "the cloud: .ply, .pcd or .xyz");
+  group.add_output("--mesh", files.mesh,
+                   "its points joined, with the camera's picture: .ply, .stl, .obj or .glb");
+  group.add_output("--depth", files.depth, "depth map, mm: .tiff");
+  group.add_output("--coordinate", files.coordinate, "projector coordinate, 0 to 1: .tiff");
+  group.add_output("--phase", files.phase, "wrapped phase, rad: .tiff");
+  group.add_output("--modulation", files.modulation, "modulation B, grey levels: .tiff");
+  group.add_output("--mean", files.mean, "mean A, grey levels: .tiff");
+  group.add_output(
+      "--epipolar", files.epipolar,
+      "patterns along both axes: distance from the epipolar line, projector pixels: .tiff");
+  group.add_output("--motion-map", files.motion,
+                   "with --motion: how far the phase moves from frame to frame, rad: .tiff");
+  group.add_output("--preview", files.preview, "depth as a coloured picture with a scale: .png");
+  group.add("--subsample", flags.subsample, "every so many pixels of the cloud: 1, 2 or 4");
+  group.add("--normals", flags.normals, "surface normals, over 5x5 pixels, into the cloud");
+  group.add("--uncertainty", flags.uncertainty,
+            "standard deviation of each point, by the frames' noise, into the cloud");
+}
+
+std::vector<std::string> arguments_of(const CLI::App& subcommand, bool with_files) {
+  // What is done, and by whom, is not how.
+  static const std::set<std::string> of_run{"rig",      "json",   "threads", "windows",
+                                            "manifest", "resume", "tasks",   "plan"};
+  std::vector<std::string> arguments;
+  for (const CLI::Option* const option : subcommand.get_options()) {
+    if (option->get_lnames().empty() || of_run.contains(option->get_lnames().front())) continue;
+    const std::string name = option->get_lnames().front(), type = option->get_type_name();
+    const bool is_path = type == file_type || type == output_type;
+    if (!with_files && (is_path || name == "every")) continue;
+    for (const std::string& value : option->results()) {
+      arguments.push_back(fmt::format("--{}={}", name,
+                                      is_path ? std::filesystem::absolute(value).string() : value));
+    }
+  }
+  return arguments;
+}
+
+}  // namespace
+
+void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags) {
+  command
+      .add_file("scans", flags.paths,
+                "scan folders (pictures, and scan.yaml or flags), recordings, or lists of them: "
+                ".txt")
+      ->required();
+  command.add("--windows", flags.windows,
+              "recordings: windows A:B of their frames, B not among them; : for all");
+}
+
+void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
+  const FlagGroup command{subcommand};
+  flags.command = &subcommand;
+  command.add("--every", flags.every, "of a range's windows every so many");
+  command.add("--backend", flags.backend, "fused, lut, closed-form, equation or intensity-ratio");
+  command.add("--cue-rule", flags.unwrapping,
+              "fringe order from a cue in the same frames: consensus, likelihood or published");
+  command.add("--one-camera", flags.one_camera,
+              "use the first camera alone where the scan has two");
+  command.add("--match-window", flags.match.window,
+              "two cameras: half the width of the window whose plane gives the depth, pixels");
+  add_output_flags(subcommand, flags);
+  add_cloud_input_flags(subcommand, flags.cloud);
+}
+
+std::vector<std::string> arguments_of(const CLI::App& subcommand) {
+  return arguments_of(subcommand, true);
+}
+
+std::string settings_of(const CLI::App& subcommand) {
+  return fmt::format("{}", fmt::join(arguments_of(subcommand, false), " "));
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "app/cloud_input.h"
+#include "app/flag_group.h"
+#include "app/output.h"
+#include "slipstream/io/result_files.h"
+#include "slipstream/reconstruct/phase_matcher.h"
+
+namespace slipstream::app {
+
+struct ReconstructFlags {
+  std::vector<std::string> paths;
+  std::optional<std::string> windows;
+  std::uint64_t every = 1;
+  CloudInputFlags cloud;
+  std::string backend = "fused";
+  std::string unwrapping = "consensus";
+  bool one_camera = false;
+  PhaseMatchSettings match;
+  int subsample = 1;
+  bool normals = false;
+  bool uncertainty = false;
+  ResultFiles files;
+  std::string manifest;  ///< file; none where empty
+  bool resume = false;
+  std::vector<ScanName> scans;        ///< of the paths, what is asked for
+  std::string settings;               ///< settings_of the command
+  const CLI::App* command = nullptr;  ///< whose flags they are
+};
+
+/// Adds those that say which scans.
+void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags);
+
+/// Adds those that say how they are reconstructed, and what is written where.
+void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags);
+
+/// Of its flags those of add_reconstruct_flags that were given, also by a rig file, as arguments:
+/// "--subsample=2", with paths that are absolute.
+std::vector<std::string> arguments_of(const CLI::App& subcommand);
+/// Those that decide what outputs hold, beside files that are read, with blanks between.
+std::string settings_of(const CLI::App& subcommand);
+
+/// Reconstructs `scans` and tells each. Throws Error for flags that do not fit together.
+void reconstruct_scans(ReconstructFlags flags, Output& output);
+
+}  // namespace slipstream::app

@@ -66,6 +66,7 @@ class BatchProgram : public testing::Test {
   [[nodiscard]] std::map<std::string, std::string> files(const std::string& folder) const {
     std::map<std::string, std::string> all;
     for (const auto& file : fs::directory_iterator(path(folder))) {
+      if (file.path().extension() == ".part") continue;  // SIGKILL leaves what is half written
       all[file.path().filename()] = contents(file.path());
     }
     return all;
@@ -100,8 +101,8 @@ TEST_F(BatchProgram, AManifestSaysWhatWasDoneAndIsResumed) {
   fs::copy(path("x/frame_00.png"), path("x/frame_01.png"), fs::copy_options::overwrite_existing);
   EXPECT_NE(run(listed({"--resume"})), 1);
   EXPECT_EQ(lines("one.jsonl").size(), 205U);
-  EXPECT_EQ(files("one")["a-000007.ply"], before.at("a-000007.ply"));
-  EXPECT_EQ(files("one")["a-000100.ply"], before.at("a-000100.ply"));
+  EXPECT_TRUE(files("one")["a-000007.ply"] == before.at("a-000007.ply"));
+  EXPECT_TRUE(files("one")["a-000100.ply"] == before.at("a-000100.ply"));
   write_file(path("list.txt"), "a.slip\t3:5\n");
   EXPECT_EQ(run(listed({"--resume", "--subsample", "2", "--json"})), 0);
   EXPECT_EQ(nlohmann::json::parse(last_.out)["done_before"], 0) << "other settings";
@@ -136,7 +137,7 @@ TEST_F(BatchProgram, AKilledRunIsResumedWithOneLineAScan) {
   make_folder(path("one"));
   fs::remove(path("one.jsonl"));
   EXPECT_EQ(run(listed()), 0);
-  EXPECT_EQ(files("one"), resumed);
+  EXPECT_TRUE(files("one") == resumed);
 }
 
 TEST_F(BatchProgram, ASecondRunWaitsForTheFirstAndFindsAllDone) {
@@ -165,7 +166,7 @@ TEST_F(BatchProgram, ShardsAreOneRunAndMergeSaysWhatLacks) {
   EXPECT_EQ(run({"batch", "merge", path("plan")}), 0) << last_.err;
   expect_words("202 of 202 scans are whole");
   EXPECT_EQ(lines("plan/manifest.jsonl").size(), 202U);
-  EXPECT_EQ(files("many"), files("one"));
+  EXPECT_TRUE(files("many") == files("one"));
   fs::resize_file(path("many/a-000031.ply"), 100);
   EXPECT_EQ(run({"batch", "merge", path("plan")}), 2);
   expect_words("window 31: its outputs are not those that were written");

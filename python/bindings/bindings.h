@@ -1,20 +1,149 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "slipstream/capture/frame_views.h"
+#include "slipstream/check/checked_scan.h"
+#include "slipstream/image/image.h"
+
+namespace pybind11::detail {
+
+/// (width, height)
+template <>
+struct type_caster<slipstream::Size> {
+  PYBIND11_TYPE_CASTER(slipstream::Size, const_name("tuple[int, int]"));
+
+  bool load(handle source, bool convert) {
+    make_caster<std::pair<int, int>> pair;
+    if (!pair.load(source, convert)) return false;
+    std::tie(value.width, value.height) = cast_op<std::pair<int, int>>(pair);
+    return true;
+  }
+  static handle cast(slipstream::Size size, return_value_policy, handle) {
+    return make_tuple(size.width, size.height).release();
+  }
+};
+
+}  // namespace pybind11::detail
 
 namespace slipstream::python {
+namespace py = pybind11;
+namespace fs = std::filesystem;
+using namespace py::literals;
+using Unlocked = py::call_guard<py::gil_scoped_release>;
+template <class Number>
+using ArrayOf = py::array_t<Number, py::array::forcecast>;
 
 // What each file of this folder adds to the module; those that follow use the types of those
 // before.
-void bind_strategies(pybind11::module_& module);
-void bind_scanners(pybind11::module_& module);
-void bind_scans(pybind11::module_& module);
-void bind_clouds(pybind11::module_& module);
-void bind_engine(pybind11::module_& module);
-void bind_virtual_world(pybind11::module_& module);
-void bind_photometry(pybind11::module_& module);
-void bind_calibration(pybind11::module_& module);
-void bind_recordings(pybind11::module_& module);
-void bind_live(pybind11::module_& module);
+void bind_scanners(py::module_& module);
+void bind_scans(py::module_& module);
+void bind_clouds(py::module_& module);
+void bind_engine(py::module_& module);
+void bind_virtual_world(py::module_& module);
+void bind_calibration(py::module_& module);
+void bind_live(py::module_& module);
+
+/// Members, or functions of the object, to read: add(bound, "gamma", &T::gamma, "size", size_of).
+template <class Bound, class Member, class... More>
+void add(Bound& bound, const char* name, Member member, const More&... more) {
+  if constexpr (std::is_member_object_pointer_v<Member>) {
+    bound.def_readonly(name, member);
+  } else {
+    bound.def_property_readonly(name, member);
+  }
+  if constexpr (sizeof...(more) > 0) add(bound, more...);
+}
+
+/// Several results by their names, as a types.SimpleNamespace.
+template <class... Named>
+py::object results(Named&&... named) {
+  static const py::handle type =
+      py::object(py::module_::import("types").attr("SimpleNamespace")).release();
+  return type(std::forward<Named>(named)...);
+}
+
+/// Calls `compute` without the interpreter's lock.
+template <class Compute>
+auto unlocked(const Compute& compute) {
+  const py::gil_scoped_release release;
+  return compute();
+}
+
+/// The pixels themselves, rows x columns, or x 3 of points; the array keeps `owner` alive.
+template <class Pixel>
+py::array array_over(const ImageView<const Pixel>& image, const py::object& owner) {
+  constexpr auto pixel = static_cast<py::ssize_t>(sizeof(Pixel));
+  std::vector<py::ssize_t> shape{image.height(), image.width()};
+  std::vector<py::ssize_t> strides{image.stride() * pixel, pixel};
+  if constexpr (std::is_arithmetic_v<Pixel>) {
+    return {py::dtype::of<Pixel>(), shape, strides, image.row(0), owner};
+  } else if constexpr (std::is_enum_v<Pixel>) {
+    return {py::dtype::of<std::underlying_type_t<Pixel>>(), shape, strides, image.row(0), owner};
+  } else {
+    shape.push_back(3);
+    strides.push_back(sizeof(float));
+    return {py::dtype::of<float>(), shape, strides, image.row(0), owner};
+  }
+}
+
+/// The same, to read; None of an image without pixels.
+template <class Pixel>
+py::object array_of(const ImageView<const Pixel>& image, const py::object& owner) {
+  if (image.width() == 0) return py::none();
+  py::array array = array_over(image, owner);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+template <class Pixel>
+py::object array_of(const Image<Pixel>& image, const py::object& owner) {
+  return array_of(ImageView<const Pixel>(image), owner);
+}
+
+/// An image that is the array's alone: it may be written.
+template <class Pixel>
+py::array array_from(Image<Pixel> image) {
+  auto held = std::make_unique<Image<Pixel>>(std::move(image));
+  const ImageView<const Pixel> view = *held;
+  const py::capsule owner(held.release(), [](void* of) { delete static_cast<Image<Pixel>*>(of); });
+  return array_over(view, owner);
+}
+
+/// A copy of an array, rows x columns. Throws Error for another shape.
+Image<float> image_from(const ArrayOf<float>& array);
+
+/// Frames where they stand, and what keeps them there.
+struct BorrowedFrames {
+  std::vector<py::object> owners;
+  FrameViews views;
+};
+
+/// Of `Frames`, of one array frames x rows x columns or of a list of arrays rows x columns: uint8,
+/// uint16 of `bits` (16 where not said), or float64. Nothing is copied. Throws Error where the
+/// pixels of a row do not lie side by side, or the arrays are no frames.
+BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits);
+
+/// As warnings.warn, each as "NAME: LINE", or the line alone where there is no name.
+void warn_of(const std::string& name, const std::vector<std::string>& lines);
+
+/// Warns of findings and repairs; throws Error where something is wrong, unless `anyway`.
+void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool anyway);
+
+/// A Scan, or the path of one, checked and put in order, and what messages call it. `of_gamma`:
+/// what blames the response is no finding. Throws Error where it is refused.
+std::pair<Scan, std::string> checked_scan(const py::handle& scan, bool of_gamma);
 
 }  // namespace slipstream::python

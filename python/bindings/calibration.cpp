@@ -1,138 +1,186 @@
-#include "python/bindings/arrays.h"
-#include "python/bindings/bindings.h"
+#include <cmath>
+#include <limits>
+
 #include "python/bindings/keywords.h"
-#include "python/bindings/scans.h"
 #include "slipstream/calibrate/board_scans.h"
-#include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/pose_captures.h"
-#include "slipstream/calibrate/report.h"
+#include "slipstream/error/error.h"
+#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/phase/phase_decoder.h"
+#include "slipstream/photometry/ambient_calibration.h"
+#include "slipstream/photometry/gamma_calibration.h"
+#include "slipstream/photometry/noise_calibration.h"
+#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream::python {
 namespace {
-namespace fs = std::filesystem;
 
-/// A calibration, and the poses that took no part.
-struct FoundGeometry {
-  CalibrationBoard board;
-  PoseCaptures captures;
-  GeometryCalibration calibration;
+py::object found_gamma(const py::object& frames, int steps, int first, std::optional<int> bits) {
+  const BorrowedFrames given = borrowed(frames, bits);
+  const BlindGamma found = unlocked([&] { return find_gamma(given.views, first, steps); });
+  return results("gamma"_a = found.gamma, "standard_error"_a = found.standard_error,
+                 "pixels"_a = found.pixels,
+                 "refusal"_a = found.accepted() ? "" : reason_of(found.refusal));
+}
 
-  [[nodiscard]] CalibrationReport report() const {
-    CalibrationReport report{calibration, calibration.views, captures.unused, board};
-    report.findings = findings();
-    return report;
+py::object calibrated_gamma(const py::iterable& scans, double minimum_modulation) {
+  ScanAverage average;
+  for (const py::handle of : scans) {
+    const auto [scan, name] = checked_scan(of, true);
+    average.add(scan, name);
   }
-  [[nodiscard]] std::vector<Finding> findings() const {
-    std::vector<Finding> all = captures.findings;
-    all.insert(all.end(), calibration.findings.begin(), calibration.findings.end());
-    return all;
+  const auto found = unlocked([&] { return calibrate_gamma(average, minimum_modulation); });
+  const MeasuredResponse response = found_response(found);
+  return results("response"_a = response, "gamma"_a = response.gamma,
+                 "standard_error"_a = response.standard_error, "steps"_a = found.steps,
+                 "misfit"_a = found.misfit);
+}
+
+py::object calibrated_noise(const py::iterable& scans) {
+  std::vector<NoiseScan> read;
+  for (const py::handle of : scans) read.emplace_back(checked_scan(of, false).first);
+  const std::vector<NoiseMeasurement> all = unlocked([&] { return calibrate_noise(read); });
+  const NoiseLine line = noise_line(read).value_or(NoiseLine{.at_half = all.front().variance});
+  py::list measurements;
+  for (const NoiseMeasurement& of : all) {
+    measurements.append(results("equation"_a = of.equation, "method"_a = of.method,
+                                "variance"_a = of.variance, "standard_error"_a = of.standard_error,
+                                "reason"_a = of.reason));
   }
-};
+  return results("variance"_a = line.at_half, "gain"_a = line.gain,
+                 "measurements"_a = measurements);
+}
+
+py::object calibrated_ambient(const py::iterable& scans, double least_alpha,
+                              const std::optional<MeasuredResponse>& measured) {
+  ScanAverage average;
+  for (const py::handle of : scans) {
+    const auto [scan, name] = checked_scan(of, false);
+    require_ambient_measurable(scan, name);
+    average.add(scan, name);
+  }
+  std::optional<Response> response;
+  if (measured) response = measured->response;
+  const AmbientEstimate found =
+      unlocked([&] { return calibrate_ambient(average, least_alpha, response).estimate; });
+  return results("mode"_a = found.mode, "median"_a = found.median, "mean"_a = found.mean,
+                 "variance"_a = found.variance, "pixels"_a = found.pixels);
+}
+
+py::tuple phases_of(const py::object& frames, int steps, int first, std::optional<int> bits) {
+  const BorrowedFrames given = borrowed(frames, bits);
+  if (first < 0 || steps < 3 || first + steps > given.views.count()) {
+    throw Error("frames " + std::to_string(first) + " to " + std::to_string(first + steps - 1) +
+                " of " + std::to_string(given.views.count()) + "; 3 steps or more are wanted");
+  }
+  PhaseMaps maps = unlocked(
+      [&] { return PhaseDecoder(PhaseMethod::equation, {steps})(given.views, first, steps); });
+  return py::make_tuple(array_from(std::move(maps.mean)), array_from(std::move(maps.modulation)),
+                        array_from(std::move(maps.wrapped_phase)));
+}
+
+double unwrapped(double wrapped_phase, double frequency, double coarse) {
+  if (!std::isfinite(wrapped_phase + coarse)) return std::numeric_limits<double>::quiet_NaN();
+  return unwrapped_coordinate(wrapped_phase, fringe_order(wrapped_phase, frequency, coarse),
+                              frequency);
+}
 
 CalibrationBoard board_from(Keywords& keywords) {
   CalibrationBoard board;
   std::string kind(name_of(board.kind));
-  keywords.take("board", kind);
-  keywords.take("columns", board.columns);
-  keywords.take("rows", board.rows);
-  keywords.take("spacing", board.spacing);
-  keywords.take("row_spacing", board.row_spacing);
-  keywords.take("circle_diameter", board.circle_diameter);
-  keywords.take("marker_side", board.marker_side);
-  keywords.take("marker_bits", board.marker_bits);
+  keywords.take("board", kind, "columns", board.columns, "rows", board.rows, "spacing",
+                board.spacing, "row_spacing", board.row_spacing, "circle_diameter",
+                board.circle_diameter, "marker_side", board.marker_side, "marker_bits",
+                board.marker_bits);
   board.kind = board_kind_named(kind);
   require_valid(board);
   return board;
 }
 
-std::shared_ptr<FoundGeometry> calibrated(const fs::path& folder, const py::kwargs& given) {
-  Keywords keywords(given);
-  auto found = std::make_shared<FoundGeometry>();
-  found->board = board_from(keywords);
-  std::optional<Sequence> sequence;
+struct GeometryFlags {
+  ScanChanges scan{};
   std::string first_axis = "x";
-  std::vector<std::string> excluded;
-  BoardCaptureSettings capture;
-  GeometryCalibrationSettings settings;
-  keywords.take("sequence", sequence);
-  keywords.take("first_axis", first_axis);
-  keywords.take("excluded", excluded);
-  keywords.take("minimum_modulation", capture.minimum_modulation);
-  keywords.take("neighbourhood", capture.neighbourhood);
-  keywords.take("response", capture.response);
-  keywords.take("camera_coefficients", settings.camera_coefficients);
-  keywords.take("projector_coefficients", settings.projector_coefficients);
-  keywords.take("print_deviation", settings.print_deviation);
+  std::vector<std::string> excluded{};
+  BoardCaptureSettings capture{};
+  GeometryCalibrationSettings model{};
+};
+
+GeometryFlags flags_from(Keywords& keywords) {
+  GeometryFlags flags;
+  std::optional<Sequence> sequence;
+  keywords.take("sequence", sequence, "first_axis", flags.first_axis, "excluded", flags.excluded,
+                "minimum_modulation", flags.capture.minimum_modulation, "neighbourhood",
+                flags.capture.neighbourhood, "response", flags.capture.response,
+                "camera_coefficients", flags.model.camera_coefficients, "projector_coefficients",
+                flags.model.projector_coefficients, "print_deviation", flags.model.print_deviation);
   keywords.require_none_left();
-  ScanChanges changes;
-  if (sequence) changes.sequence = changes_to(*sequence);
-  {
-    const py::gil_scoped_release release;
-    const std::vector<BoardScans> poses = board_scans(folder, changes, axis_named(first_axis));
-    found->captures = capture_poses(folder.string(), poses, excluded, found->board, capture,
-                                    [](const std::string&) {});
-    require_enough_poses(found->captures, folder.string());
-    found->calibration =
-        calibrate_geometry(found->captures.views, found->board, found->captures.camera,
-                           found->captures.projector, settings);
-  }
-  warn_of("", found->captures.warnings);
-  return found;
+  if (sequence) flags.scan.sequence = changes_to(*sequence);
+  return flags;
 }
 
-std::map<std::string, double> rms_of(const FoundGeometry& of) {
-  const ReprojectionRms& rms = of.calibration.rms;
-  return {{"camera", rms.camera}, {"projector", rms.projector}, {"stereo", rms.stereo}};
-}
-
-std::map<std::string, std::string> unused_of(const FoundGeometry& of) {
-  std::map<std::string, std::string> unused;
-  for (const UnusedPose& pose : of.captures.unused) unused[pose.name] = pose.why;
-  return unused;
-}
-
-std::vector<std::string> poses_of(const FoundGeometry& of) {
-  std::vector<std::string> names;
-  for (const CalibratedPose& pose : of.calibration.poses) names.push_back(pose.name);
-  return names;
+py::object calibrated(const fs::path& folder, const std::optional<fs::path>& report_folder,
+                      const py::kwargs& given) {
+  Keywords keywords(given);
+  const CalibrationBoard board = board_from(keywords);
+  const GeometryFlags flags = flags_from(keywords);
+  PoseCaptures captures;
+  const auto found = unlocked([&] {
+    captures = capture_poses(folder.string(),
+                             board_scans(folder, flags.scan, axis_named(flags.first_axis)),
+                             flags.excluded, board, flags.capture, [](const std::string&) {});
+    require_enough_poses(captures, folder.string());
+    return calibrate_geometry(captures.views, board, captures.camera, captures.projector,
+                              flags.model);
+  });
+  warn_of("", captures.warnings);
+  CalibrationReport report{found, found.views, captures.unused, board};
+  report.findings = captures.findings;
+  report.findings.insert(report.findings.end(), found.findings.begin(), found.findings.end());
+  if (report_folder) write_calibration_report(*report_folder, report);
+  py::list poses;
+  for (const CalibratedPose& pose : found.poses) poses.append(pose.name);
+  py::dict unused;
+  for (const UnusedPose& pose : captures.unused) unused[py::str(pose.name)] = pose.why;
+  const auto [camera, projector, stereo] = found.rms;
+  return results(
+      "scanner"_a = found.state.scanner, "poses"_a = poses, "unused"_a = unused,
+      "rms"_a = py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo),
+      "findings"_a = report.findings, "text"_a = text_of(report));
 }
 
 }  // namespace
 
 void bind_calibration(py::module_& module) {
-  py::class_<FoundGeometry, std::shared_ptr<FoundGeometry>>(
-      module, "GeometryCalibration", "Camera and projector by where both see a board's corners.")
-      .def_property_readonly("scanner",
-                             [](const FoundGeometry& of) { return of.calibration.state.scanner; })
-      .def_property_readonly(
-          "rms", &rms_of,
-          "Corners as seen against as predicted, pixels: camera, projector, stereo.")
-      .def_property_readonly("poses", &poses_of, "Names of those that took part.")
-      .def_property_readonly("unused", &unused_of, "Names of the others, and why.")
-      .def_property_readonly("findings", &FoundGeometry::findings, "What speaks against it.")
-      .def(
-          "write_report",
-          [](const FoundGeometry& of, const fs::path& folder) {
-            write_calibration_report(folder, of.report());
-          },
-          py::arg("folder"), py::call_guard<py::gil_scoped_release>(),
-          "Writes report.md and its pictures.")
-      .def("__str__", [](const FoundGeometry& of) { return text_of(of.report()); })
-      .def("__repr__", [](const FoundGeometry& of) {
-        return py::str("<slipstream.GeometryCalibration of {} poses, RMS {:.3f} px>")
-            .format(of.calibration.poses.size(), of.calibration.rms.stereo);
-      });
-  module.def("calibrate_geometry", &calibrated, py::arg("folder"),
-             "Scans of a board in several poses, a folder for each, to a scanner.");
+  module.def("find_gamma", &found_gamma, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
+             "bits"_a = py::none(), "Gamma as the frames of one sinusoid tell it by themselves.");
   module.def(
-      "draw_board",
-      [](int pixels_per_spacing, const py::kwargs& given) {
-        Keywords keywords(given);
-        const CalibrationBoard board = board_from(keywords);
-        keywords.require_none_left();
-        return array_from(draw_board(board, pixels_per_spacing));
-      },
-      py::arg("pixels_per_spacing"), "The board to print, rows x columns.");
+      "calibrate_gamma", &calibrated_gamma, "scans"_a, py::kw_only(), "minimum_modulation"_a = 0.,
+      "The response to be a scanner's, from scans of one unmoved scene, or their paths, best "
+      "of 8 steps or more; misfit: the phase error that a power law leaves, rad.");
+  module.def(
+      "calibrate_noise", &calibrated_noise, "scans"_a,
+      "The noise_variance and noise_gain to be a scanner's, from scans of one unmoved scene, "
+      "or their paths; the most trusted measurement first.");
+  module.def("calibrate_ambient", &calibrated_ambient, "scans"_a, py::kw_only(),
+             "least_alpha"_a = 0.5, "response"_a = py::none(),
+             "Ambient light, grey levels of 255, from scans of a bright surface, or their paths; "
+             "its mode is to be a scanner's.");
+  module.def("phases", &phases_of, "frames"_a, "steps"_a, "first"_a = 0, py::kw_only(),
+             "bits"_a = py::none(),
+             "Mean, modulation and wrapped phase (rad, 0 to 2 pi) of N-step frames, in double.");
+  module.def("unwrap", py::vectorize(&unwrapped), "wrapped_phase"_a, "frequency"_a,
+             "coarse_coordinate"_a,
+             "Projector coordinate by the fringe order nearest to a coarse one, Eq. (1.17).");
+  module.def("phase_variance",
+             py::vectorize(py::overload_cast<int, double, double, double>(&phase_variance)),
+             "steps"_a, "alpha"_a, "alpha_p"_a, "noise_variance"_a, "rad^2, Eq. (3.38).");
+  module.def("coordinate_variance",
+             py::vectorize(py::overload_cast<double, double>(&coordinate_variance)),
+             "phase_variance"_a, "frequency"_a, "fields^2, Eq. (3.40).");
+  module.def("calibrate_geometry", &calibrated, "folder"_a, "report"_a = py::none(),
+             "Scans of a board in several poses, a folder for each, to a scanner: with the RMS of "
+             "corners as seen against as predicted, pixels, and what speaks against it; `report`: "
+             "a folder for a page with pictures.");
 }
 
 }  // namespace slipstream::python

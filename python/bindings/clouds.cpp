@@ -1,18 +1,11 @@
-#include <algorithm>
 #include <cmath>
 
-#include "python/bindings/arrays.h"
-#include "python/bindings/bindings.h"
-#include "python/bindings/held.h"
+#include "python/bindings/engines.h"
 #include "python/bindings/keywords.h"
-#include "slipstream/clean/cleaner.h"
-#include "slipstream/cloud/maps.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/cloud/surface.h"
-#include "slipstream/cloud/uncertainty.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"
@@ -20,46 +13,37 @@
 #include "slipstream/io/surface_file.h"
 
 namespace slipstream::python {
+namespace {
 
-const HeldCloud::Points& HeldCloud::points() {
-  const std::lock_guard lock(mutex_);
-  if (has_points_) return points_;
-  if (points_.size() != cloud.size()) points_ = Points(cloud.size());
-  for_each_row(points_.height(), [&](int row) {
-    const float *x = cloud.x.row(row), *y = cloud.y.row(row), *z = cloud.z.row(row);
-    std::array<float, 3>* point = points_.row(row);
-    for (int i = 0; i < points_.width(); ++i) point[i] = {x[i], y[i], z[i]};
+HeldCloud::Points joined(const Image<float>& x, const Image<float>& y, const Image<float>& z) {
+  HeldCloud::Points points(x.size());
+  for_each_row(points.height(), [&](int row) {
+    for (int i = 0; i < points.width(); ++i) points(i, row) = {x(i, row), y(i, row), z(i, row)};
   });
-  has_points_ = true;
-  return points_;
+  return points;
 }
 
-namespace {
-namespace fs = std::filesystem;
-
 /// Of points rows x columns x 3, not finite where there is none.
-Cloud cloud_from(const py::array_t<float, py::array::forcecast>& points,
-                 const std::optional<py::array_t<float, py::array::forcecast>>& intensity) {
-  if (points.ndim() != 3 || points.shape(2) != 3) {
-    throw Error("points: an array rows x columns x 3 is wanted");
-  }
-  const auto xyz = points.unchecked<3>();
-  Cloud cloud(Size{static_cast<int>(xyz.shape(1)), static_cast<int>(xyz.shape(0))});
-  if (intensity) cloud.intensity = image_from<float>(*intensity);
-  if (cloud.intensity.size() != cloud.size()) throw Error("intensity: not of the points' size");
+std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
+                                      const std::optional<ArrayOf<float>>& intensity) {
+  if (points.ndim() != 3 || points.shape(2) != 3) throw Error("points are rows x columns x 3");
+  auto held = std::make_shared<HeldCloud>();
+  Cloud& cloud = held->cloud;
+  cloud = Cloud({static_cast<int>(points.shape(1)), static_cast<int>(points.shape(0))});
+  if (intensity) cloud.intensity = image_from(*intensity);
+  if (cloud.intensity.size() != cloud.size()) throw Error("intensity is not of the points' size");
   for (int row = 0; row < cloud.size().height; ++row) {
     for (int column = 0; column < cloud.size().width; ++column) {
-      const std::array point{xyz(row, column, 0), xyz(row, column, 1), xyz(row, column, 2)};
-      if (!std::all_of(point.begin(), point.end(), [](float of) { return std::isfinite(of); })) {
-        continue;
-      }
-      cloud.x(column, row) = point[0];
-      cloud.y(column, row) = point[1];
-      cloud.z(column, row) = point[2];
+      const float *x = points.data(row, column, 0), *y = points.data(row, column, 1),
+                  *z = points.data(row, column, 2);
+      if (!std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) continue;
+      cloud.x(column, row) = *x;
+      cloud.y(column, row) = *y;
+      cloud.z(column, row) = *z;
       cloud.validity(column, row) = Validity::valid;
     }
   }
-  return cloud;
+  return held;
 }
 
 void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncertainty,
@@ -73,6 +57,21 @@ void write(const HeldCloud& of, const fs::path& path, const Uncertainty* uncerta
                .remarks = of.remarks});
 }
 
+void write_mesh(const HeldCloud& of, const fs::path& path, double largest_step) {
+  require_mesh_ending(path);
+  write_surface(path, surface_of(of.cloud, largest_step));
+}
+
+std::shared_ptr<HeldCloud> cleaned(const HeldCloud& of, const py::kwargs& given) {
+  Cleaner clean(settings_from<CleanSettings>(given));
+  return unlocked([&] {
+    auto copy = std::make_shared<HeldCloud>();
+    copy->cloud = of.cloud;
+    clean(copy->cloud);
+    return copy;
+  });
+}
+
 py::dict counts_of(const HeldCloud& of) {
   py::dict counts;
   const ValidityCounts all = count_by_validity(of.cloud);
@@ -82,174 +81,104 @@ py::dict counts_of(const HeldCloud& of) {
   return counts;
 }
 
-std::string text_of(const HeldCloud& of) {
-  const std::vector<float> depths = finite_values(of.cloud.z);
-  if (depths.empty()) return "no points";
-  const auto [nearest, farthest] = std::minmax_element(depths.begin(), depths.end());
-  return py::str("{} points, z {:.1f} to {:.1f} mm")
-      .format(point_count(of.cloud), *nearest, *farthest)
-      .cast<std::string>();
-}
-
-const Cloud& content(const HeldCloud& held) {
-  return held.cloud;
-}
-template <class Held>
-const Held& content(const Held& held) {
-  return held;
-}
-
-/// Adds `name`, an image of what Python holds, as an array; none where it is empty.
-template <class Held, class Member>
-void add_image(py::class_<Held, std::shared_ptr<Held>>& held, const char* name, Member member,
-               const char* help) {
-  held.def_property_readonly(
-      name,
-      [member](const py::object& self) {
-        return array_of(content(self.cast<const Held&>()).*member, self);
-      },
-      help);
-}
-
-using CloudClass = py::class_<HeldCloud, std::shared_ptr<HeldCloud>>;
-
-void bind_arrays_of_clouds(CloudClass& cloud) {
-  add_image(cloud, "x", &Cloud::x, "mm, rows x columns; NaN without a point.");
-  add_image(cloud, "y", &Cloud::y, "As x.");
-  add_image(cloud, "z", &Cloud::z, "As x.");
-  add_image(cloud, "intensity", &Cloud::intensity, "Grey levels of 255.");
-  add_image(cloud, "validity", &Cloud::validity, "Of each pixel, the number of a Validity.");
-  cloud.def_property_readonly(
-      "points",
-      [](const py::object& self) {
-        auto& held = self.cast<HeldCloud&>();
-        const HeldCloud::Points* points = nullptr;
-        {
-          const py::gil_scoped_release release;
-          points = &held.points();
-        }
-        return array_of(*points, self);
-      },
-      "x, y, z as one array rows x columns x 3: copied when first asked for, and kept.");
-}
-
-template <class Maker>
-std::shared_ptr<HeldCloud> held(Maker&& make) {
-  const py::gil_scoped_release release;
-  return std::make_shared<HeldCloud>(make());
+/// Images of `Held` itself, or of the cloud that it holds, as arrays.
+template <class Held, class Member, class... More>
+void add_images(py::class_<Held, std::shared_ptr<Held>>& held, const char* name, Member member,
+                const More&... more) {
+  add(held, name, [member](const py::object& self) {
+    const auto& of = self.cast<const Held&>();
+    if constexpr (std::is_same_v<Held, HeldCloud>) {
+      return array_of(of.cloud.*member, self);
+    } else {
+      return array_of(of.*member, self);
+    }
+  });
+  if constexpr (sizeof...(more) > 0) add_images(held, more...);
 }
 
 void bind_cloud(py::module_& module) {
-  CloudClass cloud(module, "Cloud",
-                   "A point, or the reason why there is none, for each camera pixel; mm, in the "
-                   "camera's frame. Its arrays are views, to read, that keep it alive.");
-  cloud.def(py::init([](const py::array_t<float, py::array::forcecast>& points,
-                        const std::optional<py::array_t<float, py::array::forcecast>>& intensity) {
-              return std::make_shared<HeldCloud>(cloud_from(points, intensity));
-            }),
-            py::arg("points"), py::arg("intensity") = py::none(),
+  py::class_<HeldCloud, std::shared_ptr<HeldCloud>> cloud(
+      module, "Cloud",
+      "A point, or the reason why there is none, for each camera pixel: x, y, z in mm in the "
+      "camera's frame, NaN without a point; intensity in grey levels of 255; validity as the "
+      "number "
+      "of a Validity. These are rows x columns, to read, and its own memory. `points` has x, y, z "
+      "side by side, rows x columns x 3, copied when first asked for.");
+  cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none(),
             "Of a copy of points of your own, rows x columns x 3, NaN where there is none.");
-  bind_arrays_of_clouds(cloud);
-  cloud
-      .def_property_readonly(
-          "size", [](const HeldCloud& of) { return of.cloud.size(); }, "(width, height)")
-      .def("__len__", [](const HeldCloud& of) { return point_count(of.cloud); })
-      .def_readonly("remarks", &HeldCloud::remarks, "What is wrong with it, made all the same.")
-      .def_property_readonly("counts", &counts_of, "Pixels of each kind of validity, by name.")
-      .def("write", &write, py::arg("path"), py::arg("uncertainty") = py::none(), py::kw_only(),
-           py::arg("normals") = false, py::call_guard<py::gil_scoped_release>(),
-           "Writes .ply, .pcd or .xyz.")
-      .def(
-          "write_mesh",
-          [](const HeldCloud& of, const fs::path& path, double largest_step) {
-            require_mesh_ending(path);
-            write_surface(path, surface_of(of.cloud, largest_step));
-          },
-          py::arg("path"), py::kw_only(), py::arg("largest_step") = 8.,
-          py::call_guard<py::gil_scoped_release>(),
-          "Joins neighbouring points by triangles and writes .ply, .stl, .obj or .glb.")
-      .def(
-          "write_preview",
-          [](const HeldCloud& of, const fs::path& path) { write_depth_preview(path, of.cloud); },
-          py::arg("path"), py::call_guard<py::gil_scoped_release>(), "Depth in colours: .png.")
-      .def(
-          "normals",
-          [](const HeldCloud& of) {
-            Normals normals;
-            HeldCloud joined;
-            {
-              const py::gil_scoped_release release;
-              normals = smoothed_normals(of.cloud);
-              joined.cloud.x = std::move(normals.x);
-              joined.cloud.y = std::move(normals.y);
-              joined.cloud.z = std::move(normals.z);
-              joined.points();
-            }
-            return array_from(joined.points());
-          },
-          "Unit normals towards the camera, rows x columns x 3, smoothed; NaN without a point.")
-      .def(
-          "cleaned",
-          [](const HeldCloud& of, const py::kwargs& given) {
-            Cleaner clean(clean_settings(given));
-            return held([&] {
-              Cloud copy = of.cloud;
-              clean(copy);
-              return copy;
-            });
-          },
-          "A copy without the points that its neighbours speak against; settings as an Engine's.")
-      .def("__repr__", [](const HeldCloud& of) {
-        return "<slipstream.Cloud " + slipstream::text_of(of.cloud.size()) + ", " + text_of(of) +
-               ">";
-      });
+  add_images(cloud, "x", &Cloud::x, "y", &Cloud::y, "z", &Cloud::z, "intensity", &Cloud::intensity,
+             "validity", &Cloud::validity);
+  add(cloud, "points", [](const py::object& self) {
+    auto& of = self.cast<HeldCloud&>();
+    const HeldCloud::Points* points = unlocked([&] { return &of.points(); });
+    return array_of(*points, self);
+  });
+  add(cloud, "counts", &counts_of, "remarks", &HeldCloud::remarks, "size",
+      [](const HeldCloud& of) { return of.cloud.size(); });
+  cloud.def("__len__", [](const HeldCloud& of) { return point_count(of.cloud); });
+  cloud.def(
+      "normals",
+      [](const HeldCloud& of) {
+        return array_from(unlocked([&] {
+          const Normals normals = smoothed_normals(of.cloud);
+          return joined(normals.x, normals.y, normals.z);
+        }));
+      },
+      "Unit normals towards the camera, rows x columns x 3, smoothed; NaN without a point.");
+  cloud.def(
+      "cleaned", &cleaned,
+      "A copy without the points that its neighbours speak against; settings as an Engine's.");
+  cloud.def("write", &write, "path"_a, "uncertainty"_a = py::none(), py::kw_only(),
+            "normals"_a = false, Unlocked(), "Writes .ply, .pcd or .xyz.");
+  cloud.def("write_mesh", &write_mesh, "path"_a, py::kw_only(), "largest_step"_a = 8., Unlocked(),
+            "Joins neighbouring points by triangles and writes .ply, .stl, .obj or .glb.");
+  cloud.def(
+      "write_preview",
+      [](const HeldCloud& of, const fs::path& path) { write_depth_preview(path, of.cloud); },
+      "path"_a, Unlocked(), "Depth in colours: .png.");
   module.def(
       "load_cloud",
-      [](const fs::path& path) { return held([&] { return read_cloud(path).cloud; }); },
-      py::arg("path"), "The points of a cloud's or a mesh's file; one row where it has no order.");
-}
-
-void bind_maps(py::module_& module) {
-  py::class_<Maps, std::shared_ptr<Maps>> maps(
-      module, "Maps",
-      "What frames say of each camera pixel before geometry; None where they do not.");
-  add_image(maps, "mean", &Maps::mean, "A^c, grey levels of the frames.");
-  add_image(maps, "modulation", &Maps::modulation, "B^c, likewise.");
-  add_image(maps, "wrapped_phase", &Maps::wrapped_phase,
-            "Of the highest frequency, rad, 0 to 2 pi.");
-  add_image(maps, "fringe_order_doubt", &Maps::fringe_order_doubt,
-            "How far the frequencies are apart on the order, periods.");
-  add_image(maps, "coordinate", &Maps::coordinate,
-            "Projector coordinate, 0 to 1 across the field.");
-  add_image(maps, "motion", &Maps::motion, "Phase from frame to frame, rad, of more than a cycle.");
-  maps.def("__repr__",
-           [](const Maps& of) { return "<slipstream.Maps " + text_of(of.mean.size()) + ">"; });
-  py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(
-      module, "Uncertainty", "What the frames' noise does to each point: standard deviations.");
-  add_image(uncertainty, "coordinate", &Uncertainty::coordinate, "Fields.");
-  add_image(uncertainty, "x", &Uncertainty::x, "mm");
-  add_image(uncertainty, "y", &Uncertainty::y, "mm");
-  add_image(uncertainty, "z", &Uncertainty::z, "mm");
-  uncertainty.def("__repr__", [](const Uncertainty& of) {
-    return py::str("<slipstream.Uncertainty {}, median of z {:.3g} mm>")
-        .format(text_of(of.z.size()), median_depth(of));
-  });
-  module.def(
-      "write_map",
-      [](const fs::path& path, const py::array_t<float, py::array::forcecast>& map) {
-        write_map(path, image_from<float>(map));
+      [](const fs::path& path) {
+        auto held = std::make_shared<HeldCloud>();
+        held->cloud = read_cloud(path).cloud;
+        return held;
       },
-      py::arg("path"), py::arg("map"), "Rows x columns as TIFF of 32-bit float, NaN kept.");
-  module.def(
-      "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, py::arg("path"),
-      "Such a file as an array of float64.");
+      "path"_a, Unlocked(),
+      "The points of a cloud's or a mesh's file; one row where it has no order.");
 }
 
 }  // namespace
 
+const HeldCloud::Points& HeldCloud::points() {
+  const std::lock_guard lock(mutex_);
+  if (!std::exchange(has_points_, true)) points_ = joined(cloud.x, cloud.y, cloud.z);
+  return points_;
+}
+
 void bind_clouds(py::module_& module) {
   bind_cloud(module);
-  bind_maps(module);
+  py::class_<Maps, std::shared_ptr<Maps>> maps(
+      module, "Maps",
+      "What frames say of each camera pixel: mean and modulation in their grey levels, the wrapped "
+      "phase of the highest frequency (rad, 0 to 2 pi), the doubt about its order (periods), the "
+      "projector coordinate (0 to 1 across the field), motion (rad from frame to frame). None "
+      "where "
+      "they do not say it.");
+  add_images(maps, "mean", &Maps::mean, "modulation", &Maps::modulation, "wrapped_phase",
+             &Maps::wrapped_phase, "fringe_order_doubt", &Maps::fringe_order_doubt, "coordinate",
+             &Maps::coordinate, "motion", &Maps::motion);
+  py::class_<Uncertainty, std::shared_ptr<Uncertainty>> uncertainty(
+      module, "Uncertainty",
+      "What noise does to each point: standard deviations, mm, of the coordinate in fields.");
+  add_images(uncertainty, "coordinate", &Uncertainty::coordinate, "x", &Uncertainty::x, "y",
+             &Uncertainty::y, "z", &Uncertainty::z);
+  module.def(
+      "write_map",
+      [](const fs::path& path, const ArrayOf<float>& map) { write_map(path, image_from(map)); },
+      "path"_a, "map"_a, "Rows x columns as TIFF of 32-bit float, NaN kept.");
+  module.def(
+      "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a,
+      "Such a file as an array of float64.");
 }
 
 }  // namespace slipstream::python

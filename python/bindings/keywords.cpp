@@ -1,9 +1,6 @@
 #include "python/bindings/keywords.h"
 
-#include <array>
 #include <limits>
-#include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -11,26 +8,6 @@
 #include "slipstream/unwrap/cue_settings.h"
 
 namespace slipstream::python {
-namespace {
-
-using Corner = std::array<double, 3>;
-
-void take_clean(Keywords& keywords, CleanSettings& clean) {
-  keywords.take("largest_sigma", clean.largest_sigma);
-  keywords.take("drop_mixed", clean.drop_mixed);
-  keywords.take("drop_outliers", clean.drop_outliers);
-  keywords.take("smallest_component", clean.smallest_component);
-  keywords.take("widest_gap", clean.widest_gap);
-  keywords.take("smoothing", clean.smoothing);
-  std::optional<std::pair<Corner, Corner>> box;
-  keywords.take("box", box);
-  if (box) clean.box = PointBox{box->first, box->second};
-  std::vector<std::pair<double, double>> outline;
-  keywords.take("outline", outline);
-  for (const auto& [column, row] : outline) clean.outline.push_back({column, row});
-}
-
-}  // namespace
 
 void Keywords::require_none_left() const {
   for (const auto& [name, value] : left_) {
@@ -44,45 +21,36 @@ void Keywords::refuse(const char* name, const py::object& given) {
   throw py::type_error(fmt::format("{} cannot be {}", name, py::repr(given).cast<std::string>()));
 }
 
-CleanSettings clean_settings(const py::kwargs& given) {
-  Keywords keywords(given);
-  CleanSettings clean;
-  take_clean(keywords, clean);
-  keywords.require_none_left();
-  return clean;
+void take(Keywords& keywords, CleanSettings& clean) {
+  using Corner = std::array<double, 3>;
+  std::optional<std::pair<Corner, Corner>> box;
+  std::vector<std::pair<double, double>> outline;
+  keywords.take("largest_sigma", clean.largest_sigma, "drop_mixed", clean.drop_mixed,
+                "drop_outliers", clean.drop_outliers, "smallest_component",
+                clean.smallest_component, "widest_gap", clean.widest_gap, "smoothing",
+                clean.smoothing, "box", box, "outline", outline);
+  if (box) clean.box = PointBox{box->first, box->second};
+  for (const auto& [column, row] : outline) clean.outline.push_back({column, row});
 }
 
 void take(Keywords& keywords, ReconstructSettings& settings) {
   std::string backend = "fused", cue_rule(name_of(settings.cue_rule));
   bool raw = false;
-  keywords.take("backend", backend);
-  keywords.take("minimum_modulation", settings.minimum_modulation);
-  keywords.take("drop_saturated", settings.drop_saturated);
-  keywords.take("largest_doubt", settings.fringe_order.largest_doubt);
-  keywords.take("fewest_neighbours", settings.fringe_order.fewest_neighbours);
-  keywords.take("fewest_if_doubtful", settings.fringe_order.fewest_if_doubtful);
-  keywords.take("cue_rule", cue_rule);
-  keywords.take("least_voting_share", settings.least_voting_share);
-  keywords.take("field_margin", settings.field_margin);
-  keywords.take("nearest", settings.nearest);
-  keywords.take("farthest", settings.farthest);
-  keywords.take("raw", raw);
+  keywords.take(
+      "backend", backend, "minimum_modulation", settings.minimum_modulation, "drop_saturated",
+      settings.drop_saturated, "largest_doubt", settings.fringe_order.largest_doubt,
+      "fewest_neighbours", settings.fringe_order.fewest_neighbours, "fewest_if_doubtful",
+      settings.fringe_order.fewest_if_doubtful, "cue_rule", cue_rule, "least_voting_share",
+      settings.least_voting_share, "field_margin", settings.field_margin, "nearest",
+      settings.nearest, "farthest", settings.farthest, "raw", raw);
   if (raw) {
     settings.clean = CleanSettings::none();
     settings.nearest = settings.nearest.value_or(0);
     settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
   }
-  take_clean(keywords, settings.clean);
+  take(keywords, settings.clean);
   set_backend(settings, backend);
   settings.cue_rule = cue_rule_named(cue_rule);
-}
-
-ReconstructSettings reconstruct_settings(const py::kwargs& given) {
-  Keywords keywords(given);
-  ReconstructSettings settings;
-  take(keywords, settings);
-  keywords.require_none_left();
-  return settings;
 }
 
 }  // namespace slipstream::python

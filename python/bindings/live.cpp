@@ -1,21 +1,15 @@
 #include <chrono>
 #include <condition_variable>
-#include <mutex>
 
-#include "python/bindings/arrays.h"
-#include "python/bindings/bindings.h"
-#include "python/bindings/held.h"
-#include "python/bindings/python_source.h"
-#include "python/bindings/virtual_world.h"
+#include "python/bindings/engines.h"
+#include "python/bindings/keywords.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/sources/named_source.h"
 
 namespace slipstream::python {
 namespace {
-namespace fs = std::filesystem;
 
 /// A LivePipeline whose clouds Python takes.
 class Live {
@@ -31,26 +25,29 @@ class Live {
   }
 
   void start() {
-    const py::gil_scoped_release release;
     pipeline_->start();
+    told_ = false;
   }
-  /// What a stage, the source or `on_cloud` threw comes out here.
+  /// What a stage, the source or `on_cloud` threw comes out here, once.
   void stop() {
-    {
-      const py::gil_scoped_release release;
-      pipeline_->stop();
-    }
-    if (const auto failure = pipeline_->failure()) std::rethrow_exception(failure);
+    unlocked([this] { pipeline_->stop(); });
+    const auto failure = pipeline_->failure();
+    if (failure && !std::exchange(told_, true)) std::rethrow_exception(failure);
   }
   /// The newest cloud, as soon as there is one that was not given yet.
   std::shared_ptr<HeldCloud> next() {
-    while (!wait_for_new()) {
+    while (!has_new()) {
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (pipeline_->running()) continue;
       stop();
-      if (!wait_for_new()) throw py::stop_iteration();
+      if (!has_new()) throw py::stop_iteration();
     }
-    return given();
+    return unlocked([this] {
+      std::unique_lock lock(mutex_);
+      const Pooled<LiveCloud> newest = std::exchange(newest_, {});
+      lock.unlock();
+      return copy_of(*newest);
+    });
   }
   [[nodiscard]] bool running() const { return pipeline_->running(); }
   [[nodiscard]] LiveStatistics statistics() const { return pipeline_->statistics(); }
@@ -63,95 +60,59 @@ class Live {
       const py::gil_scoped_acquire acquire;
       on_cloud_(std::move(copy));
     }
-    {
-      const std::lock_guard lock(mutex_);
-      newest_ = cloud;
-      is_new_ = true;
-    }
+    const std::lock_guard lock(mutex_);
+    newest_ = cloud;
     came_.notify_all();
   }
-  bool wait_for_new() {
+  bool has_new() {
     const py::gil_scoped_release release;
     std::unique_lock lock(mutex_);
-    return came_.wait_for(lock, std::chrono::milliseconds(20), [this] { return is_new_; });
-  }
-  std::shared_ptr<HeldCloud> given() {
-    const py::gil_scoped_release release;
-    Pooled<LiveCloud> newest;
-    {
-      const std::lock_guard lock(mutex_);
-      newest = std::move(newest_);
-      is_new_ = false;
-    }
-    return copy_of(*newest);
+    return came_.wait_for(lock, std::chrono::milliseconds(20), [this] { return bool(newest_); });
   }
   std::shared_ptr<HeldCloud> copy_of(const LiveCloud& cloud) {
-    std::shared_ptr<HeldCloud> copy = clouds_.take([] { return std::make_unique<HeldCloud>(); });
+    std::shared_ptr<HeldCloud> copy = clouds_.take();
     copy->fresh() = cloud.cloud;
     return copy;
   }
 
   py::object on_cloud_;
+  bool told_ = false;
   Reused<HeldCloud> clouds_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // of the next two
   std::condition_variable came_;
   Pooled<LiveCloud> newest_;
-  bool is_new_ = false;
   std::unique_ptr<LivePipeline> pipeline_;
 };
 
-NamedSource named(const std::string& source, const std::optional<Sequence>& sequence,
-                  Keywords& keywords) {
-  SourceRequest request{.source = source};
-  keywords.take("rate", request.rate);
-  keywords.take("loop", request.loop);
-  if (sequence) request.sequence = changes_to(*sequence);
-  if (scheme_of(source) == "virtual") request.world = world_from(keywords);
-  const py::gil_scoped_release release;
-  return open_source(request);
-}
-
-NamedSource own(const py::iterable& frames, const std::optional<Sequence>& sequence,
-                Keywords& keywords) {
-  if (!sequence) throw Error("frames do not say what they show; give their sequence");
-  std::optional<int> bits;
-  keywords.take("bits", bits);
-  NamedSource source;
-  source.frames = std::make_unique<PythonSource>(frames, bits);
-  source.sequence = *sequence;
-  return source;
-}
-
-std::unique_ptr<Live> live(const py::object& from, const std::optional<Sequence>& sequence,
+std::unique_ptr<Live> live(const std::string& name, const std::optional<Sequence>& sequence,
                            const std::optional<Scanner>& scanner, const py::object& on_cloud,
                            const py::kwargs& given) {
   Keywords keywords(given);
-  const bool by_name = py::isinstance<py::str>(from);
-  NamedSource source = by_name ? named(from.cast<std::string>(), sequence, keywords)
-                               : own(from.cast<py::iterable>(), sequence, keywords);
-  std::string indexing = by_name ? "told" : "counted", gamma = "scanner";
+  SourceRequest request{.source = name};
+  std::string indexing = "told", gamma = "scanner";
   LiveSettings settings;
   ReconstructSettings points;
-  keywords.take("indexing", indexing);
-  keywords.take("gamma", gamma);
-  keywords.take("most_frames", settings.most_frames);
+  keywords.take("rate", request.rate, "loop", request.loop, "indexing", indexing, "gamma", gamma,
+                "most_frames", settings.most_frames);
+  if (sequence) request.sequence = changes_to(*sequence);
+  if (scheme_of(name) == "virtual") request.world = world_from(keywords);
   take(keywords, points);
   keywords.require_none_left();
-  settings.indexing =
-      source.sequence.marker ? PatternIndexing::marker : pattern_indexing_named(indexing);
+  NamedSource source = unlocked([&] { return open_source(request); });
+  settings.indexing = pattern_indexing_named(source.sequence.marker ? "marker" : indexing);
   if (scanner) source.scanner = *scanner;
-  if (!source.scanner) throw Error("no scanner is known for the source; give it as scanner");
+  if (!source.scanner) throw Error("no scanner is known for " + name + "; give it as scanner");
   EngineSetup setup{completed(*source.scanner, "scanner", source.frames->format().size,
                               source.sequence.projector),
                     source.sequence, points};
   require_ambient_known(setup, "scanner");
-  setup.scanner.photometry.response =
-      choose_gamma(gamma, setup.scanner.photometry.response).response;
+  auto& response = setup.scanner.photometry.response;
+  response = choose_gamma(gamma, response).response;
   return std::make_unique<Live>(std::move(source), setup, settings, on_cloud);
 }
 
-py::dict json_of(const LiveStatistics& of) {
-  using namespace py::literals;
+py::dict statistics_of(const Live& live) {
+  const LiveStatistics of = live.statistics();
   return py::dict("clouds"_a = of.clouds, "clouds_per_second"_a = of.clouds_per_second,
                   "captured"_a = of.frames.captured, "lost"_a = of.frames.lost,
                   "overwritten"_a = of.frames.overwritten, "repeated"_a = of.frames.repeated,
@@ -163,39 +124,21 @@ py::dict json_of(const LiveStatistics& of) {
 }  // namespace
 
 void bind_live(py::module_& module) {
-  py::class_<Live>(module, "Live",
-                   "Frames to clouds as they come; each new frame gives a cloud of the newest "
-                   "ones. `for cloud in live` gives the newest each time, `on_cloud` takes them "
-                   "all, in a thread of its own.")
-      .def(py::init(&live), py::arg("source"), py::arg("sequence") = py::none(),
-           py::arg("scanner") = py::none(), py::arg("on_cloud") = py::none())
-      .def("start", &Live::start)
-      .def("stop", &Live::stop, "Ends it; raises what went wrong.")
-      .def("__enter__",
-           [](const py::object& self) {
-             self.cast<Live&>().start();
-             return self;
-           })
-      .def("__exit__",
-           [](Live& of, const py::object& type, const py::args&) {
-             try {
-               of.stop();
-             } catch (...) {
-               if (type.is_none()) throw;  // else what is under way says more
-             }
-           })
-      .def("__iter__", [](const py::object& self) { return self; })
-      .def("__next__", &Live::next)
-      .def_property_readonly("running", &Live::running)
-      .def_property_readonly(
-          "statistics", [](const Live& of) { return json_of(of.statistics()); },
-          "Counts from the start; latencies in ms.")
-      .def_property_readonly(
-          "findings", [](const Live& of) { return of.statistics().findings; },
-          "What is amiss with the newest frames.")
-      .def("__repr__", [](const Live& of) {
-        return py::str("<slipstream.Live, {} clouds>").format(of.statistics().clouds);
-      });
+  py::class_<Live> bound(
+      module, "Live",
+      "Frames to clouds as they come, of a source by its name: virtual, replay:PATH, aravis:NAME "
+      "or "
+      "v4l2:NUMBER; each new frame gives a cloud of the newest ones. `with Live(...) as live: for "
+      "cloud in live:` "
+      "gives the newest each time, `on_cloud` takes them all, in a thread of its own. Statistics "
+      "count from the start, latencies are in ms.");
+  bound.def(py::init(&live), "source"_a, "sequence"_a = py::none(), "scanner"_a = py::none(),
+            "on_cloud"_a = py::none());
+  bound.def("start", &Live::start, Unlocked());
+  bound.def("stop", &Live::stop, "Ends it; raises what went wrong.");
+  bound.def("__next__", &Live::next);
+  add(bound, "running", &Live::running, "statistics", &statistics_of, "findings",
+      [](const Live& of) { return of.statistics().findings; });
 }
 
 }  // namespace slipstream::python

@@ -3,7 +3,6 @@
 
 #include <tbb/global_control.h>
 
-#include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
 #include "slipstream/error/error.h"
 
@@ -48,15 +47,12 @@ PYBIND11_MODULE(_slipstream, module) {
       .def(py::init<std::size_t>(), py::arg("most"))
       .def("__enter__", [](Threads& threads) { threads.enter(); })
       .def("__exit__", [](Threads& threads, const py::args&) { threads.exit(); });
-  bind_strategies(module);
   bind_scanners(module);
   bind_scans(module);
   bind_clouds(module);
   bind_engine(module);
   bind_virtual_world(module);
-  bind_photometry(module);
   bind_calibration(module);
-  bind_recordings(module);
   bind_live(module);
   module.attr("__version__") = SLIPSTREAM_VERSION;
 }

@@ -1,54 +1,111 @@
+#include <algorithm>
+
 #include <pybind11/eigen.h>
 #include <pybind11/operators.h>
 
-#include "python/bindings/arrays.h"
-#include "python/bindings/bindings.h"
+#include "python/bindings/keywords.h"
 #include "slipstream/gamma/correction.h"
+#include "slipstream/io/pattern_pictures.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/registry.h"
+#include "slipstream/strategy/strategy_design.h"
 
 namespace slipstream::python {
 namespace {
 
-Scanner scanner_from(const Eigen::Matrix3d& camera_matrix, Size camera_size,
-                     const Eigen::Matrix3d& projector_matrix, Size projector_size,
-                     const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation,
-                     const std::vector<double>& camera_distortion,
-                     const std::vector<double>& projector_distortion) {
-  const Scanner scanner{
-      .camera = {camera_matrix, make_distortion(camera_distortion), camera_size},
-      .projector = {projector_matrix, make_distortion(projector_distortion), projector_size},
-      .rotation = rotation,
-      .translation = translation};
+SettingValue setting_from(const py::handle& value) {
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::hasattr(value, "__len__")) return value.cast<std::vector<double>>();
+  return value.cast<double>();
+}
+
+Strategy strategy_from(const std::string& name, const py::kwargs& settings) {
+  if (settings.empty()) return strategy_labelled(name);
+  StrategySettings values;
+  for (const auto& [setting, value] : settings) {
+    if (!value.is_none()) values[setting.cast<std::string>()] = setting_from(value);
+  }
+  return make_strategy(name, values);
+}
+
+py::dict settings_of(const Strategy& strategy) {
+  py::dict settings;
+  for (const auto& [name, value] : strategy.settings()) settings[py::str(name)] = value.text();
+  return settings;
+}
+
+std::vector<std::array<std::string, 3>> described_settings() {
+  std::vector<std::array<std::string, 3>> described;
+  for (const auto& of : strategy_settings()) described.push_back({of.name, of.help, of.strategies});
+  return described;
+}
+
+Sequence sequence_from(const Strategy& strategy, const std::string& axis, const py::kwargs& given) {
+  Sequence sequence{.strategy = strategy};
+  Keywords keywords(given);
+  keywords.take("projector", sequence.projector, "alpha_p", sequence.light.alpha_p, "beta_p",
+                sequence.light.beta_p, "marker", sequence.marker, "exposures", sequence.exposures,
+                "binary", sequence.binary, "motion", sequence.motion);
+  keywords.require_none_left();
+  set_axes(sequence, axis);
+  require_valid(sequence.light);
+  require_mergeable(sequence);
+  require_shown(sequence);
+  return sequence;
+}
+
+py::array patterns_of(const Sequence& sequence, int bits) {
+  const PatternSet patterns = pattern_set(cycle_of(sequence));
+  const auto [width, height] = sequence.projector;
+  py::array_t<std::uint16_t> pictures({patterns.count, height, width});
+  std::uint16_t* at = pictures.mutable_data();
+  unlocked([&] {
+    for (int n = 0; n < patterns.count; ++n) {
+      const Image<std::uint16_t> picture = render_pattern(patterns, n, sequence.projector, bits);
+      at = std::copy(picture.begin(), picture.end(), at);
+    }
+  });
+  return bits > 8 ? pictures : pictures.attr("astype")("uint8");
+}
+
+py::list designs(const py::kwargs& given) {
+  StrategyGoal goal;
+  Keywords keywords(given);
+  keywords.take("frames", goal.frames, "coordinate_sigma", goal.coordinate_sigma, "alpha",
+                goal.alpha, "noise_variance", goal.noise_variance, "success", goal.success,
+                "most_periods", goal.most_periods);
+  keywords.require_none_left();
+  py::list found;
+  for (const auto& [strategy, success, sigma] : unlocked([&] { return strategy_designs(goal); })) {
+    found.append(
+        results("strategy"_a = strategy, "success"_a = success, "coordinate_sigma"_a = sigma));
+  }
+  return found;
+}
+
+void take(Keywords& keywords, Lens& lens, const std::string& device) {
+  std::vector<double> distortion;
+  keywords.need((device + "_matrix").c_str(), lens.intrinsic);
+  keywords.take((device + "_distortion").c_str(), distortion);
+  keywords.need((device + "_size").c_str(), lens.size);
+  lens.distortion = make_distortion(distortion);
+}
+
+Scanner scanner_from(const py::kwargs& given) {
+  Keywords keywords(given);
+  Scanner scanner;
+  take(keywords, scanner.camera, "camera");
+  take(keywords, scanner.projector, "projector");
+  keywords.need("rotation", scanner.rotation);
+  keywords.need("translation", scanner.translation);
+  keywords.require_none_left();
   require_valid(scanner);
   return scanner;
 }
 
-template <auto Member>
-void add_lens(py::class_<Scanner>& scanner, const std::string& device) {
-  scanner
-      .def_property_readonly((device + "_matrix").c_str(),
-                             [](const Scanner& of) { return (of.*Member).intrinsic; })
-      .def_property_readonly((device + "_distortion").c_str(),
-                             [](const Scanner& of) { return (of.*Member).distortion.coefficients; })
-      .def_property_readonly((device + "_size").c_str(),
-                             [](const Scanner& of) { return (of.*Member).size; });
-}
-
-template <auto Member>
-void add_photometry(py::class_<Scanner>& scanner, const char* name, const char* help) {
-  scanner.def_property(
-      name, [](const Scanner& of) { return of.photometry.*Member; },
-      [](Scanner& of, std::decay_t<decltype(PhotometricCalibration().*Member)> value) {
-        PhotometricCalibration changed = of.photometry;
-        changed.*Member = std::move(value);
-        require_valid(changed);
-        of.photometry = changed;
-      },
-      help);
-}
-
-Scanner loaded_scanner(const std::filesystem::path& path, std::optional<Size> camera,
+Scanner loaded_scanner(const fs::path& path, std::optional<Size> camera,
                        std::optional<Size> projector) {
   Scanner scanner = read_scanner(path);
   if (!camera && !projector) return scanner;
@@ -56,88 +113,123 @@ Scanner loaded_scanner(const std::filesystem::path& path, std::optional<Size> ca
                    projector.value_or(Size{}));
 }
 
-MeasuredResponse power_law(double gamma) {
-  require_gamma(gamma, "gamma");
-  return {PowerLaw{gamma}, gamma};
+template <auto Device>
+void add_lens(py::class_<Scanner>& scanner, const std::string& device) {
+  add(
+      scanner, (device + "_matrix").c_str(),
+      [](const Scanner& of) { return (of.*Device).intrinsic; }, (device + "_distortion").c_str(),
+      [](const Scanner& of) { return (of.*Device).distortion.coefficients; },
+      (device + "_size").c_str(), [](const Scanner& of) { return (of.*Device).size; });
+}
+
+template <auto Member>
+void add_photometry(py::class_<Scanner>& scanner, const char* name) {
+  scanner.def_property(
+      name, [](const Scanner& of) { return of.photometry.*Member; },
+      [](Scanner& of, std::decay_t<decltype(PhotometricCalibration().*Member)> value) {
+        PhotometricCalibration changed = of.photometry;
+        changed.*Member = std::move(value);
+        require_valid(changed);
+        of.photometry = changed;
+      });
+}
+
+std::optional<std::pair<double, double>> depths_of(const Scanner& scanner) {
+  if (!scanner.calibrated_depths) return std::nullopt;
+  return std::pair(scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest);
+}
+
+void bind_strategies(py::module_& module) {
+  py::class_<Strategy> strategy(
+      module, "Strategy",
+      "A coding by name and settings, or by its label: Strategy('pmp', steps=4).");
+  strategy.def(py::init(&strategy_from), "name"_a).def(py::self == py::self);
+  add(strategy, "name", &Strategy::name, "settings", &settings_of, "label", &label_of, "frames",
+      py::overload_cast<const Strategy&>(&frame_count), "has_coordinate",
+      py::overload_cast<const Strategy&>(&has_coordinate));
+  py::implicitly_convertible<py::str, Strategy>();
+  module.def("strategy_names", &strategy_names, "Names of all strategies.");
+  module.def("strategy_settings", &described_settings,
+             "Each setting: name, what it means, which strategies have it and their defaults.");
+  module.def("design", &designs,
+             "Of each kind of strategy the one of least noise within so many frames, or of fewest "
+             "frames for that noise; the best first.");
+
+  py::class_<Sequence> sequence(module, "Sequence", "What a projector shows for one scan.");
+  sequence.def(py::init(&sequence_from), "strategy"_a, "axis"_a = "x").def(py::self == py::self);
+  add(sequence, "strategy", &Sequence::strategy, "axis", &axes_of, "projector",
+      &Sequence::projector, "marker", &Sequence::marker, "exposures", &Sequence::exposures,
+      "binary", &Sequence::binary, "motion", &Sequence::motion, "frames",
+      py::overload_cast<const Sequence&>(&frame_count));
+  add(
+      sequence, "alpha_p", [](const Sequence& of) { return of.light.alpha_p; }, "beta_p",
+      [](const Sequence& of) { return of.light.beta_p; });
+  sequence.def("patterns", &patterns_of, "bits"_a = 8,
+               "The pictures to project, frames x rows x columns: uint8, uint16 of more bits.");
+  sequence.def(
+      "write_patterns",
+      [](const Sequence& of, const fs::path& folder, int bits) {
+        return write_patterns(folder, pattern_set(cycle_of(of)), of, bits, [] {});
+      },
+      "folder"_a, "bits"_a = 8, Unlocked(),
+      "Writes them with a scan.yaml that says what they are.");
 }
 
 void bind_responses(py::module_& module) {
-  py::class_<MeasuredResponse>(module, "Response",
-                               "How light answers a pattern's value: a power law, or a curve.")
-      .def(py::init(&power_law), py::arg("gamma"))
-      .def_readonly("gamma", &MeasuredResponse::gamma, "Of the power law, or of the one nearest.")
-      .def_readonly("standard_error", &MeasuredResponse::standard_error)
-      .def(
-          "light",
-          [](const MeasuredResponse& of, const py::array_t<double>& values) {
-            return py::vectorize([&](double value) { return light_at(of.response, value); })(
-                values);
-          },
-          py::arg("values"), "Light, 0 to 1, at values of the pattern, 0 to 1.")
-      .def(
-          "corrected",
-          [](const MeasuredResponse& of, const py::array_t<double>& phases, int steps) {
-            const PhaseCorrection correction = phase_correction(of.response, steps);
-            return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(
-                phases);
-          },
-          py::arg("phases"), py::arg("steps"),
-          "Wrapped phases, rad, that so many steps measured, without what the response did.")
-      .def(py::self == py::self)
-      .def("__repr__", [](const MeasuredResponse& of) {
-        return py::str("<slipstream.Response {} {:.4g}>")
-            .format(std::holds_alternative<PowerLaw>(of.response) ? "gamma" : "curve near gamma",
-                    of.gamma);
-      });
+  py::class_<MeasuredResponse> response(
+      module, "Response", "How light answers a pattern's value: a power law, or a curve near one.");
+  response.def(py::init([](double gamma) {
+                 require_gamma(gamma, "gamma");
+                 return MeasuredResponse{PowerLaw{gamma}, gamma};
+               }),
+               "gamma"_a);
+  add(response, "gamma", &MeasuredResponse::gamma, "standard_error",
+      &MeasuredResponse::standard_error);
+  response.def(py::self == py::self);
+  response.def(
+      "light",
+      [](const MeasuredResponse& of, const py::array_t<double>& values) {
+        return py::vectorize([&](double value) { return light_at(of.response, value); })(values);
+      },
+      "values"_a, "Light, 0 to 1, at values of the pattern, 0 to 1.");
+  response.def(
+      "corrected",
+      [](const MeasuredResponse& of, const py::array_t<double>& phases, int steps) {
+        const PhaseCorrection correction = phase_correction(of.response, steps);
+        return py::vectorize([&](double phase) { return corrected_phase(correction, phase); })(
+            phases);
+      },
+      "phases"_a, "steps"_a, "Wrapped phases, rad, of so many steps, without what it did to them.");
 }
 
 }  // namespace
 
 void bind_scanners(py::module_& module) {
+  bind_strategies(module);
   bind_responses(module);
-  py::class_<Scanner> scanner(module, "Scanner",
-                              "All that calibration knows of a camera and a projector; mm, the "
-                              "world is the camera's frame. Sizes are (width, height).");
-  scanner.def(py::init(&scanner_from), py::kw_only(), py::arg("camera_matrix"),
-              py::arg("camera_size"), py::arg("projector_matrix"), py::arg("projector_size"),
-              py::arg("rotation"), py::arg("translation"),
-              py::arg("camera_distortion") = std::vector<double>{},
-              py::arg("projector_distortion") = std::vector<double>{});
+  py::class_<Scanner> scanner(
+      module, "Scanner",
+      "All that calibration knows of a camera and a projector; mm, the world is the camera's "
+      "frame. "
+      "Sizes are (width, height), light is in grey levels of 255; what is not known is None.");
+  scanner.def(py::init(&scanner_from)).def(py::self == py::self);
   add_lens<&Scanner::camera>(scanner, "camera");
   add_lens<&Scanner::projector>(scanner, "projector");
-  add_photometry<&PhotometricCalibration::ambient>(scanner, "ambient",
-                                                   "Ambient light, grey levels of 255, or None.");
-  add_photometry<&PhotometricCalibration::noise_variance>(
-      scanner, "noise_variance", "sigma_w^2 at half of full scale, grey levels^2 of 255, or None.");
-  add_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain",
-                                                      "By which it grows with each grey level.");
-  add_photometry<&PhotometricCalibration::response>(scanner, "response",
-                                                    "That phases are corrected for, or None.");
-  scanner.def_readonly("rotation", &Scanner::rotation)
-      .def_readonly("translation", &Scanner::translation)
-      .def_property_readonly(
-          "calibrated_depths",
-          [](const Scanner& of) -> std::optional<std::pair<double, double>> {
-            if (!of.calibrated_depths) return std::nullopt;
-            return std::pair(of.calibrated_depths->nearest, of.calibrated_depths->farthest);
-          },
-          "Between which the boards stood, mm, or None.")
-      .def_readwrite("measured", &Scanner::measured, "How and when, for people.")
-      .def(
-          "write",
-          [](const Scanner& of, const std::filesystem::path& path) { write_scanner(path, of); },
-          py::arg("path"), "Writes a scanner file: .yaml or .xml.")
-      .def(py::self == py::self)
-      .def("__repr__", [](const Scanner& of) {
-        return py::str("<slipstream.Scanner camera {}, projector {}, baseline {:.1f} mm>")
-            .format(text_of(of.camera.size), text_of(of.projector.size), of.translation.norm());
-      });
-  module.def("load_scanner", &loaded_scanner, py::arg("path"), py::kw_only(),
-             py::arg("camera_size") = py::none(), py::arg("projector_size") = py::none(),
-             py::call_guard<py::gil_scoped_release>(),
+  add_photometry<&PhotometricCalibration::ambient>(scanner, "ambient");
+  add_photometry<&PhotometricCalibration::noise_variance>(scanner, "noise_variance");
+  add_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain");
+  add_photometry<&PhotometricCalibration::response>(scanner, "response");
+  add(scanner, "rotation", &Scanner::rotation, "translation", &Scanner::translation,
+      "calibrated_depths", &depths_of);
+  scanner.def_readwrite("measured", &Scanner::measured, "How and when, for people.");
+  scanner.def(
+      "write", [](const Scanner& of, const fs::path& path) { write_scanner(path, of); }, "path"_a,
+      Unlocked(), "Writes a scanner file: .yaml or .xml.");
+  module.def("load_scanner", &loaded_scanner, "path"_a, py::kw_only(), "camera_size"_a = py::none(),
+             "projector_size"_a = py::none(), Unlocked(),
              "The scanner of an OpenCV file (YAML or XML) in slipstream's layout or another's, or "
              "of a recording; with sizes where the file does not say them.");
-  module.def("example_scanner", &example_scanner, py::arg("camera") = Size{640, 480},
+  module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480},
              "A camera of that size beside a projector of 1280x800, for the virtual world.");
 }
 

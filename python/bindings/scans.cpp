@@ -1,37 +1,27 @@
-#include "python/bindings/scans.h"
+#include <chrono>
 
-#include <algorithm>
-
-#include "python/bindings/arrays.h"
 #include "python/bindings/bindings.h"
-#include "slipstream/check/scan_check.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/photometry/gamma_choice.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::python {
 namespace {
-namespace fs = std::filesystem;
 
-template <class Pixel>
-std::vector<Image<Pixel>> copies_of(const Frames<Pixel>& views) {
-  std::vector<Image<Pixel>> images;
-  for (const ImageView<const Pixel>& view : views) {
-    Image<Pixel>& image = images.emplace_back(view.size());
-    for (int row = 0; row < view.height(); ++row) {
-      std::copy_n(view.row(row), view.width(), image.row(row));
-    }
-  }
-  return images;
-}
-
-FrameSet copy_of(const FrameViews& frames) {
+FrameSet copied(const FrameViews& frames) {
   return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    std::vector<Image<Pixel>> images;
+    for (const ImageView<const Pixel>& view : views) {
+      images.emplace_back(view.size());
+      for (int row = 0; row < view.height(); ++row) {
+        std::copy_n(view.row(row), view.width(), images.back().row(row));
+      }
+    }
     if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-      return FrameSet(copies_of(views), frames.bits());
+      return FrameSet(std::move(images), frames.bits());
     } else {
-      return FrameSet(copies_of(views));
+      return FrameSet(std::move(images));
     }
   });
 }
@@ -43,30 +33,32 @@ Scan scan_from(const py::object& frames, const Sequence& sequence,
     throw Error("a scan of " + std::to_string(frame_count(sequence)) + " frames is given " +
                 std::to_string(given.views.count()));
   }
-  Scan scan{.frames = copy_of(given.views), .sequence = sequence, .scanner = scanner};
-  if (scanner) {
+  Scan scan{.frames = copied(given.views), .sequence = sequence};
+  if (scanner)
     scan.scanner = completed(*scanner, "scanner", scan.frames.size(), sequence.projector);
-  }
   scan.exposures = sequence.exposures;
   return merged(std::move(scan));
 }
 
+using AnyScanner = std::optional<std::variant<Scanner, fs::path>>;
+
 /// What is given takes the place of what the folder or the recording says.
 Scan loaded_scan(const fs::path& path, const std::optional<Sequence>& sequence,
-                 const std::optional<std::variant<Scanner, fs::path>>& scanner,
-                 std::optional<int> bits, const std::string& order,
+                 const AnyScanner& scanner, std::optional<int> bits, const std::string& order,
                  std::optional<std::uint64_t> window) {
   ScanChanges changes{.order = order, .window = window, .bits = bits};
   if (sequence) changes.sequence = changes_to(*sequence);
-  if (scanner && std::holds_alternative<fs::path>(*scanner)) {
-    changes.scanner = std::get<fs::path>(*scanner);
-  }
+  if (scanner && scanner->index() == 1) changes.scanner = std::get<fs::path>(*scanner);
+  const py::gil_scoped_release release;
   Scan scan = load_scan(path, changes);
-  if (scanner && std::holds_alternative<Scanner>(*scanner)) {
+  if (scanner && scanner->index() == 0) {
     scan.scanner = completed(std::get<Scanner>(*scanner), "scanner", scan.frames.size(),
                              scan.sequence.projector);
     scan.sequence.projector = scan.scanner->projector.size;
   }
+  const py::gil_scoped_acquire acquire;
+  warn_of("", scan.warnings);
+  for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
   return scan;
 }
 
@@ -77,46 +69,41 @@ std::vector<Finding> findings_of(Scan scan, double minimum_modulation, bool movi
   return check_and_repair(scan, settings).findings;
 }
 
-void bind_frames(py::module_& module) {
-  py::class_<FrameSet, std::shared_ptr<FrameSet>>(
-      module, "Frames", "The frames of a scan: arrays rows x columns, to read, of its memory.")
-      .def("__len__", &FrameSet::count)
-      .def("__getitem__",
-           [](const py::object& self, int n) {
-             return frame_at(self.cast<const FrameSet&>().views(), n, self);
-           })
-      .def_property_readonly("bits", &FrameSet::bits)
-      .def_property_readonly("size", &FrameSet::size, "(width, height)")
-      .def("__repr__", [](const FrameSet& of) {
-        return py::str("<slipstream.Frames {} of {}, {} bits>")
-            .format(of.count(), text_of(of.size()), of.bits());
-      });
+py::object frame_at(const py::object& self, int n) {
+  const FrameViews frames = self.cast<const FrameSet&>().views();
+  const int place = n < 0 ? n + frames.count() : n;
+  if (place < 0 || place >= frames.count()) throw py::index_error("there is no such frame");
+  return frames.visit(
+      [&](const auto& views) { return array_of(views[static_cast<std::size_t>(place)], self); });
 }
 
 void bind_findings(py::module_& module) {
-  py::class_<Finding>(module, "Finding", "Something that does not fit, as data.")
-      .def_property_readonly("wrong",
-                             [](const Finding& of) { return of.gravity == Gravity::wrong; })
-      .def_readonly("what", &Finding::what)
-      .def_readonly("likely", &Finding::likely, "The cause that fits best.")
-      .def_readonly("advice", &Finding::advice)
-      .def_property_readonly("evidence",
-                             [](const Finding& of) {
-                               py::dict evidence;
-                               for (const auto& [name, value] : of.evidence) {
-                                 evidence[py::str(name)] = value;
-                               }
-                               return evidence;
-                             })
-      .def("__str__", [](const Finding& of) { return text_of(of); })
-      .def("__repr__", [](const Finding& of) {
-        return std::string("<slipstream.Finding ") +
-               (of.gravity == Gravity::wrong ? "wrong: " : "doubtful: ") + text_of(of) + ">";
-      });
-  module.def("check", &findings_of, py::arg("scan"), py::kw_only(),
-             py::arg("minimum_modulation") = 15., py::arg("moving") = false,
-             py::arg("gamma") = "scanner", py::call_guard<py::gil_scoped_release>(),
+  py::class_<Finding> finding(module, "Finding", "Something that does not fit, as data.");
+  add(finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
+      "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; });
+  add(finding, "evidence", [](const Finding& of) {
+    py::dict evidence;
+    for (const auto& [name, value] : of.evidence) evidence[py::str(name)] = value;
+    return evidence;
+  });
+  finding.def("__str__", [](const Finding& of) { return text_of(of); });
+  module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
+             "moving"_a = false, "gamma"_a = "scanner", Unlocked(),
              "Whether the frames of a scan fit its sequence, its scanner and each other.");
+}
+
+/// None for a damaged frame.
+py::object recorded_frame(const RecordingReader& of, std::uint64_t n) {
+  if (n >= of.count()) throw py::index_error("there is no such frame");
+  Frame frame;
+  if (!unlocked([&] { return of.read(n, frame); })) return py::none();
+  const FrameStamp& stamp = frame.stamp;
+  py::array pixels =
+      std::visit([](auto& image) { return array_from(std::move(image)); }, frame.pixels);
+  pixels.attr("flags").attr("writeable") = false;
+  return results("pixels"_a = pixels, "bits"_a = frame.bits, "sequence"_a = stamp.sequence,
+                 "pattern_index"_a = stamp.pattern_index,
+                 "device_time"_a = std::chrono::duration<double>(stamp.device_time).count());
 }
 
 }  // namespace
@@ -136,69 +123,59 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool an
   warn_of(name, checked.repairs);
 }
 
-Scan checked_scan(const py::handle& given, bool of_gamma) {
+std::pair<Scan, std::string> checked_scan(const py::handle& given, bool of_gamma) {
   const bool loaded = !py::isinstance<Scan>(given);
-  const std::string name = loaded ? py::str(given).cast<std::string>() : "scan";
-  Scan scan;
-  if (!loaded) scan = given.cast<const Scan&>();
-  const auto path = loaded ? given.cast<fs::path>() : fs::path();
-  CheckedScan checked;
-  {
-    const py::gil_scoped_release release;
-    if (loaded) scan = load_frames(scan_files_in(path));
-    checked = check_and_repair(scan);
-  }
+  std::pair<Scan, std::string> checked(loaded ? Scan{} : given.cast<Scan>(), "scan");
+  auto& [scan, name] = checked;
+  if (loaded) name = given.cast<fs::path>().string();
+  CheckedScan found = unlocked([&] {
+    if (loaded) scan = load_frames(scan_files_in(name));
+    return check_and_repair(scan);
+  });
   if (loaded) warn_of(name, scan.warnings);
-  if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
-  refuse_or_warn(checked, name, false);
-  return scan;
+  if (of_gamma) found.findings = without_cause(std::move(found.findings), gamma_is_to_blame);
+  refuse_or_warn(found, name, false);
+  return checked;
 }
 
 void bind_scans(py::module_& module) {
-  bind_frames(module);
-  py::class_<Scan, std::shared_ptr<Scan>>(module, "Scan",
-                                          "Frames, what they show, and what took them.")
-      .def(py::init(&scan_from), py::arg("frames"), py::arg("sequence"),
-           py::arg("scanner") = py::none(), py::kw_only(), py::arg("bits") = py::none(),
-           "Of a copy of frames; several exposures are merged.")
-      .def_readonly("frames", &Scan::frames)
-      .def_readonly("sequence", &Scan::sequence)
-      .def_readwrite("scanner", &Scan::scanner, "None where it is not known.")
-      .def_readonly("exposures", &Scan::exposures, "That were merged to these frames.")
-      .def_readonly("other_axis", &Scan::other_axis, "The scan along y of one along both axes.")
-      .def_readonly("further_cameras", &Scan::further_cameras)
-      .def_readonly("warnings", &Scan::warnings, "Of reading the frames, a line each.")
-      .def(
-          "save",
-          [](const Scan& of, const fs::path& path) {
-            save_scan(path, of.frames, of.sequence, of.scanner);
-          },
-          py::arg("path"), py::call_guard<py::gil_scoped_release>(),
-          "Into a folder with scan.yaml, or a recording where the path ends in .slip.")
-      .def("__repr__", [](const Scan& of) {
-        return py::str("<slipstream.Scan {} of {}, {}, {}>")
-            .format(of.frames.count(), text_of(of.frames.size()), label_of(of.sequence.strategy),
-                    of.scanner ? "with scanner" : "without scanner");
-      });
-  module.def(
-      "load_scan",
-      [](const fs::path& path, const std::optional<Sequence>& sequence,
-         const std::optional<std::variant<Scanner, fs::path>>& scanner, std::optional<int> bits,
-         const std::string& order, std::optional<std::uint64_t> window) {
-        Scan scan;
-        {
-          const py::gil_scoped_release release;
-          scan = loaded_scan(path, sequence, scanner, bits, order, window);
-        }
-        warn_of("", scan.warnings);
-        for (const Scan& further : scan.further_cameras) warn_of("", further.warnings);
-        return scan;
+  py::class_<FrameSet> frames(
+      module, "Frames", "The frames of a scan: arrays rows x columns, to read, of its memory.");
+  frames.def("__len__", &FrameSet::count).def("__getitem__", &frame_at);
+  add(frames, "bits", &FrameSet::bits, "size", &FrameSet::size);
+
+  py::class_<Scan, std::shared_ptr<Scan>> scan(
+      module, "Scan", "Frames, what they show, and what took them, where that is known.");
+  scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
+           "bits"_a = py::none(), "Of a copy of frames; several exposures are merged.");
+  scan.def_readwrite("scanner", &Scan::scanner);
+  add(scan, "frames", &Scan::frames, "sequence", &Scan::sequence, "exposures", &Scan::exposures,
+      "other_axis", &Scan::other_axis, "further_cameras", &Scan::further_cameras, "warnings",
+      &Scan::warnings);
+  scan.def(
+      "save",
+      [](const Scan& of, const fs::path& path) {
+        save_scan(path, of.frames, of.sequence, of.scanner);
       },
-      py::arg("path"), py::arg("sequence") = py::none(), py::arg("scanner") = py::none(),
-      py::kw_only(), py::arg("bits") = py::none(), py::arg("order") = "",
-      py::arg("window") = py::none(),
-      "The scan in a folder or a recording; what is given goes before what is said there.");
+      "path"_a, Unlocked(), "Into a folder with scan.yaml, or a recording where it ends in .slip.");
+  module.def("load_scan", &loaded_scan, "path"_a, "sequence"_a = py::none(),
+             "scanner"_a = py::none(), py::kw_only(), "bits"_a = py::none(), "order"_a = "",
+             "window"_a = py::none(),
+             "The scan in a folder or a recording; what is given goes before what is said there.");
   bind_findings(module);
+  py::class_<RecordingReader> recording(
+      module, "Recording",
+      "Raw frames in one file. recording[n] has pixels (to read), bits, sequence (the device's "
+      "count), pattern_index and device_time (s), or is None where the frame is damaged; going "
+      "over "
+      "it leaves those out. What is not known of it is None.");
+  recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
+  recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
+  add(
+      recording, "finished", &RecordingReader::finished, "sequence",
+      [](const RecordingReader& of) { return of.header().sequence; }, "scanner",
+      [](const RecordingReader& of) { return of.header().scanner; }, "frame_rate",
+      [](const RecordingReader& of) { return of.header().frame_rate; });
 }
 
 }  // namespace slipstream::python

@@ -6,25 +6,50 @@ from . import _slipstream
 from ._slipstream import *  # noqa: F403
 from ._slipstream import __version__  # noqa: F401
 
+Validity = _enum.IntEnum(
+    "Validity",
+    "VALID TOO_DARK SATURATED DOUBTFUL_ORDER NO_POINT OUTSIDE_FIELD OUT_OF_RANGE LOW_TRUST MIXED "
+    "OUTLIER SMALL_COMPONENT OUTSIDE_REGION MOVED", start=0, module=__name__)
+Validity.__doc__ = "Why a camera pixel has a point or none: the numbers in Cloud.validity."
 
-class Validity(_enum.IntEnum):
-    """Why a camera pixel has a point or none: the numbers in Cloud.validity."""
+_SAYS = {
+    "Strategy": "{0.label}",
+    "Sequence": "{0.strategy.label} along {0.axis}, {0.frames} frames",
+    "Response": "gamma {0.gamma:.4g}",
+    "Scanner": "camera {0.camera_size}, projector {0.projector_size}",
+    "Frames": "{1} of {0.size}, {0.bits} bits",
+    "Scan": "{0.frames!r}, {0.sequence!r}",
+    "Finding": "{0}",
+    "Cloud": "{0.size}, {1} points",
+    "Maps": "{0.mean.shape}",
+    "Uncertainty": "{0.z.shape}",
+    "Engine": "{0.scanner!r}, {0.sequence!r}",
+    "Recording": "{1} frames, {0.sequence!r}",
+    "Live": "{0.statistics[clouds]} clouds",
+}
 
-    VALID = 0
-    TOO_DARK = 1
-    SATURATED = 2
-    DOUBTFUL_ORDER = 3
-    NO_POINT = 4
-    OUTSIDE_FIELD = 5
-    OUT_OF_RANGE = 6
-    LOW_TRUST = 7
-    MIXED = 8
-    OUTLIER = 9
-    SMALL_COMPONENT = 10
-    OUTSIDE_REGION = 11
-    MOVED = 12
+
+def _say(self):
+    name = type(self).__name__
+    count = len(self) if hasattr(self, "__len__") else None
+    return f"<slipstream.{name} {_SAYS[name].format(self, count)}>"
 
 
-for _thing in list(vars(_slipstream).values()):
-    if isinstance(_thing, type):
-        _thing.__module__ = __name__
+def _end_live(self, kind, *_):
+    try:
+        self.stop()
+    except BaseException:
+        if kind is None:  # else what is under way says more
+            raise
+
+
+for _name, _bound in list(vars(_slipstream).items()):
+    if isinstance(_bound, type):
+        _bound.__module__ = __name__
+    if _name in _SAYS:
+        _bound.__repr__ = _say
+Live.__enter__ = lambda self: self.start() or self  # noqa: F405
+Live.__exit__ = _end_live  # noqa: F405
+Live.__iter__ = lambda self: self  # noqa: F405
+Recording.__iter__ = lambda self: filter(  # noqa: F405
+    lambda frame: frame is not None, map(self.__getitem__, range(len(self))))

@@ -1,6 +1,7 @@
 from collections.abc import Callable, Iterable, Iterator, Sequence as _List
 from enum import IntEnum
 from os import PathLike
+from types import SimpleNamespace
 from typing import Any, Literal, Union
 
 import numpy
@@ -91,13 +92,10 @@ class Sequence:
     def write_patterns(self, folder: _Path, bits: int = 8) -> list[PathLike[str]]: ...
     def __eq__(self, other: object) -> bool: ...
 
-class StrategyDesign:
-    @property
-    def strategy(self) -> Strategy: ...
-    @property
-    def success(self) -> float: ...
-    @property
-    def coordinate_sigma(self) -> float: ...
+class _StrategyDesign(SimpleNamespace):
+    strategy: Strategy
+    success: float
+    coordinate_sigma: float
 
 class Response:
     def __init__(self, gamma: float) -> None: ...
@@ -277,99 +275,64 @@ class Engine:
     @property
     def sequence(self) -> Sequence: ...
 
-class VirtualScan:
-    @property
-    def scan(self) -> Scan: ...
-    @property
-    def depth(self) -> _Double: ...
-    @property
-    def coordinate(self) -> _Double: ...
-    @property
-    def reflectivity(self) -> _Double: ...
-    def save(self, path: _Path) -> None: ...
+class _VirtualScan(SimpleNamespace):
+    scan: Scan
+    depth: _Double
+    coordinate: _Double
+    reflectivity: _Double
 
-class BlindGamma:
-    @property
-    def gamma(self) -> float: ...
-    @property
-    def standard_error(self) -> float: ...
-    @property
-    def pixels(self) -> int: ...
-    @property
-    def refusal(self) -> str: ...
+class _BlindGamma(SimpleNamespace):
+    gamma: float
+    standard_error: float
+    pixels: int
+    refusal: str
 
-class GammaCalibration:
-    @property
-    def steps(self) -> int: ...
-    @property
-    def fit(self) -> BlindGamma: ...
-    @property
-    def misfit(self) -> float: ...
-    @property
-    def response(self) -> Response: ...
+class _GammaCalibration(SimpleNamespace):
+    response: Response
+    gamma: float
+    standard_error: float
+    steps: int
+    misfit: float
 
-class NoiseMeasurement:
-    @property
-    def equation(self) -> str: ...
-    @property
-    def method(self) -> str: ...
-    @property
-    def variance(self) -> float: ...
-    @property
-    def standard_error(self) -> float: ...
-    @property
-    def reason(self) -> str: ...
+class _NoiseMeasurement(SimpleNamespace):
+    equation: str
+    method: str
+    variance: float
+    standard_error: float
+    reason: str
 
-class NoiseCalibration:
-    @property
-    def variance(self) -> float: ...
-    @property
-    def gain(self) -> float: ...
-    @property
-    def measurements(self) -> list[NoiseMeasurement]: ...
+class _NoiseCalibration(SimpleNamespace):
+    variance: float
+    gain: float
+    measurements: list[_NoiseMeasurement]
 
-class AmbientEstimate:
-    @property
-    def mode(self) -> float: ...
-    @property
-    def median(self) -> float: ...
-    @property
-    def mean(self) -> float: ...
-    @property
-    def variance(self) -> float: ...
-    @property
-    def pixels(self) -> int: ...
+class _AmbientEstimate(SimpleNamespace):
+    mode: float
+    median: float
+    mean: float
+    variance: float
+    pixels: int
 
-class GeometryCalibration:
-    @property
-    def scanner(self) -> Scanner: ...
-    @property
-    def rms(self) -> dict[str, float]: ...
-    @property
-    def poses(self) -> list[str]: ...
-    @property
-    def unused(self) -> dict[str, str]: ...
-    @property
-    def findings(self) -> list[Finding]: ...
-    def write_report(self, folder: _Path) -> None: ...
+class _GeometryCalibration(SimpleNamespace):
+    scanner: Scanner
+    poses: list[str]
+    unused: dict[str, str]
+    rms: dict[str, float]
+    findings: list[Finding]
+    text: str
 
-class Frame:
-    @property
-    def pixels(self) -> NDArray[Any]: ...
-    @property
-    def bits(self) -> int: ...
-    @property
-    def sequence(self) -> int: ...
-    @property
-    def pattern_index(self) -> Union[int, None]: ...
-    @property
-    def device_time(self) -> float: ...
+class _Frame(SimpleNamespace):
+    pixels: NDArray[Any]
+    bits: int
+    sequence: int
+    pattern_index: Union[int, None]
+    device_time: float
 
 class Recording:
     def __init__(self, path: _Path) -> None: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, n: int) -> Frame: ...
-    def __iter__(self) -> Iterator[Frame]: ...
+    def __getitem__(self, n: int) -> Union[_Frame, None]: ...
+    def __iter__(self) -> Iterator[_Frame]: ...
     @property
     def sequence(self) -> Union[Sequence, None]: ...
     @property
@@ -379,31 +342,16 @@ class Recording:
     @property
     def finished(self) -> bool: ...
 
-class Recorder:
-    def __init__(
-        self,
-        path: _Path,
-        sequence: Sequence,
-        scanner: Union[Scanner, None] = None,
-        *,
-        frame_rate: float = 0.0,
-    ) -> None: ...
-    def append(self, frame: NDArray[Any], *, bits: Union[int, None] = None) -> None: ...
-    def finish(self) -> None: ...
-    def __enter__(self) -> Recorder: ...
-    def __exit__(self, *args: object) -> None: ...
-
 class Live:
     def __init__(
         self,
-        source: Union[str, Iterable[NDArray[Any]]],
+        source: str,
         sequence: Union[Sequence, None] = None,
         scanner: Union[Scanner, None] = None,
         on_cloud: Union[Callable[[Cloud], object], None] = None,
         *,
         rate: Union[float, None] = None,
         loop: bool = False,
-        bits: Union[int, None] = None,
         indexing: Literal["told", "counted", "marker"] = ...,
         gamma: str = "scanner",
         most_frames: Union[int, None] = None,
@@ -432,7 +380,7 @@ def design(
     noise_variance: float = 1.6,
     success: float = 0.999,
     most_periods: int = 64,
-) -> list[StrategyDesign]: ...
+) -> list[_StrategyDesign]: ...
 def load_scanner(
     path: _Path,
     *,
@@ -463,12 +411,13 @@ def decode(
 ) -> Maps: ...
 def simulate(
     sequence: Sequence,
+    path: Union[_Path, None] = None,
     *,
     scene: str = "statue",
     mesh: Union[_Path, None] = None,
     world: str = "bench",
     scanner: Union[Scanner, None] = None,
-    camera: Union[_Size, None] = None,
+    camera: _Size = ...,
     ambient: Union[float, None] = None,
     noise_variance: Union[float, None] = None,
     reflectivity: Union[float, None] = None,
@@ -478,24 +427,25 @@ def simulate(
     rays: int = ...,
     step: tuple[float, float, float] = ...,
     turn: float = 0.0,
-) -> VirtualScan: ...
+) -> _VirtualScan: ...
 def scene_names() -> list[str]: ...
 def world_names() -> list[str]: ...
 def find_gamma(
     frames: _Frames, steps: int, first: int = 0, *, bits: Union[int, None] = None
-) -> BlindGamma: ...
+) -> _BlindGamma: ...
 def calibrate_gamma(
     scans: Iterable[Union[Scan, _Path]], *, minimum_modulation: float = 0.0
-) -> GammaCalibration: ...
-def calibrate_noise(scans: Iterable[Union[Scan, _Path]]) -> NoiseCalibration: ...
+) -> _GammaCalibration: ...
+def calibrate_noise(scans: Iterable[Union[Scan, _Path]]) -> _NoiseCalibration: ...
 def calibrate_ambient(
     scans: Iterable[Union[Scan, _Path]],
     *,
     least_alpha: float = 0.5,
     response: Union[Response, None] = None,
-) -> AmbientEstimate: ...
+) -> _AmbientEstimate: ...
 def calibrate_geometry(
     folder: _Path,
+    report: Union[_Path, None] = None,
     *,
     board: Literal["chessboard", "circles", "charuco"] = "chessboard",
     columns: int = 13,
@@ -514,19 +464,7 @@ def calibrate_geometry(
     camera_coefficients: Union[int, None] = None,
     projector_coefficients: Union[int, None] = None,
     print_deviation: Union[float, None] = 0.01,
-) -> GeometryCalibration: ...
-def draw_board(
-    pixels_per_spacing: int,
-    *,
-    board: Literal["chessboard", "circles", "charuco"] = "chessboard",
-    columns: int = 13,
-    rows: int = 9,
-    spacing: float = 10.0,
-    row_spacing: Union[float, None] = None,
-    circle_diameter: float = 0.8,
-    marker_side: float = 0.75,
-    marker_bits: int = 4,
-) -> NDArray[numpy.uint8]: ...
+) -> _GeometryCalibration: ...
 def phases(
     frames: _Frames, steps: int, first: int = 0, *, bits: Union[int, None] = None
 ) -> tuple[_Double, _Double, _Double]: ...

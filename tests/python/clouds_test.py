@@ -60,7 +60,7 @@ def test_random_scans_and_settings(seed, tmp_path):
     name, choices = STRATEGIES[seed % len(STRATEGIES)]
     strategy = {setting: draw.choice(values) for setting, values in choices.items()}
     scene = draw.choice(["sphere", "statue", "boxes", "board"])
-    taken(name, camera=(160, 120), scene=scene, **strategy).save(tmp_path / "scan")
+    taken(name, camera=(160, 120), scene=scene, path=tmp_path / "scan", **strategy)
     settings, flags = drawn_settings(draw)
     ending = draw.choice([".ply", ".pcd", ".xyz"])
     ours, theirs = tmp_path / ("python" + ending), tmp_path / ("program" + ending)
@@ -77,7 +77,7 @@ def test_random_scans_and_settings(seed, tmp_path):
 
 
 def test_arrays_give_what_the_scan_gives(dual, engine, tmp_path):
-    dual.save(tmp_path / "scan")
+    dual.scan.save(tmp_path / "scan")
     program("reconstruct", tmp_path / "scan", "-o", tmp_path / "program.ply",
             "--coordinate", tmp_path / "coordinate.tiff", "--uncertainty")
     frames = numpy.stack(list(dual.scan.frames))
@@ -100,7 +100,7 @@ def test_depth_is_that_of_the_world(dual, engine):
 def test_two_cameras_and_both_axes(tmp_path):
     program("simulate", tmp_path / "two", "--second-camera", "--camera", "160x120")
     both = slipstream.Sequence("pmp, steps 4", axis="both")
-    slipstream.simulate(both, camera=(160, 120)).save(tmp_path / "both")
+    slipstream.simulate(both, tmp_path / "both", camera=(160, 120))
     for name in ["two", "both"]:
         program("reconstruct", tmp_path / name, "-o", tmp_path / "program.ply")
         cloud = slipstream.reconstruct(slipstream.load_scan(tmp_path / name))

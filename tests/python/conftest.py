@@ -23,9 +23,9 @@ def program(*arguments):
     return done.stdout
 
 
-def taken(name, camera=(320, 240), scene="sphere", **settings):
+def taken(name, camera=(320, 240), scene="sphere", path=None, **settings):
     sequence = slipstream.Sequence(slipstream.Strategy(name, **settings))
-    return slipstream.simulate(sequence, scene=scene, camera=camera)
+    return slipstream.simulate(sequence, path, scene=scene, camera=camera)
 
 
 @pytest.fixture(scope="session")

@@ -1,0 +1,20 @@
+"""A rig from scans of a board and of a plain surface: calibrate.py POSES FLAT... SCANNER.yaml
+
+POSES holds a folder for each pose of a 9x6 chessboard of 20 mm squares, with scans x and y in it;
+each FLAT is a scan of one unmoved surface, of eight steps."""
+
+import sys
+
+import slipstream
+
+poses, *flats, target = sys.argv[1:]
+found = slipstream.calibrate_geometry(poses, columns=9, rows=6, spacing=20)
+print(found.text)
+for finding in found.findings:
+    print("mind:", finding)
+scanner = found.scanner
+noise = slipstream.calibrate_noise(flats)
+scanner.noise_variance, scanner.noise_gain = noise.variance, noise.gain
+scanner.ambient = slipstream.calibrate_ambient(flats, least_alpha=0.2).mode
+scanner.write(target)
+print(f"{scanner}, noise variance {scanner.noise_variance:.2f}, ambient {scanner.ambient:.1f}")

@@ -1,0 +1,25 @@
+"""Builds the module by CMake; pyproject.toml says the rest."""
+
+import pathlib
+import subprocess
+import sys
+
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+
+
+class BuildByCMake(build_ext):
+    def build_extension(self, extension):
+        folder = pathlib.Path(self.get_ext_fullpath(extension.name)).resolve().parent.parent
+        build = pathlib.Path(self.build_temp).resolve()
+        options = ["PYTHON=ON", "APP=OFF", "VIEW=OFF", f"PYTHON_FOLDER={folder}"]
+        for command in [
+                ["cmake", "-S", pathlib.Path(__file__).parent, "-B", build, "-G", "Ninja",
+                 f"-DPython_EXECUTABLE={sys.executable}",
+                 *(f"-DSLIPSTREAM_{option}" for option in options)],
+                ["cmake", "--build", build, "--target", "_slipstream"],
+                ["cmake", "--install", build, "--component", "python"]]:
+            subprocess.run(command, check=True)
+
+
+setup(ext_modules=[Extension("slipstream._slipstream", [])], cmdclass={"build_ext": BuildByCMake})

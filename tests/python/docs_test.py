@@ -1,0 +1,30 @@
+"""Each block of docs/python.md runs, one after the other, where what it names is there."""
+
+import re
+import shutil
+
+from conftest import SOURCES, program, taken
+
+import slipstream
+
+
+def test_every_block_runs(tmp_path, monkeypatch):
+    taken("dual-frequency", path=tmp_path / "scan", steps=3, high=16, low=1)
+    (tmp_path / "pictures").mkdir()
+    for picture in (tmp_path / "scan").glob("frame_*.png"):
+        shutil.copy(picture, tmp_path / "pictures")
+    shutil.copy(tmp_path / "scan" / "scanner.yaml", tmp_path / "calibration.yaml")
+    program("simulate", tmp_path / "poses", "--boards", "4", "--corners", "9x6", "--spacing", "20",
+            "--strategy", "dual-frequency", "--steps", "3")
+    for n in (1, 2):
+        slipstream.simulate(slipstream.Sequence("pmp, steps 8"), tmp_path / f"flat_{n}", seed=n,
+                            scene="board", camera=(320, 240))
+    monkeypatch.chdir(tmp_path)
+    text = (SOURCES / "docs" / "python.md").read_text()
+    blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+    assert len(blocks) == text.count("```") // 2 == 10
+    names = {}
+    for block in blocks:
+        exec(compile(block, block.splitlines()[0], "exec"), names)
+    for written in ["cloud.ply", "described/scan.yaml", "mesh.glb", "own.ply", "scanner.yaml"]:
+        assert (tmp_path / written).exists(), written

@@ -28,16 +28,8 @@ struct BatchFlags {
   std::string shard;  ///< "3" or "3/8"
 };
 
-fs::path plan_in(const fs::path& folder) {
-  return folder / "batch.json";
-}
-
-fs::path list_in(const fs::path& folder) {
-  return folder / "scans.txt";
-}
-
-fs::path manifest_in(const fs::path& folder, std::uint64_t shard) {
-  return folder / fmt::format("shard-{:06}.jsonl", shard);
+std::string manifest_in(const std::string& folder, std::uint64_t shard) {
+  return fmt::format("{}/shard-{:06}.jsonl", folder, shard);
 }
 
 /// Pixels of the frames of a scan; of a folder as of its first picture.
@@ -78,9 +70,11 @@ void require_distinct(const ReconstructFlags& flags) {
 void plan_batch(const BatchFlags& given, Output& output) {
   BatchFlags flags = given;
   if (flags.tasks < 1) throw Error("--tasks 0 is out of range; 1 or more");
-  if (fs::exists(plan_in(flags.folder))) {
+  const std::string plan = flags.folder + "/batch.json";
+  if (fs::exists(plan)) {
     throw Error(fmt::format("{}: is a batch already; name another folder", flags.folder));
   }
+  apply_settings(flags.reconstruct);
   std::vector<ListedScans> listed = listed_scans(flags.reconstruct);
   if (listed.empty()) throw Error("no scans are listed");
   for (ListedScans& scans : listed) {
@@ -91,13 +85,13 @@ void plan_batch(const BatchFlags& given, Output& output) {
   flags.reconstruct.scans = scan_names(listed, every);
   require_distinct(flags.reconstruct);
   make_folder(flags.folder);
-  write_file(list_in(flags.folder), text_of(cut_into_shards(listed, every, flags.tasks)));
+  write_file(flags.folder + "/scans.txt", text_of(cut_into_shards(listed, every, flags.tasks)));
   output.document = {{"slipstream", 1},
                      {"version", SLIPSTREAM_VERSION},
                      {"tasks", flags.tasks},
                      {"scans", flags.reconstruct.scans.size()},
-                     {"arguments", arguments_of(*flags.reconstruct.command)}};
-  write_file(plan_in(flags.folder), output.document.dump(2) + '\n');
+                     {"arguments", arguments_of(*flags.reconstruct.command, Arguments::all)}};
+  write_file(plan, output.document.dump(2) + '\n');
   output.say("{}: {} scans in {} shards; slipstream batch run {} --shard 1/{}", flags.folder,
              flags.reconstruct.scans.size(), flags.tasks, flags.folder, flags.tasks);
 }
@@ -110,7 +104,7 @@ struct Batch {
 };
 
 Batch batch_in(const std::string& folder) {
-  const std::string name = plan_in(folder).string();
+  const std::string name = folder + "/batch.json";
   Batch batch;
   std::vector<std::string> arguments;
   try {
@@ -132,8 +126,8 @@ Batch batch_in(const std::string& folder) {
   } catch (const CLI::ParseError& error) {
     throw Error(fmt::format("{}: {}", name, error.what()));
   }
-  batch.flags.settings = settings_of(command);
-  batch.flags.paths = {list_in(folder).string()};
+  batch.flags.settings = arguments_of(command, Arguments::settings);
+  batch.flags.paths = {folder + "/scans.txt"};
   batch.scans = listed_scans(batch.flags);
   return batch;
 }
@@ -149,7 +143,7 @@ void run_shard(const BatchFlags& flags, Output& output) {
   }
   std::erase_if(batch.scans, [&](const ListedScans& listed) { return listed.shard != shard; });
   batch.flags.scans = scan_names(batch.scans, batch.flags.every);
-  batch.flags.manifest = manifest_in(flags.folder, shard).string();
+  batch.flags.manifest = manifest_in(flags.folder, shard);
   batch.flags.resume = true;
   reconstruct_scans(std::move(batch.flags), output);
 }
@@ -195,7 +189,7 @@ void merge_batch(const BatchFlags& flags, Output& output) {
   Batch batch = batch_in(flags.folder);
   std::map<std::uint64_t, std::vector<ListedScans>> shards;
   for (ListedScans& listed : batch.scans) shards[listed.shard].push_back(std::move(listed));
-  const std::string path = (fs::path(flags.folder) / "manifest.jsonl").string();
+  const std::string path = flags.folder + "/manifest.jsonl";
   OutputFile file(path);
   Sums sums;
   for (const auto& [shard, listed] : shards) {

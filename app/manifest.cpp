@@ -40,7 +40,7 @@ Manifest read_manifest(const fs::path& path) {
   return manifest_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, path.string());
 }
 
-nlohmann::json entry_for(const ScanName& scan, const std::string& settings) {
+nlohmann::json entry_for(const ScanName& scan, const std::vector<std::string>& settings) {
   nlohmann::json entry = {
       {"scan", scan.path}, {"settings", settings}, {"version", SLIPSTREAM_VERSION}};
   if (scan.window) entry["window"] = *scan.window;

@@ -27,7 +27,7 @@ Manifest manifest_from(std::string_view text, const std::string& name);
 Manifest read_manifest(const std::filesystem::path& path);
 
 /// The beginning of a scan's entry: `scan`, `window`, `settings`, `version`.
-nlohmann::json entry_for(const ScanName& scan, const std::string& settings);
+nlohmann::json entry_for(const ScanName& scan, const std::vector<std::string>& settings);
 
 /// Its line; bytes that are no UTF-8 are replaced.
 std::string line_of(const nlohmann::json& entry);

@@ -39,6 +39,7 @@ struct ReconstructedScan {
   std::string failure;  ///< why there are none; else empty
   Output words{false};  ///< what is said of it, until its turn comes
   Cloud cloud;
+  ValidityCounts counts{};
   Maps maps;  ///< where asked for
   std::optional<Uncertainty> uncertainty;
   std::optional<EpipolarCheck> epipolar;  ///< of a scan along both axes
@@ -69,9 +70,9 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
   nlohmann::json files = nlohmann::json::object();
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
   nlohmann::json told = {{"scan", scan.name.path},
-                         {"points", point_count(scan.cloud)},
+                         {"points", scan.counts[0]},
                          {"pixels", scan.cloud.validity.pixel_count()},
-                         {"counts", app::json_of(count_by_validity(scan.cloud))},
+                         {"counts", app::json_of(scan.counts)},
                          {"backend", scan.backend},
                          {"least_modulation", scan.least_modulation},
                          {"gamma", app::json_of(scan.sound.gamma)},
@@ -101,14 +102,13 @@ nlohmann::json document_of(const ReconstructedScan& scan) {
 }
 
 void tell(const ReconstructedScan& scan, Output& output) {
-  output.say("{}: {} points of {} pixels, backend {}", text_of(scan.name), point_count(scan.cloud),
+  output.say("{}: {} points of {} pixels, backend {}", text_of(scan.name), scan.counts[0],
              scan.cloud.validity.pixel_count(), scan.backend);
-  const auto counts = count_by_validity(scan.cloud);
   for (std::size_t i = 1; i < validity_count; ++i) {
-    if (counts[i] == 0) continue;
-    output.say("  left out, {}: {}", name_of(static_cast<Validity>(i)), counts[i]);
+    if (scan.counts[i] == 0) continue;
+    output.say("  left out, {}: {}", name_of(static_cast<Validity>(i)), scan.counts[i]);
   }
-  if (counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
+  if (scan.counts[static_cast<std::size_t>(Validity::out_of_range)] > 0) {
     const auto [nearest, farthest] = depth_range(scan.sound.setup);
     output.say("  depths kept: {:.0f} to {:.0f} mm; --nearest, --farthest and --raw change that",
                nearest, farthest);
@@ -190,7 +190,7 @@ void tell_contradiction(ReconstructedScan& result, Output& output) {
 
 /// What the check does not see by its pixels, or leaves to --nearest and --farthest.
 void tell_no_points(ReconstructedScan& result, Output& output) {
-  const auto counts = count_by_validity(result.cloud);
+  const auto& counts = result.counts;
   const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
   const Finding finding{
       .what = "not one pixel became a point",
@@ -295,7 +295,8 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   }
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
-  if (point_count(result.cloud) == 0) tell_no_points(result, output);
+  result.counts = count_by_validity(result.cloud);
+  if (result.counts[0] == 0) tell_no_points(result, output);
   result.computed = watch.lap();
   if (flags.uncertainty) {
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
@@ -337,7 +338,7 @@ std::string line_of(const ReconstructedScan& scan) {
   entry["seconds"] = scan.read + scan.sound.choosing + scan.sound.checking + scan.tables +
                      scan.computed + scan.written;
   if (!scan.failure.empty()) entry["error"] = scan.failure;
-  if (scan.failure.empty()) entry["counts"] = app::json_of(count_by_validity(scan.cloud));
+  if (scan.failure.empty()) entry["counts"] = app::json_of(scan.counts);
   return app::line_of(entry);
 }
 
@@ -414,20 +415,24 @@ void keep_memory() {
 void reconstruct(const ReconstructFlags& given, Output& output) {
   ReconstructFlags flags = given;
   flags.scans = scan_names(listed_scans(flags), flags.every);
-  flags.settings = settings_of(*flags.command);
+  flags.settings = arguments_of(*flags.command, Arguments::settings);
   reconstruct_scans(std::move(flags), output);
 }
 
 }  // namespace
 
-void reconstruct_scans(ReconstructFlags flags, Output& output) {
-  require_writable(flags.files, flags.scans);
+void apply_settings(ReconstructFlags& flags) {
   set_backend(flags.cloud.settings, flags.backend);
   flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);
   set_clean(flags.cloud.settings, flags.cloud.clean);
   if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
     throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
   }
+}
+
+void reconstruct_scans(ReconstructFlags flags, Output& output) {
+  require_writable(flags.files, flags.scans);
+  apply_settings(flags);
   keep_memory();
   output.document["scans"] = nlohmann::json::array();
   if (!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest)) {

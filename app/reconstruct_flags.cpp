@@ -4,7 +4,6 @@
 #include <set>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "app/flag_group.h"
 
@@ -34,24 +33,6 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
             "standard deviation of each point, by the frames' noise, into the cloud");
 }
 
-std::vector<std::string> arguments_of(const CLI::App& subcommand, bool with_files) {
-  // What is done, and by whom, is not how.
-  static const std::set<std::string> of_run{"rig",      "json",   "threads", "windows",
-                                            "manifest", "resume", "tasks",   "plan"};
-  std::vector<std::string> arguments;
-  for (const CLI::Option* const option : subcommand.get_options()) {
-    if (option->get_lnames().empty() || of_run.contains(option->get_lnames().front())) continue;
-    const std::string name = option->get_lnames().front(), type = option->get_type_name();
-    const bool is_path = type == file_type || type == output_type;
-    if (!with_files && (is_path || name == "every")) continue;
-    for (const std::string& value : option->results()) {
-      arguments.push_back(fmt::format("--{}={}", name,
-                                      is_path ? std::filesystem::absolute(value).string() : value));
-    }
-  }
-  return arguments;
-}
-
 }  // namespace
 
 void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags) {
@@ -79,12 +60,22 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   add_cloud_input_flags(subcommand, flags.cloud);
 }
 
-std::vector<std::string> arguments_of(const CLI::App& subcommand) {
-  return arguments_of(subcommand, true);
-}
-
-std::string settings_of(const CLI::App& subcommand) {
-  return fmt::format("{}", fmt::join(arguments_of(subcommand, false), " "));
+std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted) {
+  // What is done, and by whom, is not how.
+  static const std::set<std::string> of_run{"rig",      "json",   "threads", "windows",
+                                            "manifest", "resume", "tasks",   "plan"};
+  std::vector<std::string> arguments;
+  for (const CLI::Option* const option : subcommand.get_options()) {
+    if (option->get_lnames().empty() || of_run.contains(option->get_lnames().front())) continue;
+    const std::string name = option->get_lnames().front(), type = option->get_type_name();
+    const bool is_path = type == file_type || type == output_type;
+    if (wanted == Arguments::settings && (is_path || name == "every")) continue;
+    for (const std::string& value : option->results()) {
+      arguments.push_back(fmt::format("--{}={}", name,
+                                      is_path ? std::filesystem::absolute(value).string() : value));
+    }
+  }
+  return arguments;
 }
 
 }  // namespace slipstream::app

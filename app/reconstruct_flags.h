@@ -31,7 +31,7 @@ struct ReconstructFlags {
   std::string manifest;  ///< file; none where empty
   bool resume = false;
   std::vector<ScanName> scans;        ///< of the paths, what is asked for
-  std::string settings;               ///< settings_of the command
+  std::vector<std::string> settings;  ///< Arguments::settings of the command
   const CLI::App* command = nullptr;  ///< whose flags they are
 };
 
@@ -41,11 +41,16 @@ void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags);
 /// Adds those that say how they are reconstructed, and what is written where.
 void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags);
 
+enum class Arguments {
+  all,
+  settings  ///< that decide what outputs hold, beside files that are read
+};
 /// Of its flags those of add_reconstruct_flags that were given, also by a rig file, as arguments:
 /// "--subsample=2", with paths that are absolute.
-std::vector<std::string> arguments_of(const CLI::App& subcommand);
-/// Those that decide what outputs hold, beside files that are read, with blanks between.
-std::string settings_of(const CLI::App& subcommand);
+std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted);
+
+/// Puts what they say where `cloud` has its settings. Throws Error for values that are none.
+void apply_settings(ReconstructFlags& flags);
 
 /// Reconstructs `scans` and tells each. Throws Error for flags that do not fit together.
 void reconstruct_scans(ReconstructFlags flags, Output& output);

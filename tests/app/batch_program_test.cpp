@@ -200,6 +200,10 @@ TEST_F(BatchProgram, WhatCannotBePlannedIsOneLine) {
   expect_refused("x\nx\n", "two scans would be written to it");
   expect_refused("a.slip\t0:9\na.slip\t8:12\n", "window 8");
   write_file(path("list.txt"), "x\n");
+  EXPECT_EQ(run({"batch", "plan", path("x"), "--tasks", "2", "--plan", path("plan"), "-o",
+                 output("many"), "--subsample", "3"}),
+            2);
+  expect_words("--subsample 3");
   EXPECT_EQ(plan("0"), 2);
   expect_words("--tasks 0 is out of range");
   ASSERT_EQ(plan("2"), 0);
@@ -231,7 +235,7 @@ TEST_F(BatchProgram, AScanThatIsGoneEndsNoPlan) {
 TEST(Manifest, TornAtAnyByteItIsItsWholeLines) {
   std::string text;
   for (std::uint64_t window = 0; window < 4; ++window) {
-    auto entry = app::entry_for({"a \"b\"\n.slip", window}, "--gamma=none");
+    auto entry = app::entry_for({"a \"b\"\n.slip", window}, {"--gamma=none"});
     entry["outputs"] = nlohmann::json::array();
     text += app::line_of(entry);
   }

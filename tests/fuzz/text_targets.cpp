@@ -133,7 +133,7 @@ const bool list_known = add_fuzz_target(
 const bool manifest_known = add_fuzz_target(
     {"manifest",
      [] {
-       nlohmann::json entry = app::entry_for({"a.slip", 3}, "--gamma=none");
+       nlohmann::json entry = app::entry_for({"a.slip", 3}, {"--gamma=none"});
        entry["outputs"] = app::sums_of({"missing.ply"});
        const std::string done = app::line_of(entry);
        entry["error"] = "a.slip: its header is damaged";
@@ -142,7 +142,7 @@ const bool manifest_known = add_fuzz_target(
      [](std::span<const std::uint8_t> input) {
        const app::Manifest manifest = app::manifest_from(text_of_bytes(input), "input");
        for (const auto& [scan, entry] : manifest.entries) {
-         (void)app::why_not_done(manifest, scan, app::entry_for(scan, "--gamma=none"), {"x.ply"});
+         (void)app::why_not_done(manifest, scan, app::entry_for(scan, {"--gamma=none"}), {"x.ply"});
          (void)app::line_of(entry);
        }
      }});

@@ -1,5 +1,6 @@
 """Builds the module by CMake; pyproject.toml says the rest."""
 
+import os
 import pathlib
 import subprocess
 import sys
@@ -15,7 +16,7 @@ class BuildByCMake(build_ext):
         options = ["PYTHON=ON", "APP=OFF", "VIEW=OFF", f"PYTHON_FOLDER={folder}"]
         for command in [
                 ["cmake", "-S", pathlib.Path(__file__).parent, "-B", build, "-G", "Ninja",
-                 f"-DPython_EXECUTABLE={sys.executable}",
+                 f"-DPython_EXECUTABLE={sys.executable}", *os.environ.get("CMAKE_ARGS", "").split(),
                  *(f"-DSLIPSTREAM_{option}" for option in options)],
                 ["cmake", "--build", build, "--target", "_slipstream"],
                 ["cmake", "--install", build, "--component", "python"]]:

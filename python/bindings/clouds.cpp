@@ -101,9 +101,8 @@ void bind_cloud(py::module_& module) {
       module, "Cloud",
       "A point, or the reason why there is none, for each camera pixel: x, y, z in mm in the "
       "camera's frame, NaN without a point; intensity in grey levels of 255; validity as the "
-      "number "
-      "of a Validity. These are rows x columns, to read, and its own memory. `points` has x, y, z "
-      "side by side, rows x columns x 3, copied when first asked for.");
+      "number of a Validity. These are rows x columns, to read, and its own memory. `points` has "
+      "x, y, z side by side, rows x columns x 3, copied when first asked for.");
   cloud.def(py::init(&cloud_from), "points"_a, "intensity"_a = py::none(),
             "Of a copy of points of your own, rows x columns x 3, NaN where there is none.");
   add_images(cloud, "x", &Cloud::x, "y", &Cloud::y, "z", &Cloud::z, "intensity", &Cloud::intensity,
@@ -162,8 +161,7 @@ void bind_clouds(py::module_& module) {
       "What frames say of each camera pixel: mean and modulation in their grey levels, the wrapped "
       "phase of the highest frequency (rad, 0 to 2 pi), the doubt about its order (periods), the "
       "projector coordinate (0 to 1 across the field), motion (rad from frame to frame). None "
-      "where "
-      "they do not say it.");
+      "where they do not say it.");
   add_images(maps, "mean", &Maps::mean, "modulation", &Maps::modulation, "wrapped_phase",
              &Maps::wrapped_phase, "fringe_order_doubt", &Maps::fringe_order_doubt, "coordinate",
              &Maps::coordinate, "motion", &Maps::motion);

@@ -210,8 +210,7 @@ void bind_scanners(py::module_& module) {
   py::class_<Scanner> scanner(
       module, "Scanner",
       "All that calibration knows of a camera and a projector; mm, the world is the camera's "
-      "frame. "
-      "Sizes are (width, height), light is in grey levels of 255; what is not known is None.");
+      "frame. Sizes are (width, height), light in grey levels of 255; None is what is not known.");
   scanner.def(py::init(&scanner_from)).def(py::self == py::self);
   add_lens<&Scanner::camera>(scanner, "camera");
   add_lens<&Scanner::projector>(scanner, "projector");

@@ -148,7 +148,9 @@ void bind_scans(py::module_& module) {
       module, "Scan", "Frames, what they show, and what took them, where that is known.");
   scan.def(py::init(&scan_from), "frames"_a, "sequence"_a, "scanner"_a = py::none(), py::kw_only(),
            "bits"_a = py::none(), "Of a copy of frames; several exposures are merged.");
-  scan.def_readwrite("scanner", &Scan::scanner);
+  scan.def_property(  // never taken away: Python may hold it
+      "scanner", [](const Scan& of) { return of.scanner ? &*of.scanner : nullptr; },
+      [](Scan& of, const Scanner& scanner) { of.scanner = scanner; });
   add(scan, "frames", &Scan::frames, "sequence", &Scan::sequence, "exposures", &Scan::exposures,
       "other_axis", &Scan::other_axis, "further_cameras", &Scan::further_cameras, "warnings",
       &Scan::warnings);

@@ -103,3 +103,15 @@ def test_values_compare_and_are_told_apart():
         slipstream.Scanner(
             camera_matrix=scanner.camera_matrix, camera_size=scanner.camera_size,
             projector_matrix=scanner.projector_matrix, projector_size=scanner.projector_size)
+
+
+def test_a_scan_keeps_its_scanner(dual):
+    scan = slipstream.Scan(list(dual.scan.frames), dual.scan.sequence)
+    assert scan.scanner is None
+    scan.scanner = slipstream.example_scanner((320, 240))
+    scan.scanner.ambient = 7  # its own, no copy
+    held = scan.scanner
+    scan.scanner = dual.scan.scanner
+    assert held == dual.scan.scanner and scan.scanner.ambient != 7
+    with pytest.raises(TypeError):
+        scan.scanner = None

@@ -23,4 +23,5 @@ class BuildByCMake(build_ext):
             subprocess.run(command, check=True)
 
 
-setup(ext_modules=[Extension("slipstream._slipstream", [])], cmdclass={"build_ext": BuildByCMake})
+setup(ext_modules=[Extension("slipstream._slipstream", [])], cmdclass={"build_ext": BuildByCMake},
+      options={"build": {"build_base": "build-wheel"}})

@@ -34,6 +34,7 @@ AddedCommand<Flags> add_command(CLI::App& parent, Command& chosen,
 }
 
 /// Each adds a subcommand to the program; when it is chosen, `chosen` becomes its work.
+void add_demo(CLI::App& program, Command& chosen);
 void add_patterns(CLI::App& program, Command& chosen);
 void add_simulate(CLI::App& program, Command& chosen);
 void add_calibrate(CLI::App& program, Command& chosen);

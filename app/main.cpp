@@ -22,6 +22,7 @@
 #include "slipstream/error/error.h"
 
 namespace slipstream::app {
+extern const char* const program_version;  // made at build time: see version.cmake
 namespace {
 
 constexpr int failure_of_the_world = 1;
@@ -117,8 +118,9 @@ int run(const Command& command, const SharedFlags& shared, Output& output) {
 int run_program(int argc, char** argv, Output& output) {
   CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
   program.require_subcommand(1);
-  program.set_version_flag("--version", SLIPSTREAM_VERSION);
+  program.set_version_flag("--version", program_version);
   Command chosen;
+  add_demo(program, chosen);
   add_patterns(program, chosen);
   add_simulate(program, chosen);
   add_calibrate(program, chosen);

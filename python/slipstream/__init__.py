@@ -1,6 +1,8 @@
 """slipstream: pictures of an object under projected stripes to a measured 3-D point cloud."""
 
+import atexit as _atexit
 import enum as _enum
+import weakref as _weakref
 
 from . import _slipstream
 from ._slipstream import *  # noqa: F403
@@ -35,7 +37,16 @@ def _say(self):
     return f"<slipstream.{name} {_SAYS[name].format(self, count)}>"
 
 
-def _end_live(self, kind, *_):
+_running = _weakref.WeakSet()
+
+
+def _start_live(self):
+    _start(self)
+    _running.add(self)
+    return self
+
+
+def _end_live(self, kind=None, *_):
     try:
         self.stop()
     except BaseException:
@@ -43,12 +54,18 @@ def _end_live(self, kind, *_):
             raise
 
 
+@_atexit.register
+def _end_all():  # their threads cannot call an interpreter that is gone
+    for live in list(_running):
+        _end_live(live, "exit")
+
+
 for _name, _bound in list(vars(_slipstream).items()):
     if isinstance(_bound, type):
         _bound.__module__ = __name__
     if _name in _SAYS:
         _bound.__repr__ = _say
-Live.__enter__ = lambda self: self.start() or self  # noqa: F405
+_start, Live.start, Live.__enter__ = Live.start, _start_live, _start_live  # noqa: F405
 Live.__exit__ = _end_live  # noqa: F405
 Live.__iter__ = lambda self: self  # noqa: F405
 Recording.__iter__ = lambda self: filter(  # noqa: F405

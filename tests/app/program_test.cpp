@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <regex>
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -304,6 +305,22 @@ TEST_F(Program, TakesTheFringeOrderFromARangeOfDepth) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("RMS error"), std::string::npos) << run.out;
   EXPECT_EQ(run_program({"check", path("fine")}).exit_code, 0);
+}
+
+TEST_F(Program, ShowsWhatItDoes) {
+  const ProgramRun run = run_program({"demo", path("demo"), "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_GT(nlohmann::json::parse(run.out)["points"], 100000);
+  for (const char* const file : {"scan/scan.yaml", "cloud.ply", "depth.tiff", "preview.png"}) {
+    EXPECT_TRUE(fs::exists(path("demo") + "/" + file)) << file;
+  }
+}
+
+TEST_F(Program, SaysWhichItIs) {
+  const ProgramRun run = run_program({"--version"});
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_TRUE(std::regex_match(run.out, std::regex("[0-9.]+(\\+g[0-9a-f]{7,}(-dirty)?)?\\s*")))
+      << run.out;
 }
 
 TEST_F(Program, HasHelpWithExamples) {

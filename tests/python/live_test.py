@@ -1,5 +1,7 @@
 """Live: frames to clouds as they come."""
 
+import subprocess
+import sys
 import time
 
 import pytest
@@ -62,6 +64,15 @@ def test_it_ends_when_nobody_asks_any_more():
         for cloud in live:
             held.append(cloud)  # as many as there are: each is a copy
     assert held
+
+
+def test_it_ends_with_the_interpreter():
+    script = """import slipstream, time
+live = slipstream.Live("virtual", slipstream.Sequence("pmp, steps 4"), rate=0, camera=(160, 120),
+                       on_cloud=lambda cloud: None).start()
+time.sleep(0.2)"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_sources_are_refused_as_the_program_does():

@@ -1,0 +1,57 @@
+#include <filesystem>
+#include <string>
+
+#include "app/commands.h"
+#include "slipstream/io/result_files.h"
+#include "slipstream/io/virtual_scan.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_photometry.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/strategy/sequence_changes.h"
+
+namespace slipstream::app {
+namespace fs = std::filesystem;
+namespace {
+
+struct DemoFlags {
+  std::string folder = "demo";
+};
+
+void demo(const DemoFlags& flags, Output& output) {
+  const fs::path folder = flags.folder, scan = folder / "scan";
+  VirtualWorld world{.scanner = example_scanner(), .photometry = photometry_named("bench")};
+  world.scene = scene_named("statue", world.scanner);
+  const Sequence sequence = default_sequence(world.scanner.projector.size,
+                                             {.settings = {{"steps", "4"}, {"high", "32"}}});
+  output.say("the virtual scanner takes a scan of a statue: {}", scan.string());
+  const VirtualScan taken =
+      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+  save_virtual_scan(scan, sequence, world, taken);
+
+  Cloud cloud;
+  Engine(as_calibrated(world), sequence).cloud(taken.frames, cloud);
+  const ResultFiles files{.cloud = folder / "cloud.ply",
+                          .depth = folder / "depth.tiff",
+                          .preview = folder / "preview.png"};
+  write_results(files, cloud, {});
+  output.say("the scan becomes a cloud: {} points", point_count(cloud));
+  for (const auto& [name, path] : files.named()) {
+    output.say("  {}: {}", name, path);
+    output.object("files")[name] = path;
+  }
+  output.say("the same by hand: slipstream reconstruct {} -o cloud.ply", scan.string());
+  output.document["scan"] = scan.string();
+  output.document["points"] = point_count(cloud);
+}
+
+}  // namespace
+
+void add_demo(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, demo, "demo",
+                  "a scan of the virtual world and its cloud: whether all works, and data to try");
+  command.add("folder", flags.folder, "where it goes");
+  command.app.footer("Example:\n  slipstream demo && slipstream view demo/cloud.ply");
+}
+
+}  // namespace slipstream::app

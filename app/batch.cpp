@@ -175,9 +175,10 @@ std::string merge_shard(const ReconstructFlags& flags, Manifest manifest, Sums& 
       continue;
     }
     ++sums.whole;
-    sums.seconds += entry->second.value("seconds", 0.0);
+    if (entry->second["seconds"].is_number())
+      sums.seconds += entry->second["seconds"].get<double>();
     for (const auto& [name, count] : entry->second["counts"].items()) {
-      sums.counts[name] += count.get<std::uint64_t>();
+      if (count.is_number_unsigned()) sums.counts[name] += count.get<std::uint64_t>();
     }
   }
   sums.scans += faults.size();

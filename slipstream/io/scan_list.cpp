@@ -34,7 +34,8 @@ ListedScans listed_from(std::string_view line) {
   const std::string_view windows = take(line, '\t');
   if (!windows.empty()) scans.windows = window_range_from(windows);
   const auto cost = number_from(take(line, '\t'), 0), shard = number_from(take(line, '\t'), 0);
-  if (scans.path.empty() || !cost || !shard || !line.empty()) {
+  constexpr std::uint64_t exact = std::uint64_t{1} << 53;  // in a double
+  if (scans.path.empty() || !cost || *cost > exact || !shard || !line.empty()) {
     throw Error("is no line of a list: PATH, A:B, COST and SHARD with tabs between");
   }
   scans.cost = *cost;

@@ -23,8 +23,8 @@ TEST(ScanList, ReadsLinesAsTheyAreWritten) {
       {.path = "d.slip", .windows = WindowRange{7, 8}, .cost = 20, .shard = 4}};
   EXPECT_EQ(scans, wanted);
   EXPECT_EQ(scan_list_from(text_of(scans), "again"), wanted);
-  for (const char* bad : {"\t3:5", "a\t3:3", "a\tb", "a\t1:2\t-3", "a\t\t1\t2\t3", "a\t1:2:3",
-                          "a\t18446744073709551616:"}) {
+  for (const char* bad : {"\t3:5", "a\t3:3", "a\tb", "a\t1:2\t-3", "a\t\t99999999999999999",
+                          "a\t\t1\t2\t3", "a\t1:2:3", "a\t18446744073709551616:"}) {
     expect_error([&] { (void)scan_list_from(bad, "list.txt"); }, {"list.txt: line 1: "});
   }
   expect_error([] { (void)text_of(std::vector<ListedScans>{{.path = "a\nb"}}); }, {"line end"});

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -219,6 +220,10 @@ void add_batch(CLI::App& program, Command& chosen) {
       ->required()
       ->default_str("");
   add_reconstruct_flags(plan.app, planned.reconstruct);
+  plan.app.footer(
+      "Example:\n  slipstream batch plan archive.txt --tasks 8 --plan plan -o "
+      "/shared/{name}-{window}.ply\n  slipstream batch run plan --shard 1/8\n  slipstream batch "
+      "merge plan");
   const auto [run, shard] =
       add_command(*batch, chosen, run_shard, "run", "does one shard, or what is left of it");
   run.add_file("plan", shard.folder, "folder of the batch")->required();

@@ -23,12 +23,18 @@ py::object found_gamma(const py::object& frames, int steps, int first, std::opti
                  "refusal"_a = found.accepted() ? "" : reason_of(found.refusal));
 }
 
-py::object calibrated_gamma(const py::iterable& scans, double minimum_modulation) {
+ScanAverage average_of(const py::iterable& scans, bool of_gamma) {
   ScanAverage average;
   for (const py::handle of : scans) {
-    const auto [scan, name] = checked_scan(of, true);
+    const auto [scan, name] = checked_scan(of, of_gamma);
+    if (!of_gamma) require_ambient_measurable(scan, name);
     average.add(scan, name);
   }
+  return average;
+}
+
+py::object calibrated_gamma(const py::iterable& scans, double minimum_modulation) {
+  const ScanAverage average = average_of(scans, true);
   const auto found = unlocked([&] { return calibrate_gamma(average, minimum_modulation); });
   const MeasuredResponse response = found_response(found);
   return results("response"_a = response, "gamma"_a = response.gamma,
@@ -53,12 +59,7 @@ py::object calibrated_noise(const py::iterable& scans) {
 
 py::object calibrated_ambient(const py::iterable& scans, double least_alpha,
                               const std::optional<MeasuredResponse>& measured) {
-  ScanAverage average;
-  for (const py::handle of : scans) {
-    const auto [scan, name] = checked_scan(of, false);
-    require_ambient_measurable(scan, name);
-    average.add(scan, name);
-  }
+  const ScanAverage average = average_of(scans, false);
   std::optional<Response> response;
   if (measured) response = measured->response;
   const AmbientEstimate found =
@@ -97,40 +98,29 @@ CalibrationBoard board_from(Keywords& keywords) {
   return board;
 }
 
-struct GeometryFlags {
-  ScanChanges scan{};
-  std::string first_axis = "x";
-  std::vector<std::string> excluded{};
-  BoardCaptureSettings capture{};
-  GeometryCalibrationSettings model{};
-};
-
-GeometryFlags flags_from(Keywords& keywords) {
-  GeometryFlags flags;
-  std::optional<Sequence> sequence;
-  keywords.take("sequence", sequence, "first_axis", flags.first_axis, "excluded", flags.excluded,
-                "minimum_modulation", flags.capture.minimum_modulation, "neighbourhood",
-                flags.capture.neighbourhood, "response", flags.capture.response,
-                "camera_coefficients", flags.model.camera_coefficients, "projector_coefficients",
-                flags.model.projector_coefficients, "print_deviation", flags.model.print_deviation);
-  keywords.require_none_left();
-  if (sequence) flags.scan.sequence = changes_to(*sequence);
-  return flags;
-}
-
 py::object calibrated(const fs::path& folder, const std::optional<fs::path>& report_folder,
                       const py::kwargs& given) {
   Keywords keywords(given);
   const CalibrationBoard board = board_from(keywords);
-  const GeometryFlags flags = flags_from(keywords);
+  ScanChanges changes;
+  std::optional<Sequence> sequence;
+  std::string first_axis = "x";
+  std::vector<std::string> excluded;
+  BoardCaptureSettings capture;
+  GeometryCalibrationSettings model;
+  keywords.take("sequence", sequence, "first_axis", first_axis, "excluded", excluded,
+                "minimum_modulation", capture.minimum_modulation, "neighbourhood",
+                capture.neighbourhood, "response", capture.response, "camera_coefficients",
+                model.camera_coefficients, "projector_coefficients", model.projector_coefficients,
+                "print_deviation", model.print_deviation);
+  keywords.require_none_left();
+  if (sequence) changes.sequence = changes_to(*sequence);
   PoseCaptures captures;
   const auto found = unlocked([&] {
-    captures = capture_poses(folder.string(),
-                             board_scans(folder, flags.scan, axis_named(flags.first_axis)),
-                             flags.excluded, board, flags.capture, [](const std::string&) {});
+    captures = capture_poses(folder.string(), board_scans(folder, changes, axis_named(first_axis)),
+                             excluded, board, capture, [](const std::string&) {});
     require_enough_poses(captures, folder.string());
-    return calibrate_geometry(captures.views, board, captures.camera, captures.projector,
-                              flags.model);
+    return calibrate_geometry(captures.views, board, captures.camera, captures.projector, model);
   });
   warn_of("", captures.warnings);
   CalibrationReport report{found, found.views, captures.unused, board};

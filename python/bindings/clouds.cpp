@@ -24,25 +24,26 @@ HeldCloud::Points joined(const Image<float>& x, const Image<float>& y, const Ima
 }
 
 /// Of points rows x columns x 3, not finite where there is none.
-std::shared_ptr<HeldCloud> cloud_from(const ArrayOf<float>& points,
+std::shared_ptr<HeldCloud> cloud_from(const py::array& points,
                                       const std::optional<ArrayOf<float>>& intensity) {
   if (points.ndim() != 3 || points.shape(2) != 3) throw Error("points are rows x columns x 3");
+  const auto axis = [&](int i) {
+    return image_from(ArrayOf<float>(points[py::make_tuple(py::ellipsis(), i)]));
+  };
   auto held = std::make_shared<HeldCloud>();
   Cloud& cloud = held->cloud;
-  cloud = Cloud({static_cast<int>(points.shape(1)), static_cast<int>(points.shape(0))});
-  if (intensity) cloud.intensity = image_from(*intensity);
+  cloud.x = axis(0);
+  cloud.y = axis(1);
+  cloud.z = axis(2);
+  cloud.validity = Image<Validity>(cloud.size(), Validity::valid);
+  cloud.intensity = intensity ? image_from(*intensity) : Image<float>(cloud.size());
   if (cloud.intensity.size() != cloud.size()) throw Error("intensity is not of the points' size");
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      const float *x = points.data(row, column, 0), *y = points.data(row, column, 1),
-                  *z = points.data(row, column, 2);
-      if (!std::isfinite(*x) || !std::isfinite(*y) || !std::isfinite(*z)) continue;
-      cloud.x(column, row) = *x;
-      cloud.y(column, row) = *y;
-      cloud.z(column, row) = *z;
-      cloud.validity(column, row) = Validity::valid;
+  for_each_row(cloud.size().height, [&](int row) {
+    for (int i = 0; i < cloud.size().width; ++i) {
+      const bool is_point = std::isfinite(cloud.x(i, row) + cloud.y(i, row) + cloud.z(i, row));
+      if (!is_point) cloud.leave_out(i, row, Validity::no_point);
     }
-  }
+  });
   return held;
 }
 

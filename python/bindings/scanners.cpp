@@ -105,14 +105,6 @@ Scanner scanner_from(const py::kwargs& given) {
   return scanner;
 }
 
-Scanner loaded_scanner(const fs::path& path, std::optional<Size> camera,
-                       std::optional<Size> projector) {
-  Scanner scanner = read_scanner(path);
-  if (!camera && !projector) return scanner;
-  return completed(std::move(scanner), path.string(), camera.value_or(Size{}),
-                   projector.value_or(Size{}));
-}
-
 template <auto Device>
 void add_lens(py::class_<Scanner>& scanner, const std::string& device) {
   add(
@@ -132,11 +124,6 @@ void add_photometry(py::class_<Scanner>& scanner, const char* name) {
         require_valid(changed);
         of.photometry = changed;
       });
-}
-
-std::optional<std::pair<double, double>> depths_of(const Scanner& scanner) {
-  if (!scanner.calibrated_depths) return std::nullopt;
-  return std::pair(scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest);
 }
 
 void bind_strategies(py::module_& module) {
@@ -187,12 +174,6 @@ void bind_responses(py::module_& module) {
       &MeasuredResponse::standard_error);
   response.def(py::self == py::self);
   response.def(
-      "light",
-      [](const MeasuredResponse& of, const py::array_t<double>& values) {
-        return py::vectorize([&](double value) { return light_at(of.response, value); })(values);
-      },
-      "values"_a, "Light, 0 to 1, at values of the pattern, 0 to 1.");
-  response.def(
       "corrected",
       [](const MeasuredResponse& of, const py::array_t<double>& phases, int steps) {
         const PhaseCorrection correction = phase_correction(of.response, steps);
@@ -218,16 +199,15 @@ void bind_scanners(py::module_& module) {
   add_photometry<&PhotometricCalibration::noise_variance>(scanner, "noise_variance");
   add_photometry<&PhotometricCalibration::noise_gain>(scanner, "noise_gain");
   add_photometry<&PhotometricCalibration::response>(scanner, "response");
-  add(scanner, "rotation", &Scanner::rotation, "translation", &Scanner::translation,
-      "calibrated_depths", &depths_of);
+  add(scanner, "rotation", &Scanner::rotation, "translation", &Scanner::translation);
   scanner.def_readwrite("measured", &Scanner::measured, "How and when, for people.");
   scanner.def(
       "write", [](const Scanner& of, const fs::path& path) { write_scanner(path, of); }, "path"_a,
       Unlocked(), "Writes a scanner file: .yaml or .xml.");
-  module.def("load_scanner", &loaded_scanner, "path"_a, py::kw_only(), "camera_size"_a = py::none(),
-             "projector_size"_a = py::none(), Unlocked(),
-             "The scanner of an OpenCV file (YAML or XML) in slipstream's layout or another's, or "
-             "of a recording; with sizes where the file does not say them.");
+  module.def(
+      "load_scanner", &read_scanner, "path"_a, Unlocked(),
+      "The scanner of an OpenCV file (YAML or XML) in slipstream's layout or another's, or "
+      "of a recording; where the file says no sizes, load_scan(..., scanner=path) finds them.");
   module.def("example_scanner", &example_scanner, "camera"_a = Size{640, 480},
              "A camera of that size beside a projector of 1280x800, for the virtual world.");
 }

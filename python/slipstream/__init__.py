@@ -1,6 +1,7 @@
 """slipstream: pictures of an object under projected stripes to a measured 3-D point cloud."""
 
 import atexit as _atexit
+import contextlib as _contextlib
 import enum as _enum
 import weakref as _weakref
 
@@ -35,6 +36,16 @@ def _say(self):
     name = type(self).__name__
     count = len(self) if hasattr(self, "__len__") else None
     return f"<slipstream.{name} {_SAYS[name].format(self, count)}>"
+
+
+@_contextlib.contextmanager
+def threads(most):
+    """with threads(1): each call works on so many threads at most."""
+    limit = _slipstream._ThreadLimit(most)
+    try:
+        yield
+    finally:
+        del limit
 
 
 _running = _weakref.WeakSet()

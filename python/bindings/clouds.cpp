@@ -15,12 +15,15 @@
 namespace slipstream::python {
 namespace {
 
-HeldCloud::Points joined(const Image<float>& x, const Image<float>& y, const Image<float>& z) {
-  HeldCloud::Points points(x.size());
+/// Into memory that is used where it is of the size.
+void join(const Image<float>& x, const Image<float>& y, const Image<float>& z,
+          HeldCloud::Points& points) {
+  if (points.size() != x.size()) points = HeldCloud::Points(x.size());
   for_each_row(points.height(), [&](int row) {
-    for (int i = 0; i < points.width(); ++i) points(i, row) = {x(i, row), y(i, row), z(i, row)};
+    const float *from_x = x.row(row), *from_y = y.row(row), *from_z = z.row(row);
+    std::array<float, 3>* const to = points.row(row);
+    for (int i = 0; i < points.width(); ++i) to[i] = {from_x[i], from_y[i], from_z[i]};
   });
-  return points;
 }
 
 /// Of points rows x columns x 3, not finite where there is none.
@@ -121,7 +124,9 @@ void bind_cloud(py::module_& module) {
       [](const HeldCloud& of) {
         return array_from(unlocked([&] {
           const Normals normals = smoothed_normals(of.cloud);
-          return joined(normals.x, normals.y, normals.z);
+          HeldCloud::Points joined;
+          join(normals.x, normals.y, normals.z, joined);
+          return joined;
         }));
       },
       "Unit normals towards the camera, rows x columns x 3, smoothed; NaN without a point.");
@@ -151,7 +156,7 @@ void bind_cloud(py::module_& module) {
 
 const HeldCloud::Points& HeldCloud::points() {
   const std::lock_guard lock(mutex_);
-  if (!std::exchange(has_points_, true)) points_ = joined(cloud.x, cloud.y, cloud.z);
+  if (!std::exchange(has_points_, true)) join(cloud.x, cloud.y, cloud.z, points_);
   return points_;
 }
 

@@ -12,6 +12,7 @@
 #include <type_traits>
 
 #include <hwy/cache_control.h>
+#include <hwy/contrib/math/math-inl.h>
 #include <hwy/highway.h>
 
 /// For lambdas: of the target's instructions, and always written out where they are called.

@@ -13,6 +13,16 @@ struct CuePixel {
   double cue_sine = 0;       ///< S of the second band
 };
 
+/// The numbers in CueEvidence::cost, grey levels of an 8-bit device.
+struct CueCost {
+  bool circle = false;
+  CueReference reference{};   ///< R of a real cue
+  double c1 = 1, c2 = 1;      ///< shares of the measuring band and of the cue
+  double constant_light = 0;  ///< what the ambient light adds to the cue's channel
+  double steady = 0;          ///< of the cue's slope over B, which is steady + c2 / c1 R(y)
+  double component_variance = 1, cue_variance = 1;
+};
+
 /// What the frames of a pixel say about its fringe order. The cue alone gives a projector
 /// coordinate, Liu 2010, Eqs. (3.58), (3.74), (3.88); all channels together give the likelihood of
 /// any coordinate. A cue that is a second band of one period is a circle: it ends where it began,
@@ -24,7 +34,7 @@ class CueEvidence {
   CueEvidence(const Layout& layout, const CueSettings& settings);
 
   /// Whether the cue is a second band.
-  [[nodiscard]] bool is_circle() const { return circle_; }
+  [[nodiscard]] bool is_circle() const { return cost_.circle; }
   /// The largest modulation that noise may be taken for: four standard deviations of C and S of the
   /// measuring band, grey levels of 8 bits.
   [[nodiscard]] double dimmest_lit() const;
@@ -43,6 +53,8 @@ class CueEvidence {
 
   /// How far coordinate() lies from y, in periods of the high frequency, at most 0.5.
   [[nodiscard]] double doubt(const CuePixel& pixel, double y) const;
+
+  [[nodiscard]] const CueCost& cost() const { return cost_; }
 
   /// Minus twice the logarithm of the likelihood of y, up to a constant of the pixel. The
   /// reflectivity, which is not known, has been eliminated from it. Each channel is weighed by its
@@ -63,9 +75,11 @@ class CueEvidence {
   /// The likeliest order among those near the field of a projector `projector_length` pixels long.
   [[nodiscard]] int likeliest_order(const CuePixel& pixel, int projector_length) const;
 
-  /// Whether y lies in the field or at most a tenth of a period past its ends. Without that margin
-  /// noise at an end would carry a pixel to another period.
+  /// Whether y lies in the field or at most margin() past its ends.
   [[nodiscard]] bool near_field(double y, int projector_length) const;
+  /// Half a pixel and a tenth of a period: without it noise at an end would carry a pixel to
+  /// another period.
+  [[nodiscard]] double margin(int projector_length) const;
 
  private:
   /// The cue's channel less the ambient light, over B, at y and any reflectivity: (3.56) / (3.57)
@@ -73,11 +87,9 @@ class CueEvidence {
   [[nodiscard]] double slope(double y) const;
 
   CueSettings settings_;
-  CueReference reference_;
-  bool circle_;
-  double f_h_, c1_, c2_;
+  CueCost cost_;
+  double f_h_;
   double dc_ = 0;  ///< Cue::dc
-  double component_variance_, cue_variance_;
 };
 
 }  // namespace slipstream

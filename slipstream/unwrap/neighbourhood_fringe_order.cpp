@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 namespace slipstream {
 namespace {
@@ -22,15 +23,27 @@ class ImageField {
   void periods_around(int column, int row, PhaseWindow& window) const {
     for (int r = 0; r < 9; ++r) {
       for (int c = 0; c < 9; ++c) {
-        window[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] =
-            periods(column + c - 4, row + r - 4);
+        window.periods[static_cast<std::size_t>(r) * PhaseWindow::line +
+                       static_cast<std::size_t>(c)] =
+            static_cast<float>(periods(column + c - 4, row + r - 4) - periods(column, row));
       }
     }
   }
-  using Evidence = PixelPlace;
-  [[nodiscard]] static Evidence evidence(int column, int row) { return {row, column}; }
-  [[nodiscard]] double cost(Evidence at, int shift) const {
-    return cost_(at.column, at.row, own_(at.column, at.row) + shift);
+  static void foresee(const std::vector<PixelPlace>&) {}
+  struct Window {
+    const ImageField& field;
+    int column = 0, row = 0;  ///< of its first pixel
+
+    [[nodiscard]] double against(int cell, int shift) const {
+      const int c = column + cell % 5, r = row + cell / 5, own = field.own_(c, r);
+      return field.cost_(c, r, own + shift) - field.cost_(c, r, own);
+    }
+    [[nodiscard]] int shift(int line, int place) const {
+      return field.shift_(column + place, row + line);
+    }
+  };
+  [[nodiscard]] Window window_around(int column, int row) const {
+    return {*this, column - 2, row - 2};
   }
   [[nodiscard]] static bool own_order_costs_least() { return false; }
   [[nodiscard]] int shift(int column, int row) const { return shift_(column, row); }

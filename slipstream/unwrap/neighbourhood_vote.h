@@ -33,17 +33,25 @@ struct NeighbourhoodVoteLists {
   std::vector<PixelPlace> ever_moved;  ///< in any
 };
 
-/// Phases in periods around a pixel, [row][column], the pixel in the middle.
-using PhaseWindow = std::array<std::array<double, 9>, 9>;
+/// Phases in periods around a pixel, nine lines of nine, the pixel in the middle. What comes after
+/// each nine and after the last line is there for whole vectors and means nothing.
+struct PhaseWindow {
+  static constexpr std::size_t line = 12;
+  std::array<float, 10 * line> periods{};
+};
 
 /// Chooses fringe orders by the neighbourhood, see choose_with_neighbours, and looks at no pixel
 /// but those in doubt and their neighbours. `Field` says, for any pixel and four places past the
 /// ends of the picture:
 ///   double periods(int column, int row)  the phase unwrapped by the pixel's own order, in periods;
 ///                                        NaN where it means nothing and outside the picture
-///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel
-///   Evidence evidence(int column, int row)        what it knows of a pixel, and
-///   double cost(const Evidence&, int shift)       FringeOrderCost of a shifted order
+///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel, less
+///                                        those of the pixel
+///   void foresee(const std::vector<PixelPlace>& open)  that the windows around them come next
+///   Window window_around(int column, int row)  5 x 5 pixels, numbered by rows:
+///     double against(int cell, int shift)        FringeOrderCost of a shifted order less that of
+///                                                the pixel's own
+///     int shift(int line, int column)
 ///   bool own_order_costs_least()  whether no shift costs a pixel less than none
 ///   int shift(int column, int row), void set_shift(int column, int row, int shift)
 template <class Field>
@@ -67,11 +75,12 @@ class NeighbourhoodVote {
     lists.ever_moved.clear();
     for (int pass = 0; pass < passes && !lists.open.empty(); ++pass) {
       choose(lists);
-      open_around_the_moved(lists);
+      open_what_disagrees(lists);
     }
     sort_once(lists.ever_moved);
-    for (int pass = 0; pass < passes; ++pass) {
-      if (!restore_at_hidden_edges(lists)) break;
+    lists.moved = lists.ever_moved;
+    for (int pass = 0; pass < passes && !lists.moved.empty(); ++pass) {
+      restore_at_hidden_edges(lists);
     }
     std::erase_if(lists.ever_moved,
                   [&](PixelPlace at) { return field_.shift(at.column, at.row) == 0; });
@@ -129,17 +138,19 @@ class NeighbourhoodVote {
   static constexpr Cells inner_window = 0b00000'01110'01110'01110'00000;
 
   /// Five pixels through the middle, straight on or bent by one.
+  using Line = std::array<int, side>;
   static constexpr auto lines = [] {
-    std::array<Cells, 20> found{};
+    std::array<Line, 20> found{};
     std::size_t count = 0;
     const auto add = [&](std::array<int, side> across) {
-      Cells down = 0, right = 0;
+      Line down{}, right{};
       for (int i = 0; i < side; ++i) {
-        down |= bit(side * i + 2 + across[index(i)]);
-        right |= bit(side * (2 + across[index(i)]) + i);
+        down[index(i)] = side * i + 2 + across[index(i)];
+        right[index(i)] = side * (2 + across[index(i)]) + i;
       }
       found[count++] = down;
-      if (right != down) found[count++] = right;
+      // The antidiagonal is its own mirror image, but for the order.
+      if (across[0] != 2 && across[0] != -2) found[count++] = right;
     };
     add({0, 0, 0, 0, 0});
     for (const int sign : {-1, 1}) {
@@ -151,6 +162,16 @@ class NeighbourhoodVote {
     }
     return found;
   }();
+  static constexpr Cells cells_of(const Line& line) {
+    Cells set = 0;
+    for (const int cell : line) set |= bit(cell);
+    return set;
+  }
+  static constexpr auto line_cells = [] {
+    std::array<Cells, lines.size()> sets{};
+    std::transform(lines.begin(), lines.end(), sets.begin(), cells_of);
+    return sets;
+  }();
 
   /// Between the pixels of a window and those right of and below them.
   struct Links {
@@ -158,30 +179,54 @@ class NeighbourhoodVote {
     std::array<int, cells> right_step, down_step;  ///< shift_step, where they are linked
   };
 
+  /// Steps through a window from each place to that `distance` further: how many whole periods, and
+  /// whether the surface goes on across them, see goes_on. One loop each, for vectors.
+  template <std::size_t distance, std::size_t first, std::size_t last>
+  struct Steps {
+    std::array<float, last> whole, part;
+    std::array<int, last> linked;
+
+    explicit Steps(const PhaseWindow& window) {
+      constexpr auto most = static_cast<float>(steepest), rough = static_cast<float>(roughest);
+      constexpr float rounding = 12582912.0F;  // 1.5 * 2^23: adding it rounds
+      const auto& periods = window.periods;
+      for (std::size_t i = first - distance; i < last; ++i) {
+        const float step = periods[i + distance] - periods[i];
+        whole[i] = (step + rounding) - rounding;
+        part[i] = step - whole[i];
+      }
+      for (std::size_t i = first; i < last - distance; ++i) {
+        const float before = part[i - distance], step = part[i], after = part[i + distance];
+        const bool alone = (before != before) & (after != after);
+        const bool smooth = (std::abs(step - before) <= rough) | (std::abs(step - after) <= rough);
+        linked[i] = ((std::abs(step) <= most) & (alone | smooth)) ? 1 : 0;
+      }
+    }
+
+    [[nodiscard]] int shift_step(std::size_t i) const {
+      return linked[i] != 0 ? -static_cast<int>(whole[i]) : 0;
+    }
+  };
+
   [[nodiscard]] Links links_around(PixelPlace at) const {
+    constexpr std::size_t line = PhaseWindow::line;
     PhaseWindow window;
     field_.periods_around(at.column, at.row, window);
+    const Steps<1, 2 * line + 2, 7 * line> right(window);
+    const Steps<line, 2 * line, 7 * line> down(window);
     Links links;
-    std::array<double, 8> steps, whole;
-    for (int i = 0; i < side; ++i) {
-      const auto add = [&](const auto& phase, Cells& linked, auto& shift_steps, auto cell) {
-        for (std::size_t j = 0; j < steps.size(); ++j) {
-          const double step = phase(j + 1) - phase(j);
-          whole[j] = nearest_whole(step);
-          steps[j] = step - whole[j];
+    for (int row = 0, cell = 0; row < side; ++row) {
+      for (int column = 0; column < side; ++column, ++cell) {
+        const std::size_t i = index(row + 2) * line + index(column + 2);
+        if (column + 1 < side) {
+          links.right |= static_cast<Cells>(right.linked[i]) << cell;
+          links.right_step[index(cell)] = right.shift_step(i);
         }
-        for (int j = 0; j < side - 1; ++j) {
-          const std::size_t k = index(j + 2);
-          if (!goes_on(steps[k - 1], steps[k], steps[k + 1])) continue;
-          linked |= bit(cell(j));
-          shift_steps[index(cell(j))] = -static_cast<int>(whole[k]);
+        if (row + 1 < side) {
+          links.down |= static_cast<Cells>(down.linked[i]) << cell;
+          links.down_step[index(cell)] = down.shift_step(i);
         }
-      };
-      const std::size_t line = index(i + 2);
-      add([&](std::size_t j) { return window[line][j]; }, links.right, links.right_step,
-          [i](int j) { return side * i + j; });
-      add([&](std::size_t j) { return window[j][line]; }, links.down, links.down_step,
-          [i](int j) { return side * j + i; });
+      }
     }
     return links;
   }
@@ -231,11 +276,15 @@ class NeighbourhoodVote {
   class Ballot {
    public:
     Ballot(const NeighbourhoodVote& vote, PixelPlace at, const Surface& surface)
-        : vote_(vote), at_(at), surface_(surface) {
-      for_each_cell(surface.pixels, [&](int cell) {
-        const PixelPlace neighbour = place(at, cell);
-        shift_[index(cell)] = vote.field_.shift(neighbour.column, neighbour.row);
-      });
+        : surface_(surface),
+          window_(vote.field_.window_around(at.column, at.row)),
+          costs_least_(vote.field_.own_order_costs_least()) {
+      for (int line = 0, cell = 0; line < side; ++line) {
+        for (int column = 0; column < side; ++column, ++cell) {
+          shift_[index(cell)] = window_.shift(line, column);
+          moved_ |= Cells{shift_[index(cell)] != 0} << cell;
+        }
+      }
     }
 
     /// The shift of the middle that costs least, among its own and those that neighbours imply;
@@ -245,7 +294,7 @@ class NeighbourhoodVote {
       int best = 0;
       double least = std::numeric_limits<double>::infinity();
       for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
-        const double here = total(candidate->shift, least);
+        const double here = total(*candidate, least);
         if (!(here < least)) continue;
         best = candidate->shift;
         least = here;
@@ -262,16 +311,19 @@ class NeighbourhoodVote {
 
     /// Fills `candidates_` with those that the pixel itself does not rule out; gives their end.
     typename Candidates::iterator name_candidates() {
+      std::array<int, cells> implied;
+      for (std::size_t i = 0; i < cells; ++i) implied[i] = shift_[i] - surface_.shift_step[i];
       auto end = candidates_.begin();
-      for_each_cell(surface_.pixels, [&](int cell) {
-        const int implied = shift_[index(cell)] - surface_.shift_step[index(cell)];
-        auto known = std::find_if(candidates_.begin(), end,
-                                  [implied](const auto& c) { return c.shift == implied; });
-        if (known == end) *end++ = {implied, 0};
-        known->voters |= bit(cell);
-      });
+      for (Cells rest = surface_.pixels; rest != 0; ++end) {
+        const int shift = implied[index(std::countr_zero(rest))];
+        Cells voters = 0;
+        for (int i = cells - 1; i >= 0; --i)
+          voters = 2 * voters + Cells{implied[index(i)] == shift};
+        *end = {shift, voters & rest};
+        rest &= ~voters;
+      }
       end = std::remove_if(candidates_.begin(), end, [&](const Candidate& candidate) {
-        return cost(middle, candidate.shift) - cost(middle, 0) > sure;
+        return window_.against(middle, candidate.shift) > sure;
       });
       std::sort(candidates_.begin(), end, [](const auto& a, const auto& b) {
         const int votes = std::popcount(a.voters), of_b = std::popcount(b.voters);
@@ -290,7 +342,9 @@ class NeighbourhoodVote {
         const LineEvidence evidence = line_evidence(best, *candidate);
         if (!(evidence.for_candidate > most)) continue;
         const bool crossing = evidence.for_best > enough_along_a_line;
-        if (crossing && !(cost(middle, candidate->shift) < cost(middle, best))) continue;
+        if (crossing &&
+            !(window_.against(middle, candidate->shift) < window_.against(middle, best)))
+          continue;
         chosen = candidate->shift;
         most = evidence.for_candidate;
       }
@@ -305,19 +359,22 @@ class NeighbourhoodVote {
     /// Nothing where no line has three pixels, the middle among them, that the candidate suits.
     [[nodiscard]] LineEvidence line_evidence(int best, const Candidate& candidate) {
       LineEvidence found;
-      const Cells voters = candidate.voters | bit(middle);
-      if (std::none_of(lines.begin(), lines.end(),
-                       [voters](Cells line) { return std::popcount(line & voters) >= 3; })) {
+      const Cells others = candidate.voters & ~bit(middle);
+      if (std::none_of(line_cells.begin(), line_cells.end(), [others](Cells line) {
+            const Cells suited = line & others;
+            return (suited & (suited - 1)) != 0;  // two or more
+          })) {
         return found;
       }
-      std::array<double, cells> saved;
+      std::array<double, cells> saved{};
       for_each_cell(surface_.pixels, [&](int cell) {
         const int step = surface_.shift_step[index(cell)];
-        saved[index(cell)] = cost(cell, best + step) - cost(cell, candidate.shift + step);
+        saved[index(cell)] =
+            window_.against(cell, best + step) - window_.against(cell, candidate.shift + step);
       });
-      for (const Cells line : lines) {
+      for (const Line& line : lines) {
         double sum = 0;
-        for_each_cell(line & surface_.pixels, [&](int cell) { sum += saved[index(cell)]; });
+        for (const int cell : line) sum += saved[index(cell)];
         found.for_best = std::max(found.for_best, -sum);
         found.for_candidate = std::max(found.for_candidate, sum);
       }
@@ -326,39 +383,26 @@ class NeighbourhoodVote {
 
     /// The cost of a shift of the middle to the whole surface; or, where nobody's share can be
     /// negative, a part of it that is not below `enough`.
-    [[nodiscard]] double total(int shift, double enough) {
-      if (!vote_.field_.own_order_costs_least()) enough = std::numeric_limits<double>::infinity();
-      double sum = cost(middle, shift) - cost(middle, 0);
-      for (Cells rest = surface_.pixels & ~bit(middle); rest != 0 && sum < enough;
-           rest &= rest - 1) {
+    [[nodiscard]] double total(const Candidate& candidate, double enough) const {
+      if (!costs_least_) enough = std::numeric_limits<double>::infinity();
+      const Cells others = surface_.pixels & ~bit(middle);
+      double sum = window_.against(middle, candidate.shift) +
+                   disagreement * std::popcount(others & ~candidate.voters);
+      const Cells content = candidate.voters & ~moved_;  // it leaves them their own order
+      for (Cells rest = others & ~content; rest != 0 && sum < enough; rest &= rest - 1) {
         const int cell = std::countr_zero(rest);
-        const int implied = shift + surface_.shift_step[index(cell)];
-        if (shift_[index(cell)] != implied) sum += disagreement;
-        if (implied == 0) continue;
-        const double against = cost(cell, implied) - cost(cell, 0);
-        sum += std::min(against, most_evidence);
+        const int implied = candidate.shift + surface_.shift_step[index(cell)];
+        if (implied != 0) sum += std::min(window_.against(cell, implied), most_evidence);
       }
       return sum;
     }
 
-    [[nodiscard]] double cost(int cell, int shift) {
-      if ((known_ & bit(cell)) == 0) {
-        const PixelPlace neighbour = place(at_, cell);
-        evidence_[index(cell)] = vote_.field_.evidence(neighbour.column, neighbour.row);
-        own_cost_[index(cell)] = vote_.field_.cost(evidence_[index(cell)], 0);
-        known_ |= bit(cell);
-      }
-      return shift == 0 ? own_cost_[index(cell)] : vote_.field_.cost(evidence_[index(cell)], shift);
-    }
-
-    const NeighbourhoodVote& vote_;
-    PixelPlace at_;
     const Surface& surface_;
-    std::array<int, cells> shift_;
+    typename Field::Window window_;
+    bool costs_least_;
+    Cells moved_ = 0;
+    std::array<int, cells> shift_{};
     Candidates candidates_;
-    Cells known_ = 0;
-    std::array<typename Field::Evidence, cells> evidence_;
-    std::array<double, cells> own_cost_;
   };
 
   /// Whether one of the four neighbours implies another order.
@@ -399,6 +443,7 @@ class NeighbourhoodVote {
   /// One pass: all choose by what stood before it.
   void choose(NeighbourhoodVoteLists& lists) {
     constexpr int share = 64;
+    field_.foresee(lists.open);
     lists.choices.resize(lists.open.size());
     struct Work {
       const NeighbourhoodVote& vote;
@@ -432,17 +477,14 @@ class NeighbourhoodVote {
     lists.ever_moved.insert(lists.ever_moved.end(), lists.moved.begin(), lists.moved.end());
   }
 
-  /// Only a pixel that sees one that moved can choose otherwise in the next pass.
-  void open_around_the_moved(NeighbourhoodVoteLists& lists) const {
-    lists.open.clear();
+  /// For the next pass: what was open and still disagrees, and what does so because it or the one
+  /// beside it moved.
+  void open_what_disagrees(NeighbourhoodVoteLists& lists) const {
+    if (lists.moved.empty()) return lists.open.clear();
     for (const auto& [row, column] : lists.moved) {
-      for (int dy = -side / 2; dy <= side / 2; ++dy) {
-        for (int dx = -side / 2; dx <= side / 2; ++dx) {
-          const PixelPlace seeing{row + dy, column + dx};
-          if (may_disagree(seeing)) lists.open.push_back(seeing);
-        }
-      }
+      for (const auto& [dx, dy] : directions) lists.open.push_back({row + dy, column + dx});
     }
+    std::erase_if(lists.open, [&](PixelPlace at) { return !may_disagree(at); });
     sort_once(lists.open);
   }
 
@@ -451,24 +493,31 @@ class NeighbourhoodVote {
     places.erase(std::unique(places.begin(), places.end()), places.end());
   }
 
-  /// One pass over the moved pixels: back to what the pixel said alone where one of its eight
+  /// One pass over `lists.moved`: back to what the pixel said alone where one of its eight
   /// neighbours, of those on the same surface, agrees with that: it shows an edge of whole periods,
-  /// which the wrapped phase does not. Whether there was one.
-  bool restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
+  /// which the wrapped phase does not. Leaves there whom the next pass may restore for that.
+  void restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
     lists.choices.clear();
-    for (const PixelPlace at : lists.ever_moved) {
+    for (const PixelPlace at : lists.moved) {
       if (field_.shift(at.column, at.row) == 0) continue;
       const Surface surface = same_surface(links_around(at), inner_window);
+      const auto window = field_.window_around(at.column, at.row);
       bool supported = false;
       for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
-        const PixelPlace neighbour = place(at, cell);
-        const int shift = field_.shift(neighbour.column, neighbour.row);
-        supported |= shift == surface.shift_step[index(cell)];
+        supported |= window.shift(cell / side, cell % side) == surface.shift_step[index(cell)];
       });
       if (supported) lists.choices.push_back({at, 0});
     }
-    for (const auto& [at, shift] : lists.choices) field_.set_shift(at.column, at.row, shift);
-    return !lists.choices.empty();
+    lists.moved.clear();
+    for (const auto& [at, shift] : lists.choices) {
+      field_.set_shift(at.column, at.row, shift);
+      for_each_cell(inner_window, [&](int cell) { lists.moved.push_back(place(at, cell)); });
+    }
+    // Only those have a shift that have moved, and none is outside the picture.
+    std::erase_if(lists.moved, [&](PixelPlace at) {
+      return !std::binary_search(lists.ever_moved.begin(), lists.ever_moved.end(), at);
+    });
+    sort_once(lists.moved);
   }
 
   Field& field_;

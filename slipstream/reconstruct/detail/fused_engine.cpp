@@ -273,6 +273,7 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
 /// vote only.
 template <class Pixel>
 void decode_with_cue(const Pass<Pixel>& pass, int row, bool ours, FusedScratch& scratch) {
+  scratch.block.forget_costs(row);
   CueRow to{.width = pass.width(),
             .coordinate = scratch.block.coordinates(row),
             .mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin(),
@@ -309,10 +310,12 @@ void set(const FusedOutput& output, PixelPlace at, const MovedPixel& pixel, doub
 /// The neighbourhood's vote on the rows from `first` to `last`, and what follows from it for the
 /// pixels that it moves.
 template <class Pixel>
-void vote(const Pass<Pixel>& pass, int first, int last, VoteBlock& block) {
+void vote(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
+  VoteBlock& block = scratch.block;
   const FusedStages::Cue& cue = *pass.stages.cue;
   const bool some_dim = pass.cue_limits.lit_square > pass.cue_limits.voting_square;
-  VoteField field(cue, pass.frames, pass.full_scale, some_dim, block);
+  VoteField field(cue, pass.frames, pass.full_scale, some_dim,
+                  std::get<std::vector<const Pixel*>>(scratch.frames), block);
   block.lists.open.assign(block.disagreeing.begin(), block.disagreeing.end());
   NeighbourhoodVote{field}(block.lists);
   for (const PixelPlace at : block.lists.ever_moved) {
@@ -365,7 +368,7 @@ void voted_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scra
     }
     block.clear(decoded, decoded + Block::looks_past);
     ask_until(within(end + Block::voters));
-    vote(pass, begin, end, block);
+    vote(pass, begin, end, scratch);
     if (!pass.makes_points()) continue;
     for (int row = begin; row < end; ++row) {
       confirmed_row(pass, row, block.flags(row), [&](int near) { return block.coordinates(near); });

@@ -322,20 +322,39 @@ CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
   return stage;
 }
 
+OrderCostStage order_cost_stage(const Layout& layout, const CueEvidence& exact, double margin) {
+  using Form = OrderCostStage::Cue;
+  const CueCost& cost = exact.cost();
+  const bool cosine = cost.reference.form() == CueReference::Form::cosine;
+  const Band& high = layout.bands[0];
+  return {.cosines = high.cosine,
+          .sines = high.sine,
+          .cue = layout.cue ? layout.cue->weights : layout.bands[1].cosine,
+          .cue_sine = layout.cue ? std::vector<double>(high.sine.size()) : layout.bands[1].sine,
+          .form = cost.circle ? Form::circle
+                  : cosine    ? Form::cosine
+                              : Form::linear,
+          .share = static_cast<float>(cost.c1),
+          .cue_share = static_cast<float>(cost.c2),
+          .constant_light = static_cast<float>(cost.constant_light),
+          .steady = static_cast<float>(cost.steady),
+          .component_variance = static_cast<float>(cost.component_variance),
+          .cue_variance = static_cast<float>(cost.cue_variance),
+          .periods = static_cast<float>(high.periods),
+          .margin = static_cast<float>(margin)};
+}
+
 FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
   const CueSettings settings = cue_settings(setup);
   const CueEvidence exact(layout, settings);
+  const int length = projector_length(setup);
   return {.stage = cue_stage(layout, setup),
           .exact = exact,
           .f_h = layout.bands[0].periods,
-          .projector_length = projector_length(setup),
+          .projector_length = length,
           .dimmest_lit = exact.dimmest_lit(),
           .ambient = needs_ambient_light(layout) ? settings.ambient : 0,
-          .cosines = layout.bands[0].cosine,
-          .sines = layout.bands[0].sine,
-          .cue = layout.cue ? layout.cue->weights : layout.bands[1].cosine,
-          .cue_sine =
-              layout.cue ? std::vector<double>(layout.cue->weights.size()) : layout.bands[1].sine};
+          .costs = order_cost_stage(layout, exact, exact.margin(length))};
 }
 
 /// A degree that the kernel is compiled for, that one or the next above.

@@ -7,6 +7,7 @@
 #include "slipstream/geometry/ray_table.h"
 #include "slipstream/kernels/code_rows.h"
 #include "slipstream/kernels/cue_rows.h"
+#include "slipstream/kernels/order_costs.h"
 #include "slipstream/kernels/point_rows.h"
 #include "slipstream/kernels/sinusoid_rows.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
@@ -45,8 +46,7 @@ struct FusedStages {
     int projector_length = 0;  ///< of the projector along the axis, pixels
     double dimmest_lit = 0;    ///< grey levels of 255: see CueEvidence::lit
     double ambient = 0;        ///< beta, grey levels of 255; 0 where the cue does not need it
-    /// What a frame counts for in C, S, and in the cue's channel or its cosine and sine.
-    std::vector<double> cosines, sines, cue, cue_sine;
+    OrderCostStage costs;
   };
 
   int frames = 0;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -8,6 +10,7 @@
 
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/image/image.h"
+#include "slipstream/kernels/order_costs.h"
 #include "slipstream/reconstruct/detail/fused_stages.h"
 #include "slipstream/unwrap/neighbourhood_vote.h"
 
@@ -32,11 +35,23 @@ class VoteBlock {
   [[nodiscard]] const float* coordinates(int row) const {
     return coordinate_.row(place(row)) + side;
   }
+  [[nodiscard]] int width() const { return flags_.width(); }
+  [[nodiscard]] OrderCosts* costs(int row) { return costs_.row(place(row)); }
+  /// Whether those of a pixel, and of its `costed_together`, belong to the row's coordinates.
+  [[nodiscard]] std::uint8_t& costs_known(int column, int row) {
+    return costs_known_(column / costed_together, place(row));
+  }
+  /// For coordinates that are new.
+  void forget_costs(int row) {
+    std::fill_n(costs_known_.row(place(row)), costs_known_.width(), std::uint8_t{0});
+  }
   [[nodiscard]] std::int32_t* flags(int row) { return flags_.row(place(row)); }
   [[nodiscard]] const std::int32_t* flags(int row) const { return flags_.row(place(row)); }
   /// Of NeighbourhoodVote; 0 between votes.
   [[nodiscard]] std::int16_t& shift(PixelPlace at) { return shift_(at.column, place(at.row)); }
   [[nodiscard]] std::int16_t shift(PixelPlace at) const { return shift_(at.column, place(at.row)); }
+
+  [[nodiscard]] const std::int16_t* shifts(int row) const { return shift_.row(place(row)); }
 
   /// Makes rows NaN: those outside the picture, or not yet known.
   void clear(int first, int last);
@@ -64,17 +79,20 @@ class VoteBlock {
   Image<float> coordinate_;
   Image<std::int32_t> flags_;
   Image<std::int16_t> shift_;
+  Image<OrderCosts> costs_;
+  Image<std::uint8_t> costs_known_;  ///< of `costed_together` pixels
 };
 
 /// One scan as NeighbourhoodVote looks at it.
 template <class Pixel>
 class VoteField {
  public:
-  /// `some_dim`: pixels that have no say may have coordinates.
+  /// `some_dim`: pixels that have no say may have coordinates. `rows`: room for one of each frame.
   VoteField(const FusedStages::Cue& cue, const Frames<Pixel>& frames, double full_scale,
-            bool some_dim, VoteBlock& block)
+            bool some_dim, std::vector<const Pixel*>& rows, VoteBlock& block)
       : cue_(cue),
         frames_(frames),
+        rows_(rows),
         to_8_bits_(255 / full_scale),
         some_dim_(some_dim),
         block_(block) {}
@@ -88,28 +106,66 @@ class VoteField {
   }
   void periods_around(int column, int row, PhaseWindow& window) const {
     constexpr int reach = VoteBlock::looks_past;
+    const auto f_h = static_cast<float>(cue_.f_h);
+    const float own = block_.coordinates(row)[column];  // differences of coordinates are exact
     for (int r = 0; r < 2 * reach + 1; ++r) {
-      auto& line = window[static_cast<std::size_t>(r)];
+      float* const line = &window.periods[static_cast<std::size_t>(r) * PhaseWindow::line];
       const float* y = block_.coordinates(row + r - reach) + column - reach;
-      for (std::size_t c = 0; c < line.size(); ++c) line[c] = cue_.f_h * y[c];
+      for (std::size_t c = 0; c < PhaseWindow::line; ++c) line[c] = f_h * (y[c] - own);
       if (!some_dim_) continue;
-      for (std::size_t c = 0; c < line.size(); ++c) {
-        line[c] = periods(column + static_cast<int>(c) - reach, row + r - reach);
+      for (int c = 0; c < 2 * reach + 1; ++c) {
+        if (std::isnan(periods(column + c - reach, row + r - reach))) {
+          line[c] = std::numeric_limits<float>::quiet_NaN();
+        }
       }
     }
   }
-  struct Evidence {
-    CuePixel pixel;
-    double y = 0;
-  };
-  [[nodiscard]] Evidence evidence(int column, int row) const {
-    return {pixel(column, row), block_.coordinates(row)[column]};
+  /// Costs of the pixels that will vote on these, as far as they are not known.
+  void foresee(const std::vector<PixelPlace>& open) {
+    constexpr int reach = 2, last = costed_together - 1;
+    for (const PixelPlace at : open) {
+      const int first = std::max(at.column - reach, 0) & ~last;
+      const int end = std::min(at.column + reach + 1, block_.width());
+      for (int row = std::max(at.row - reach, 0);
+           row <= std::min(at.row + reach, frames_[0].height() - 1); ++row) {
+        for (int column = first; column < end; column += costed_together) {
+          if (block_.costs_known(column, row) == 0) find_costs(column, row);
+        }
+      }
+    }
   }
-  [[nodiscard]] double cost(const Evidence& evidence, int shift) const {
-    const double y = evidence.y + shift / cue_.f_h;
-    if (!cue_.exact.near_field(y, cue_.projector_length))
+  struct Window {
+    const VoteField& field;
+    PixelPlace first;
+    std::array<const OrderCosts*, 5> costs;
+    std::array<const std::int16_t*, 5> shifts;
+
+    [[nodiscard]] double against(int cell, int shift) const {
+      const OrderCosts& known = costs[static_cast<std::size_t>(cell / 5)][cell % 5];
+      if (shift == 1) return known.above;
+      if (shift == -1) return known.below;
+      return shift == 0 ? 0 : field.against(first.column + cell % 5, first.row + cell / 5, shift);
+    }
+    [[nodiscard]] int shift(int line, int column) const {
+      return shifts[static_cast<std::size_t>(line)][column];
+    }
+  };
+  [[nodiscard]] Window window_around(int column, int row) const {
+    Window window{.field = *this, .first = {row - 2, column - 2}, .costs = {}, .shifts = {}};
+    for (int r = 0; r < 5; ++r) {
+      window.costs[static_cast<std::size_t>(r)] = block_.costs(row - 2 + r) + column - 2;
+      window.shifts[static_cast<std::size_t>(r)] = block_.shifts(row - 2 + r) + column - 2;
+    }
+    return window;
+  }
+  /// Of any shift.
+  [[nodiscard]] double against(int column, int row, int shift) const {
+    const double own = block_.coordinates(row)[column], y = own + shift / cue_.f_h;
+    if (!cue_.exact.near_field(y, cue_.projector_length)) {
       return std::numeric_limits<double>::infinity();
-    return cue_.exact.cost(evidence.pixel, y);
+    }
+    const CuePixel said = pixel(column, row);
+    return cue_.exact.cost(said, y) - cue_.exact.cost(said, own);
   }
   /// On the circle the nearest order is the likeliest.
   [[nodiscard]] bool own_order_costs_least() const { return cue_.exact.is_circle(); }
@@ -124,18 +180,29 @@ class VoteField {
     CuePixel pixel;
     for (std::size_t n = 0; n < frames_.size(); ++n) {
       const double I = to_8_bits_ * frames_[n](column, row);
-      C += cue_.cosines[n] * I;
-      S += cue_.sines[n] * I;
-      pixel.cue += cue_.cue[n] * I;
-      pixel.cue_sine += cue_.cue_sine[n] * I;
+      C += cue_.costs.cosines[n] * I;
+      S += cue_.costs.sines[n] * I;
+      pixel.cue += cue_.costs.cue[n] * I;
+      pixel.cue_sine += cue_.costs.cue_sine[n] * I;
     }
     pixel.modulation = std::sqrt(C * C + S * S);
     return pixel;
   }
 
  private:
+  /// The last vector of a row overlaps the one before it.
+  void find_costs(int column, int row) {
+    const int first = std::min(column, block_.width() - costed_together);
+    std::transform(frames_.begin(), frames_.end(), rows_.begin(),
+                   [&](const auto& frame) { return frame.row(row) + first; });
+    order_costs(cue_.costs, static_cast<float>(to_8_bits_), rows_.data(),
+                block_.coordinates(row) + first, block_.costs(row) + first);
+    block_.costs_known(column, row) = 1;
+  }
+
   const FusedStages::Cue& cue_;
   const Frames<Pixel>& frames_;
+  std::vector<const Pixel*>& rows_;
   double to_8_bits_;
   bool some_dim_;
   VoteBlock& block_;

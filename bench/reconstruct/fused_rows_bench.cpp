@@ -23,7 +23,7 @@ struct Row {
   explicit Row(const Strategy& strategy)
       : scan(bench_scan(strategy)),
         stages(fused_stages(setup_for(scan), {}).value()),
-        limits(sinusoid_limits(stages.bands.front().sinusoid, {}, 255, 1)) {
+        limits(sinusoid_limits(stages.bands.front().sinusoid, {}, 255, 255, 1)) {
     scan.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
       if constexpr (sizeof(Pixel) == 1) {
         for (const auto& view : views) frames.push_back(view.row(240));

@@ -14,10 +14,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/calibrate/charuco.h"
+#include "slipstream/calibrate/quiet_opencv.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/quantile.h"
 #include "slipstream/io/mat.h"
-#include "slipstream/io/quiet_opencv.h"
 #include "slipstream/noise/robust.h"
 
 namespace slipstream {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 
+#include "slipstream/calibrate/quiet_opencv.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/quiet_opencv.h"
 
 namespace slipstream {
 namespace {

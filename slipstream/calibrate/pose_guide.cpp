@@ -14,10 +14,10 @@
 
 #include "slipstream/calibrate/coverage.h"
 #include "slipstream/calibrate/first_guess.h"
+#include "slipstream/calibrate/quiet_opencv.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/quantile.h"
 #include "slipstream/io/mat.h"
-#include "slipstream/io/quiet_opencv.h"
 
 namespace slipstream {
 namespace {

@@ -7,16 +7,16 @@
 #include <string_view>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/io/detail/picture_size.h"
-#include "slipstream/io/detail/png_reader.h"
+#include "slipstream/io/detail/plain_pictures.h"
+#include "slipstream/io/detail/png_file.h"
+#include "slipstream/io/detail/tiff_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/mat.h"
-#include "slipstream/io/quiet_opencv.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -24,17 +24,11 @@ namespace {
 
 constexpr std::array<std::string_view, 5> image_extensions{".png", ".tif", ".tiff", ".bmp", ".pgm"};
 
+/// Of a file that begins as one of the kinds that stated_pixels knows.
 cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
   if (is_png(bytes)) return read_png(bytes);
-  const QuietOpenCv quiet;
-  cv::Mat mat;
-  try {
-    mat = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-    mat.release();
-  }
-  if (mat.empty()) throw Error("not a picture, or truncated; a whole file is wanted");
-  return mat;
+  if (bytes[0] == 'B') return read_bmp(bytes);
+  return bytes[0] == 'P' ? read_pgm(bytes) : read_tiff(bytes);
 }
 
 cv::Mat read_mat(const fs::path& path) {
@@ -75,16 +69,12 @@ cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) 
 }
 
 /// As a file of that ending; empty where such a file does not hold such pixels.
-std::vector<std::uint8_t> encoded(const std::string& extension, const cv::Mat& mat,
-                                  const std::vector<int>& settings = {}) {
-  const QuietOpenCv quiet;
-  std::vector<std::uint8_t> bytes;
-  try {
-    if (!cv::imencode(extension, mat, bytes, settings)) bytes.clear();
-  } catch (const cv::Exception&) {
-    bytes.clear();
-  }
-  return bytes;
+std::vector<std::uint8_t> encoded(const std::string& extension, const cv::Mat& mat) {
+  if (extension == ".bmp") return bmp_file_of(mat);
+  if (extension == ".pgm") return pgm_file_of(mat);
+  if (extension != ".png") return tiff_file_of(mat);
+  return mat.depth() == CV_8U || mat.depth() == CV_16U ? png_file_of(mat)
+                                                       : std::vector<std::uint8_t>{};
 }
 
 void write_mat(const fs::path& path, const cv::Mat& mat) {
@@ -202,7 +192,7 @@ void write_image(const fs::path& path, const Image<std::uint16_t>& image) {
 }
 
 void write_one_bit_image(const fs::path& path, const Image<std::uint8_t>& image) {
-  write_file(path, encoded(".png", mat_of(image), {cv::IMWRITE_PNG_BILEVEL, 1}));
+  write_file(path, one_bit_png_file_of(mat_of(image)));
 }
 
 void write_image(const fs::path& path, const Image<Colour>& image) {
@@ -215,7 +205,7 @@ void write_image(const fs::path& path, const Image<Colour>& image) {
 }
 
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image) {
-  return encoded(".png", mat_of(image));
+  return png_file_of(mat_of(image));
 }
 
 void write_map(const fs::path& path, const Image<float>& map) {

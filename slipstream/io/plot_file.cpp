@@ -9,11 +9,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/drawing.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/preview.h"
 
 namespace slipstream {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/cloud/shading.h"
@@ -13,6 +12,7 @@
 #include "slipstream/image/converted.h"
 #include "slipstream/image/quantile.h"
 #include "slipstream/io/drawing.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/mat.h"
 #include "slipstream/plot/plot.h"
 

@@ -1,20 +1,27 @@
 #include "slipstream/io/image_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <random>
+#include <type_traits>
 
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <tiffio.h>
 
 #include "slipstream/io/file.h"
+#include "slipstream/io/mat.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream {
 namespace {
+
+namespace fs = std::filesystem;
 
 template <class Pixel>
 Image<Pixel> random_image(Size size, int full_scale) {
@@ -164,6 +171,117 @@ TEST(Frames, PngOfEveryKindComesBackAsOpenCvReadsIt) {
   }
 }
 
+template <class Pixel>
+void expect_pixels(const cv::Mat& expected, const fs::path& path) {
+  const LoadedFrames loaded = read_frames({path});
+  loaded.frames.visit([&]<class Read>(const Frames<Read>& frames) {
+    ASSERT_TRUE((std::is_same_v<Read, Pixel>)) << path;
+    ASSERT_EQ(frames[0].width(), expected.cols);
+    ASSERT_EQ(frames[0].height(), expected.rows);
+    for (int row = 0; row < expected.rows; ++row) {
+      for (int column = 0; column < expected.cols; ++column) {
+        ASSERT_EQ(frames[0](column, row), expected.at<Pixel>(row, column)) << path;
+      }
+    }
+  });
+}
+
+template <class Pixel>
+void expect_both_ways(const fs::path& path, const std::vector<int>& settings = {}) {
+  const Image<Pixel> image = random_image<Pixel>({33, 17}, std::numeric_limits<Pixel>::max());
+  write_image(path, image);
+  expect_pixels<Pixel>(cv::imread(path.string(), cv::IMREAD_UNCHANGED), path);
+  expect_pixels<Pixel>(mat_of(image), path);
+  ASSERT_TRUE(cv::imwrite(path.string(), mat_of(image), settings));
+  expect_pixels<Pixel>(mat_of(image), path);
+}
+
+TEST(Frames, PicturesOfEveryKindGoToOpenCvAndBack) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.tif", "a.bmp", "a.pgm"}) {
+    expect_both_ways<std::uint8_t>(folder.path() / name);
+  }
+  for (const char* name : {"b.png", "b.tiff", "b.pgm"}) {
+    expect_both_ways<std::uint16_t>(folder.path() / name);
+  }
+  for (const int compression : {1, 5, 8, 32773}) {  // none, LZW, deflate, pack bits
+    expect_both_ways<std::uint16_t>(folder.path() / "c.tif",
+                                    {cv::IMWRITE_TIFF_COMPRESSION, compression});
+  }
+}
+
+TEST(Frames, ColoursGoToOpenCvAndBack) {
+  const TemporaryFolder folder;
+  Image<Colour> image({33, 17});
+  for (int i = 0; i < 33; ++i) image(i, 3) = {static_cast<std::uint8_t>(7 * i), 20, 200};
+  for (const char* name : {"a.png", "a.tif", "a.bmp"}) {
+    const fs::path path = folder.path() / name;
+    write_image(path, image);
+    const cv::Mat read = cv::imread(path.string(), cv::IMREAD_COLOR);
+    EXPECT_EQ(read.at<cv::Vec3b>(3, 10), cv::Vec3b(200, 20, 70)) << name;
+    cv::Mat grey;
+    cv::cvtColor(read, grey, cv::COLOR_BGR2GRAY);
+    expect_pixels<std::uint8_t>(grey, path);
+  }
+  for (const int kind : {CV_8UC4, CV_16UC3}) {
+    cv::Mat colours(17, 33, kind), grey;
+    cv::randu(colours, 0, 255);
+    const fs::path path = folder.path() / "b.tif";
+    ASSERT_TRUE(cv::imwrite(path.string(), colours));
+    cv::cvtColor(colours, grey, kind == CV_8UC4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+    kind == CV_8UC4 ? expect_pixels<std::uint8_t>(grey, path)
+                    : expect_pixels<std::uint16_t>(grey, path);
+  }
+}
+
+TEST(Frames, PgmMayBeText) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frame.pgm";
+  write_file(path, "P2\n# by hand\n3 2\n300\n0 1 2\n3 300 5\n");
+  expect_pixels<std::uint16_t>((cv::Mat_<std::uint16_t>(2, 3) << 0, 1, 2, 3, 300, 5), path);
+  write_file(path, "P2\n3 2\n300\n0 1 2\n3 301 5\n");
+  expect_error([&] { read_frames({path}); }, {"frame.pgm", "not a whole PGM"});
+  write_file(path, "P4\n3 2\n\x01\x02");
+  expect_error([&] { read_frames({path}); }, {"frame.pgm", "one bit"});
+}
+
+TEST(Frames, TiledTiffIsReadAndOtherKindsAreNamed) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frame.tif";
+  const Image<std::uint8_t> image = random_image<std::uint8_t>({50, 37}, 255);
+  TIFF* tiff = TIFFOpen(path.c_str(), "w");
+  const auto set = [&](std::uint32_t tag, int value) { TIFFSetField(tiff, tag, value); };
+  set(TIFFTAG_IMAGEWIDTH, 50);
+  set(TIFFTAG_IMAGELENGTH, 37);
+  set(TIFFTAG_BITSPERSAMPLE, 8);
+  set(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  set(TIFFTAG_TILEWIDTH, 16);
+  set(TIFFTAG_TILELENGTH, 16);
+  for (int y = 0; y < 37; y += 16) {
+    for (int x = 0; x < 50; x += 16) {
+      std::array<std::uint8_t, 256> tile{};
+      for (int i = 0; i < 256; ++i) {
+        const int column = x + i % 16, row = y + i / 16;
+        if (column < 50 && row < 37) tile[static_cast<std::size_t>(i)] = image(column, row);
+      }
+      TIFFWriteTile(tiff, tile.data(), static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                    0, 0);
+    }
+  }
+  TIFFClose(tiff);
+  expect_pixels<std::uint8_t>(mat_of(image), path);
+
+  tiff = TIFFOpen(path.c_str(), "w");
+  set(TIFFTAG_IMAGEWIDTH, 8);
+  set(TIFFTAG_IMAGELENGTH, 1);
+  set(TIFFTAG_BITSPERSAMPLE, 1);
+  set(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  std::uint8_t bits = 0x55;
+  TIFFWriteScanline(tiff, &bits, 0, 0);
+  TIFFClose(tiff);
+  expect_error([&] { read_frames({path}); }, {"frame.tif", "unknown kind"});
+}
+
 /// A file of those bytes with numbers, little-endian, put in at the end.
 std::string with_numbers(std::string bytes, std::initializer_list<std::uint32_t> numbers) {
   for (const std::uint32_t number : numbers) {
@@ -208,14 +326,18 @@ TEST(Maps, KeepNanAndThirtyTwoBits) {
       {"map.jpg", ".png"});
 }
 
-TEST(Frames, EveryTruncationOfAPngIsFound) {
+/// The last four bytes of a TIFF file say that no other picture follows.
+TEST(Frames, EveryTruncationOfPixelsIsFound) {
   const TemporaryFolder folder;
-  const auto path = folder.path() / "frame.png";
-  write_image(path, random_image<std::uint8_t>({12, 9}, 255));
-  const std::vector<std::uint8_t> whole = read_file(path);
-  for (std::size_t length = 0; length < whole.size(); ++length) {
-    put_bytes(path, std::span(whole).first(length));
-    EXPECT_THROW(read_frames({path}), Error) << length;
+  for (const char* name : {"frame.png", "frame.tif", "frame.bmp", "frame.pgm"}) {
+    const auto path = folder.path() / name;
+    write_image(path, random_image<std::uint8_t>({12, 9}, 255));
+    const std::vector<std::uint8_t> whole = read_file(path);
+    const std::size_t needed = whole.size() - (path.extension() == ".tif" ? 4 : 0);
+    for (std::size_t length = 0; length < needed; ++length) {
+      put_bytes(path, std::span(whole).first(length));
+      EXPECT_THROW(read_frames({path}), Error) << name << ' ' << length;
+    }
   }
 }
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "slipstream/error/number_text.h"
-#include "slipstream/io/detail/png_reader.h"
+#include "slipstream/io/detail/png_file.h"
 
 namespace slipstream {
 namespace {
@@ -81,7 +81,6 @@ std::optional<std::uint64_t> stated_pixels(Bytes bytes) {
   if (begins("BM")) return bmp_pixels(little);
   if (begins({"II*\0", 4}) || begins({"II+\0", 4})) return tiff_pixels(little);
   if (begins({"MM\0*", 4}) || begins({"MM\0+", 4})) return tiff_pixels(big);
-  // The blank, too, or OpenCV goes on to formats whose readers end the program.
   if (begins("P") && text.size() > 2 && text[1] >= '1' && text[1] <= '6' &&
       std::isspace(static_cast<unsigned char>(text[2])) != 0) {
     return pgm_pixels(text.substr(2));

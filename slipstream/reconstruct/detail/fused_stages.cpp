@@ -323,17 +323,15 @@ CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
 }
 
 OrderCostStage order_cost_stage(const Layout& layout, const CueEvidence& exact, double margin) {
-  using Form = OrderCostStage::Cue;
   const CueCost& cost = exact.cost();
-  const bool cosine = cost.reference.form() == CueReference::Form::cosine;
+  const bool is_cosine = cost.reference.form() == CueReference::Form::cosine;
+  const auto reference = is_cosine ? OrderCostStage::Cue::cosine : OrderCostStage::Cue::linear;
   const Band& high = layout.bands[0];
   return {.cosines = high.cosine,
           .sines = high.sine,
           .cue = layout.cue ? layout.cue->weights : layout.bands[1].cosine,
           .cue_sine = layout.cue ? std::vector<double>(high.sine.size()) : layout.bands[1].sine,
-          .form = cost.circle ? Form::circle
-                  : cosine    ? Form::cosine
-                              : Form::linear,
+          .form = cost.circle ? OrderCostStage::Cue::circle : reference,
           .share = static_cast<float>(cost.c1),
           .cue_share = static_cast<float>(cost.c2),
           .constant_light = static_cast<float>(cost.constant_light),
@@ -347,14 +345,13 @@ OrderCostStage order_cost_stage(const Layout& layout, const CueEvidence& exact, 
 FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
   const CueSettings settings = cue_settings(setup);
   const CueEvidence exact(layout, settings);
-  const int length = projector_length(setup);
   return {.stage = cue_stage(layout, setup),
           .exact = exact,
           .f_h = layout.bands[0].periods,
-          .projector_length = length,
+          .projector_length = projector_length(setup),
           .dimmest_lit = exact.dimmest_lit(),
           .ambient = needs_ambient_light(layout) ? settings.ambient : 0,
-          .costs = order_cost_stage(layout, exact, exact.margin(length))};
+          .costs = order_cost_stage(layout, exact, exact.margin(projector_length(setup)))};
 }
 
 /// A degree that the kernel is compiled for, that one or the next above.

@@ -1,26 +1,20 @@
 #pragma once
 
-#include <iostream>
-
 #include <opencv2/core/utility.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
 namespace slipstream {
 
-/// While it lives, OpenCV prints nothing of its own, and nobody prints to std::cerr, as imdecode
-/// does past OpenCV's log: what goes wrong comes out as an exception, and a library does not write
-/// to its caller's terminal.
+/// While it lives, OpenCV prints nothing of its own: what goes wrong comes out as an exception, and
+/// a library does not write to its caller's terminal.
 class QuietOpenCv {
  public:
   QuietOpenCv()
       : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)),
-        callback_(cv::redirectError(silent)) {
-    std::cerr.setstate(std::ios::failbit);
-  }
+        callback_(cv::redirectError(silent)) {}
   QuietOpenCv(const QuietOpenCv&) = delete;
   QuietOpenCv& operator=(const QuietOpenCv&) = delete;
   ~QuietOpenCv() {
-    std::cerr.clear();
     cv::redirectError(callback_);
     cv::utils::logging::setLogLevel(level_);
   }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -12,7 +13,13 @@ bool is_png(std::span<const std::uint8_t> bytes);
 
 /// The pixels of a PNG file, of 8 or 16 bits, without alpha: one channel, or blue, green and red.
 /// Throws Error, which does not name the file, where it is not whole: each of its check sums must
-/// fit. OpenCV reads a truncated one as far as it goes, and libpng then writes to the terminal.
+/// fit.
 cv::Mat read_png(std::span<const std::uint8_t> bytes);
+
+/// The file of such pixels, grey or in colour.
+std::vector<std::uint8_t> png_file_of(const cv::Mat& mat);
+
+/// The file, of one bit a pixel, of grey ones of 8 bits: 0 is dark, any other level bright.
+std::vector<std::uint8_t> one_bit_png_file_of(const cv::Mat& mat);
 
 }  // namespace slipstream

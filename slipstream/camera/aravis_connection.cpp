@@ -1,10 +1,12 @@
 #include "slipstream/camera/aravis_connection.h"
 
 #include <array>
+#include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "slipstream/camera/detail/stream_filter.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream {
@@ -68,6 +70,17 @@ GObjectPointer<GInetAddress> inet_address(GSocketAddress* address) {
   GInetAddress* inet = g_inet_socket_address_get_address(G_INET_SOCKET_ADDRESS(address));
   return GObjectPointer<GInetAddress>(
       static_cast<GInetAddress*>(g_object_ref(static_cast<gpointer>(inet))));
+}
+
+/// Of a GigE camera, in the host's byte order.
+std::uint32_t ipv4_address(ArvCamera* camera) {
+  const GObjectPointer<GInetAddress> inet =
+      inet_address(arv_gv_device_get_device_address(ARV_GV_DEVICE(arv_camera_get_device(camera))));
+  std::uint32_t address = 0;
+  if (inet && g_inet_address_get_native_size(inet.get()) == sizeof(address)) {
+    std::memcpy(&address, g_inet_address_to_bytes(inet.get()), sizeof(address));
+  }
+  return g_ntohl(address);
 }
 
 }  // namespace
@@ -157,13 +170,28 @@ void AravisConnection::start() {
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", socket_buffer_bytes, nullptr);
   }
-  const std::size_t payload = arv_camera_get_payload(camera_.get(), error.out());
+  const std::uint32_t payload = arv_camera_get_payload(camera_.get(), error.out());
   if (error) fail(error);
+  // Before there are buffers: until then no packet is looked into.
+  if (ARV_IS_GV_STREAM(stream_.get())) limit_stream(payload);
   for (int i = 0; i < buffer_count; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
   }
   arv_camera_start_acquisition(camera_.get(), error.out());
   if (error) fail(error);
+}
+
+void AravisConnection::limit_stream(std::uint32_t payload) {
+  constexpr int least_packet = 100;
+  GErrorReceiver error;
+  const int packet = arv_camera_gv_get_packet_size(camera_.get(), error.out());
+  if (error || packet < least_packet ||
+      !pass_pictures_only({.port = arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())),
+                           .camera = ipv4_address(camera_.get()),
+                           .packet_size = static_cast<std::uint32_t>(packet),
+                           .picture_bytes = payload})) {
+    throw WorldError(fmt::format("camera {}: what its stream takes cannot be limited", name_));
+  }
 }
 
 void AravisConnection::stop() {

@@ -64,6 +64,8 @@ class AravisConnection {
  private:
   void set_up(const CameraSettings& settings);
   void watch();
+  /// To packets that Aravis can take, see pass_pictures_only.
+  void limit_stream(std::uint32_t payload);
   void ask_period();
 
   std::string name_;

@@ -134,7 +134,8 @@ class AravisSource final : public FrameSource, public CameraControls {
 
   Arrival take(ArvBuffer& buffer, Frame& frame) {
     resent_ = connection_->resent_packets();
-    if (arv_buffer_get_status(&buffer) != ARV_BUFFER_STATUS_SUCCESS) {
+    if (arv_buffer_get_status(&buffer) != ARV_BUFFER_STATUS_SUCCESS ||
+        arv_buffer_get_payload_type(&buffer) != ARV_BUFFER_PAYLOAD_TYPE_IMAGE) {
       // The socket's buffer grows only when the first packet has come: that frame is seldom whole.
       return first_frame_ ? Arrival::nothing : Arrival::damaged;
     }

@@ -109,20 +109,21 @@ TEST_F(HostileNetwork, NoPacketEndsTheServedCameraOrCostsItsClientAFrame) {
   RecordProperty("frames", std::to_string(frames));
 }
 
-/// A packet of a picture as no camera sends it: parts out of place, of frames to come and gone,
-/// with sizes at the edges, or cut off. Of payloads other than pictures Aravis 0.8.26 takes sizes
-/// as they come and ends the program: see SECURITY.md.
+/// A packet of a stream as no camera sends it: parts out of place, of frames to come and gone, of
+/// other payloads, with sizes at the edges, or cut off.
 Bytes hostile_frame_packet(std::mt19937& random) {
-  Bytes packet(8 + random() % 64);
+  Bytes packet(random() % 72);
   for (std::uint8_t& byte : packet) byte = static_cast<std::uint8_t>(random());
+  if (packet.size() < 8) return packet;
   if (random() % 8 != 0) packet[0] = packet[1] = 0;         // success
   if (random() % 2 == 0) packet[2] = 0;                     // a frame of the first
   packet[4] = static_cast<std::uint8_t>(1 + random() % 3);  // leader, trailer or pixels
+  if (random() % 16 == 0) packet[4] |= 0x80;                // of long numbers
   if (random() % 4 != 0) packet[5] = packet[6] = 0;         // among the first packets
-  if (packet[4] == 1) {
+  if (packet[4] == 1 && random() % 4 != 0) {
     packet.resize(8 + 36);
     packet[8] = packet[9] = packet[10] = 0;
-    packet[11] = 1;  // a picture
+    packet[11] = static_cast<std::uint8_t>(1 + random() % 8);  // a picture, or another payload
   }
   return packet;
 }

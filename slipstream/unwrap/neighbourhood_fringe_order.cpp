@@ -16,8 +16,8 @@ class ImageField {
       : own_(own), phase_(wrapped_phase), lit_(lit), cost_(cost), shift_(own.size()) {}
 
   [[nodiscard]] double periods(int column, int row) const {
-    const bool inside = column >= 0 && row >= 0 && column < lit_.width() && row < lit_.height();
-    if (!inside || lit_(column, row) == 0) return std::numeric_limits<double>::quiet_NaN();
+    if (!inside(column, row) || lit_(column, row) == 0)
+      return std::numeric_limits<double>::quiet_NaN();
     return phase_(column, row) / (2 * std::numbers::pi) + own_(column, row);
   }
   void periods_around(int column, int row, PhaseWindow& window) const {
@@ -39,7 +39,8 @@ class ImageField {
       return field.cost_(c, r, own + shift) - field.cost_(c, r, own);
     }
     [[nodiscard]] int shift(int line, int place) const {
-      return field.shift_(column + place, row + line);
+      const int c = column + place, r = row + line;
+      return field.inside(c, r) ? field.shift_(c, r) : 0;
     }
   };
   [[nodiscard]] Window window_around(int column, int row) const {
@@ -50,6 +51,10 @@ class ImageField {
   void set_shift(int column, int row, int shift) { shift_(column, row) = shift; }
 
  private:
+  [[nodiscard]] bool inside(int column, int row) const {
+    return column >= 0 && row >= 0 && column < lit_.width() && row < lit_.height();
+  }
+
   const Image<int>& own_;
   const Image<double>& phase_;
   const Image<std::uint8_t>& lit_;

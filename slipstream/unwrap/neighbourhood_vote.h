@@ -51,7 +51,7 @@ struct PhaseWindow {
 ///   Window window_around(int column, int row)  5 x 5 pixels, numbered by rows:
 ///     double against(int cell, int shift)        FringeOrderCost of a shifted order less that of
 ///                                                the pixel's own
-///     int shift(int line, int column)
+///     int shift(int line, int column)        0 outside the picture
 ///   bool own_order_costs_least()  whether no shift costs a pixel less than none
 ///   int shift(int column, int row), void set_shift(int column, int row, int shift)
 template <class Field>

@@ -60,7 +60,7 @@ std::string table_by_steps(const std::vector<TimedRow>& rows) {
 }
 
 std::string codings(const BenchReport& report) {
-  std::string text = "\nother codings            ms      fps   of fused, N = 3\n";
+  std::string text = "\nother codings, vectors   ms      fps   of fused, N = 3\n";
   for (const TimedRow& timed : report.rows) {
     if (!timed.row.is_coding) continue;
     text += fmt::format("{:<18} {:>8.3f} {:>8.0f} {:>17.2f}\n", timed.row.name, timed.timing.median,

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/kernels/vector_target.h"
 #include "slipstream/live/live_check.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/engine.h"
@@ -306,6 +307,16 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
   for (const int steps : {3, 4, 5}) {
     const std::string name = fmt::format("pcmp-{}", steps);
     add_coding(name.c_str(), steps, make_strategy("pcmp", {{"steps", steps}}));
+  }
+  for (const std::string& target : vector_targets()) {
+    if (target == vector_targets().front()) continue;
+    BenchRow row = fused_row(three_steps, "fused-" + target, 3);
+    row.is_coding = true;
+    row.run = [target, fused = row.run] {
+      const OnlyVectorTarget only(target);
+      fused();
+    };
+    rows.push_back(std::move(row));
   }
   for (const int k : settings.enlargements) {
     const SharedScan scan =

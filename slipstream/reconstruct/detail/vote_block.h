@@ -48,10 +48,12 @@ class VoteBlock {
   [[nodiscard]] std::int32_t* flags(int row) { return flags_.row(place(row)); }
   [[nodiscard]] const std::int32_t* flags(int row) const { return flags_.row(place(row)); }
   /// Of NeighbourhoodVote; 0 between votes.
-  [[nodiscard]] std::int16_t& shift(PixelPlace at) { return shift_(at.column, place(at.row)); }
-  [[nodiscard]] std::int16_t shift(PixelPlace at) const { return shift_(at.column, place(at.row)); }
+  [[nodiscard]] std::int16_t& shift(PixelPlace at) { return shifts(at.row)[at.column]; }
+  [[nodiscard]] std::int16_t shift(PixelPlace at) const { return shifts(at.row)[at.column]; }
 
-  [[nodiscard]] const std::int16_t* shifts(int row) const { return shift_.row(place(row)); }
+  /// Of a row; 0 before the first pixel and after the last.
+  [[nodiscard]] std::int16_t* shifts(int row) { return shift_.row(place(row)) + side; }
+  [[nodiscard]] const std::int16_t* shifts(int row) const { return shift_.row(place(row)) + side; }
 
   /// Makes rows NaN: those outside the picture, or not yet known.
   void clear(int first, int last);

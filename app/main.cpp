@@ -153,8 +153,10 @@ int run_program(int argc, char** argv, Output& output) {
     }
     std::ostringstream text;
     program.exit(error, text, text);
+    std::string words = text.str();
+    words.erase(words.find_last_not_of('\n') + 1);
     Output help(false);
-    help.say("{}", text.str());
+    help.say("{}", words);
     help.finish();
     return 0;
   }

@@ -1,0 +1,22 @@
+"""The site: the guides of docs/ by Sphinx, and beside them the headers' reference by Doxygen."""
+
+project = "slipstream"
+author = "The authors of slipstream"
+extensions = ["myst_parser"]
+myst_heading_anchors = 4
+html_theme = "furo"
+html_title = "slipstream"
+html_extra_path = ["../../build-docs/headers"]
+html_copy_source = False
+html_show_sphinx = False
+exclude_patterns = ["site"]
+
+
+def keep_where_no_page(app, env, node, text):
+    """Of links to folders of the repository the text is left."""
+    target = node.get("reftarget", "")
+    return text if target.startswith("../") else None
+
+
+def setup(app):
+    app.connect("missing-reference", keep_where_no_page)

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/unwrap/surface_window.h"
 
 namespace slipstream {
 
@@ -33,13 +34,6 @@ struct NeighbourhoodVoteLists {
   std::vector<PixelPlace> ever_moved;  ///< in any
 };
 
-/// Phases in periods around a pixel, nine lines of nine, the pixel in the middle. What comes after
-/// each nine and after the last line is there for whole vectors and means nothing.
-struct PhaseWindow {
-  static constexpr std::size_t line = 12;
-  std::array<float, 10 * line> periods{};
-};
-
 /// Chooses fringe orders by the neighbourhood, see choose_with_neighbours, and looks at no pixel
 /// but those in doubt and their neighbours. `Field` says, for any pixel and four places past the
 /// ends of the picture:
@@ -55,7 +49,7 @@ struct PhaseWindow {
 ///   bool own_order_costs_least()  whether no shift costs a pixel less than none
 ///   int shift(int column, int row), void set_shift(int column, int row, int shift)
 template <class Field>
-class NeighbourhoodVote {
+class NeighbourhoodVote : private SurfaceWindow {
  public:
   explicit NeighbourhoodVote(Field& field) : field_(field) {}
 
@@ -87,9 +81,6 @@ class NeighbourhoodVote {
   }
 
  private:
-  static constexpr double steepest = 0.25;  ///< periods per pixel; a step above it is an edge
-  /// Periods; what a step may differ from those before and after it.
-  static constexpr double roughest = 0.05;
   static constexpr double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
   static constexpr double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
   /// Five standard deviations: a choice that costs a pixel more is none.
@@ -101,11 +92,6 @@ class NeighbourhoodVote {
 
   static constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
-  static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
-  static double nearest_whole(double periods) {
-    constexpr double rounding = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds
-    return (periods + rounding) - rounding;
-  }
   static double part(double periods) { return periods - nearest_whole(periods); }
 
   /// Shift at the next pixel less shift here, where they agree.
@@ -130,146 +116,14 @@ class NeighbourhoodVote {
                    part(field_.periods(column + 2 * dx, row + 2 * dy) - next));
   }
 
-  // The window of 5 x 5 is numbered by rows; sets of its pixels are bits of a number.
-  static constexpr int side = 5, middle = 12, cells = side * side;
-  using Cells = std::uint32_t;
-  static constexpr Cells bit(int cell) { return Cells{1} << cell; }
-  static constexpr Cells whole_window = bit(cells) - 1;
-  static constexpr Cells inner_window = 0b00000'01110'01110'01110'00000;
-
-  /// Five pixels through the middle, straight on or bent by one.
-  using Line = std::array<int, side>;
-  static constexpr auto lines = [] {
-    std::array<Line, 20> found{};
-    std::size_t count = 0;
-    const auto add = [&](std::array<int, side> across) {
-      Line down{}, right{};
-      for (int i = 0; i < side; ++i) {
-        down[index(i)] = side * i + 2 + across[index(i)];
-        right[index(i)] = side * (2 + across[index(i)]) + i;
-      }
-      found[count++] = down;
-      // The antidiagonal is its own mirror image, but for the order.
-      if (across[0] != 2 && across[0] != -2) found[count++] = right;
-    };
-    add({0, 0, 0, 0, 0});
-    for (const int sign : {-1, 1}) {
-      add({2 * sign, sign, 0, -sign, -2 * sign});
-      add({sign, sign, 0, 0, 0});
-      add({0, 0, 0, sign, sign});
-      add({sign, 0, 0, 0, 0});
-      add({0, 0, 0, 0, sign});
-    }
-    return found;
-  }();
-  static constexpr Cells cells_of(const Line& line) {
-    Cells set = 0;
-    for (const int cell : line) set |= bit(cell);
-    return set;
-  }
-  static constexpr auto line_cells = [] {
-    std::array<Cells, lines.size()> sets{};
-    std::transform(lines.begin(), lines.end(), sets.begin(), cells_of);
-    return sets;
-  }();
-
-  /// Between the pixels of a window and those right of and below them.
-  struct Links {
-    Cells right = 0, down = 0;
-    std::array<int, cells> right_step, down_step;  ///< shift_step, where they are linked
-  };
-
-  /// Steps through a window from each place to that `distance` further: how many whole periods, and
-  /// whether the surface goes on across them, see goes_on. One loop each, for vectors.
-  template <std::size_t distance, std::size_t first, std::size_t last>
-  struct Steps {
-    std::array<float, last> whole, part;
-    std::array<int, last> linked;
-
-    explicit Steps(const PhaseWindow& window) {
-      constexpr auto most = static_cast<float>(steepest), rough = static_cast<float>(roughest);
-      constexpr float rounding = 12582912.0F;  // 1.5 * 2^23: adding it rounds
-      const auto& periods = window.periods;
-      for (std::size_t i = first - distance; i < last; ++i) {
-        const float step = periods[i + distance] - periods[i];
-        whole[i] = (step + rounding) - rounding;
-        part[i] = step - whole[i];
-      }
-      for (std::size_t i = first; i < last - distance; ++i) {
-        const float before = part[i - distance], step = part[i], after = part[i + distance];
-        const bool alone = (before != before) & (after != after);
-        const bool smooth = (std::abs(step - before) <= rough) | (std::abs(step - after) <= rough);
-        linked[i] = ((std::abs(step) <= most) & (alone | smooth)) ? 1 : 0;
-      }
-    }
-
-    [[nodiscard]] int shift_step(std::size_t i) const {
-      return linked[i] != 0 ? -static_cast<int>(whole[i]) : 0;
-    }
-  };
-
   [[nodiscard]] Links links_around(PixelPlace at) const {
-    constexpr std::size_t line = PhaseWindow::line;
     PhaseWindow window;
     field_.periods_around(at.column, at.row, window);
-    const Steps<1, 2 * line + 2, 7 * line> right(window);
-    const Steps<line, 2 * line, 7 * line> down(window);
-    Links links;
-    for (int row = 0, cell = 0; row < side; ++row) {
-      for (int column = 0; column < side; ++column, ++cell) {
-        const std::size_t i = index(row + 2) * line + index(column + 2);
-        if (column + 1 < side) {
-          links.right |= static_cast<Cells>(right.linked[i]) << cell;
-          links.right_step[index(cell)] = right.shift_step(i);
-        }
-        if (row + 1 < side) {
-          links.down |= static_cast<Cells>(down.linked[i]) << cell;
-          links.down_step[index(cell)] = down.shift_step(i);
-        }
-      }
-    }
-    return links;
-  }
-
-  /// Pixels on the surface of the middle, reached through the window, and their shifts less that of
-  /// the middle where they agree with it.
-  struct Surface {
-    Cells pixels = bit(middle);
-    std::array<int, cells> shift_step{};
-  };
-
-  [[nodiscard]] static Surface same_surface(const Links& links, Cells window) {
-    Surface surface;
-    for (Cells front = bit(middle); front != 0;) {
-      Cells reached = 0;
-      const auto reach = [&](Cells from, int distance, const auto& steps, int sign) {
-        Cells to = (distance > 0 ? from << distance : from >> -distance) & window &
-                   ~surface.pixels & ~reached;
-        reached |= to;
-        for (; to != 0; to &= to - 1) {
-          const int cell = std::countr_zero(to), parent = cell - distance;
-          // A link is numbered by the first of its pixels.
-          const int link = sign > 0 ? parent : cell;
-          surface.shift_step[index(cell)] =
-              surface.shift_step[index(parent)] + sign * steps[index(link)];
-        }
-      };
-      reach(front & links.right, 1, links.right_step, 1);
-      reach(front & (links.right << 1), -1, links.right_step, -1);
-      reach(front & links.down, side, links.down_step, 1);
-      reach(front & (links.down << side), -side, links.down_step, -1);
-      surface.pixels |= reached;
-      front = reached;
-    }
-    return surface;
+    return links_in(window);
   }
 
   static PixelPlace place(PixelPlace at, int cell) {
     return {at.row + cell / side - 2, at.column + cell % side - 2};
-  }
-  template <class Visit>
-  static void for_each_cell(Cells set, const Visit& visit) {
-    for (; set != 0; set &= set - 1) visit(std::countr_zero(set));
   }
 
   /// A pixel and all that have a say in its choice.

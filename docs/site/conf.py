@@ -6,7 +6,6 @@ extensions = ["myst_parser"]
 myst_heading_anchors = 4
 html_theme = "furo"
 html_title = "slipstream"
-html_extra_path = ["../../build-docs/headers"]
 html_copy_source = False
 html_show_sphinx = False
 exclude_patterns = ["site"]

@@ -87,7 +87,10 @@ std::vector<double> measured_ratios(const std::vector<VarianceRatioCell>& table,
 
 std::vector<VarianceRatioCell> variance_ratio_table(int steps, const VarianceRatioTrial& trial) {
   std::vector<VarianceRatioCell> table = printed_table(steps);
-  Photometry photometry{.ambient = -7, .noise_variance = 1.55, .seed = trial.seed * 1000};
+  Photometry photometry;
+  photometry.ambient = -7;
+  photometry.noise_variance = 1.55;
+  photometry.seed = trial.seed * 1000;
   const std::vector<double> ideal = measured_ratios(table, trial.camera, photometry);
   photometry.response = PowerLaw{trial.gamma};
   photometry.physics.translucency = trial.translucency;

@@ -236,7 +236,7 @@ void live(const LiveFlags& flags, Output& output) {
   PatternIndexing indexing = pattern_indexing_named(flags.indexing);
   const SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
   if (request.world && !flags.headless) {
-    output.say("rendering what the virtual camera sees of each pattern; takes some seconds");
+    output.say("rendering what the virtual camera sees: seconds with --world ideal, else a minute");
   }
   NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);

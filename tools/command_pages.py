@@ -21,8 +21,9 @@ def commands_of(program, *words):
     text = told(program, *words, "--help")
     head, _, tail = text.partition("\nSubcommands:\n")
     below = dict(re.findall(r"^  (\S+) {2,}(.*)$", tail, re.MULTILINE))
-    # What it means is on the line below where the flag's own is full.
-    flags = dict(re.findall(r"^  (?:-\w,)?(--[\w-]+).*?(?:  |\n) *(\S.*)$", head, re.MULTILINE))
+    # What it means is one space on, or on the line below, where the flag's own is full.
+    flags = dict(re.findall(r"^  (?:-\w,)?(--[\w-]+).*?(?:  |REQUIRED |\n) *(\S.*)$", head,
+                            re.MULTILINE))
     yield words, flags, below
     for name in below:
         yield from commands_of(program, *words, name)

@@ -25,6 +25,7 @@ def commands(pages):
 def test_commands_and_flags_are_found(commands):
     found = {words: flags for words, flags, _ in commands}
     assert ("calibrate", "gamma") in found and ("demo",) in found
+    assert "--source" in found[("record",)]
     assert {"--help", "--strategy", "--json", "--output"} <= set(found[("reconstruct",)])
     assert all(said for flags in found.values() for said in flags.values())
 

@@ -11,6 +11,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/io/detail/npy_file.h"
 #include "slipstream/io/detail/picture_size.h"
 #include "slipstream/io/detail/plain_pictures.h"
 #include "slipstream/io/detail/png_file.h"
@@ -93,8 +94,31 @@ void write_mat(const fs::path& path, const cv::Mat& mat) {
   write_file(path, bytes);
 }
 
-void require_map_ending(const fs::path& path) {
-  require_ending(path, "map of 32-bit float", {".tif", ".tiff"});
+bool is_npy(const fs::path& path) {
+  return lower_case_extension(path) == ".npy";
+}
+
+void write_map_mat(const fs::path& path, const cv::Mat& mat) {
+  if (is_npy(path)) return write_file(path, npy_file_of(mat));
+  cv::Mat single;
+  mat.convertTo(single, CV_32F);
+  write_mat(path, single);
+}
+
+/// Of a map, or of a picture.
+cv::Mat read_map_mat(const fs::path& path) {
+  if (!is_npy(path)) return read_mat(path);
+  try {
+    return read_npy(read_file(path, largest_picture_file));
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+Image<double> wide_image(const cv::Mat& mat) {
+  cv::Mat wide;
+  mat.convertTo(wide, CV_64F);
+  return image_from<double>(wide);
 }
 
 template <class Pixel>
@@ -208,26 +232,32 @@ std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image) {
   return png_file_of(mat_of(image));
 }
 
+void require_map_ending(const fs::path& path) {
+  require_ending(path, "map", {".tif", ".tiff", ".npy"});
+}
+
 void write_map(const fs::path& path, const Image<float>& map) {
   require_map_ending(path);
-  write_mat(path, mat_of(map));
+  write_map_mat(path, mat_of(map));
 }
 
 void write_map(const fs::path& path, const Image<double>& map) {
   require_map_ending(path);
-  cv::Mat single;
-  mat_of(map).convertTo(single, CV_32F);
-  write_mat(path, single);
+  write_map_mat(path, mat_of(map));
 }
 
 Image<double> read_map(const fs::path& path) {
-  const cv::Mat mat = read_mat(path);
+  const cv::Mat mat = read_map_mat(path);
   if (mat.type() != CV_32FC1 && mat.type() != CV_64FC1) {
     throw Error(fmt::format("{}: not a map; a TIFF file of 32-bit float is wanted", path.string()));
   }
-  cv::Mat wide;
-  mat.convertTo(wide, CV_64F);
-  return image_from<double>(wide);
+  return wide_image(mat);
+}
+
+Image<double> read_levels(const fs::path& path) {
+  const cv::Mat mat = read_map_mat(path);
+  if (mat.channels() == 1) return wide_image(mat);
+  throw Error(fmt::format("{}: a colour picture; a grey one or a map is wanted", path.string()));
 }
 
 void write_frames(const std::vector<fs::path>& paths, const FrameViews& frames) {

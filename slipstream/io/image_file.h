@@ -41,12 +41,18 @@ void write_one_bit_image(const std::filesystem::path& path, const Image<std::uin
 /// A grey picture as the bytes of a PNG file.
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);
 
-/// Writes a map (depth, phase, coordinate, modulation) as TIFF of 32-bit float, NaN kept.
+/// Throws Error unless maps can be written to a file of that ending: tif, tiff, npy.
+void require_map_ending(const std::filesystem::path& path);
+
+/// Writes a map (depth, phase, coordinate, modulation) as TIFF of 32-bit float, or, by the ending
+/// npy, as NumPy does; NaN kept.
 void write_map(const std::filesystem::path& path, const Image<float>& map);
 void write_map(const std::filesystem::path& path, const Image<double>& map);
 
-/// Reads a map that write_map wrote.
+/// Reads a map that write_map wrote, or one of 64-bit float.
 Image<double> read_map(const std::filesystem::path& path);
+/// The same, and the levels of a grey picture of 8 or 16 bits.
+Image<double> read_levels(const std::filesystem::path& path);
 
 /// Writes the frames to those paths in order: 8- or 16-bit pictures, or 64-bit float TIFF for
 /// unquantised ones.

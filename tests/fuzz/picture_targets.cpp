@@ -32,6 +32,13 @@ bool add_picture_target(const std::string& ending) {
                           }});
 }
 
+std::vector<Bytes> number_files() {
+  const auto written = [](const auto& map) {
+    return written_file("map.npy", [&](const fs::path& path) { write_map(path, map); });
+  };
+  return {written(Image<float>({5, 4}, 0.5F)), written(Image<double>({3, 7}, -2))};
+}
+
 std::vector<Bytes> recordings() {
   std::vector<Bytes> seeds;
   for (const int bits : {8, 12}) {
@@ -70,7 +77,11 @@ void unpack_pixels(std::span<const std::uint8_t> input) {
 
 const bool known =
     add_picture_target(".png") && add_picture_target(".pgm") && add_picture_target(".bmp") &&
-    add_picture_target(".tiff") && add_fuzz_target({"recording", recordings, read_recording}) &&
+    add_picture_target(".tiff") &&
+    add_fuzz_target(
+        {"map.npy", number_files,
+         [](std::span<const std::uint8_t> input) { (void)read_map(file_of(input, "map.npy")); }}) &&
+    add_fuzz_target({"recording", recordings, read_recording}) &&
     add_fuzz_target({"pixels", [] { return std::vector<Bytes>{Bytes(400, 0xa5)}; }, unpack_pixels});
 
 }  // namespace

@@ -1,0 +1,53 @@
+#include "slipstream/spatial/detail/second_differences.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "slipstream/image/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+/// Of the difference of two phases in [-0.5, 0.5].
+float wrapped(float difference) {
+  return difference - (difference > 0.5F ? 1.F : 0.F) + (difference < -0.5F ? 1.F : 0.F);
+}
+
+}  // namespace
+
+Image<float> second_differences(const Image<float>& cycles) {
+  const auto [width, height] = cycles.size();
+  Image<float> result(cycles.size());
+  for_each_row(height, [&, width = width, height = height](int row) {
+    // Nothing around, so that no pixel is a special one.
+    const std::vector<float> empty(static_cast<std::size_t>(width) + 2,
+                                   std::numeric_limits<float>::quiet_NaN());
+    std::array<std::vector<float>, 3> lines{empty, empty, empty};
+    for (int i = std::max(row - 1, 0); i < std::min(row + 2, height); ++i) {
+      std::copy_n(cycles.row(i), width, lines[static_cast<std::size_t>(i - row + 1)].begin() + 1);
+    }
+    const float *const above = lines[0].data(), *const here = lines[1].data(),
+                       *const below = lines[2].data();
+    float* const to = result.row(row);
+    for (int i = 0; i < width; ++i) {
+      float sum = 0, found = 0;
+      const auto add = [&, middle = here[i + 1]](float before, float after) {
+        const float second = wrapped(before - middle) - wrapped(middle - after);
+        const bool is_there = second == second;
+        sum += is_there ? second * second : 0;
+        found += is_there ? 1.F : 0.F;
+      };
+      add(here[i], here[i + 2]);
+      add(above[i + 1], below[i + 1]);
+      add(above[i], below[i + 2]);
+      add(above[i + 2], below[i]);
+      to[i] = found > 0 ? sum / found : 1;
+    }
+  });
+  return result;
+}
+
+}  // namespace slipstream

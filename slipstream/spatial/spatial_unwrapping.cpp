@@ -1,0 +1,176 @@
+#include "slipstream/spatial/spatial_unwrapping.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/did_you_mean.h"
+#include "slipstream/error/error.h"
+#include "slipstream/image/quantile.h"
+#include "slipstream/spatial/detail/methods.h"
+
+namespace slipstream {
+namespace {
+
+constexpr double period = 2 * std::numbers::pi;
+
+struct Method : SpatialUnwrapping {
+  Orders (*orders)(const WrappedCycles&);
+};
+
+constexpr std::array methods{
+    Method{{"rows", "fringes counted along rows"}, orders_by_rows},
+    Method{{"flood", "a flood around rough pixels"}, orders_by_flood},
+    Method{{"branch-cuts", "a flood between cuts that join residues"}, orders_by_branch_cuts},
+    Method{{"quality", "the surest neighbours first"}, orders_by_quality},
+};
+
+const Method& method_named(std::string_view name) {
+  const auto found = std::find_if(methods.begin(), methods.end(),
+                                  [&](const Method& method) { return method.name == name; });
+  if (found != methods.end()) return *found;
+  std::vector<std::string_view> names;
+  for (const Method& method : methods) names.push_back(method.name);
+  throw Error(fmt::format("there is no unwrapping '{}'{}; it is one of {}", name,
+                          did_you_mean(name, names), fmt::join(names, ", ")));
+}
+
+void require_size(Size size, Size other, const char* what) {
+  if (size == other) return;
+  throw Error(fmt::format("{} is {}, but the phase {}", what, text_of(other), text_of(size)));
+}
+
+template <class Number>
+WrappedCycles cycles_of(const Image<Number>& wrapped, const Image<float>& quality) {
+  constexpr double largest = 1e6;
+  WrappedCycles cycles{Image<float>(wrapped.size(), std::numeric_limits<float>::quiet_NaN()),
+                       quality};
+  for (std::size_t i = 0; i < wrapped.pixel_count(); ++i) {
+    const auto phase = static_cast<double>(wrapped.begin()[i]);
+    if (!std::isfinite(phase)) continue;
+    if (std::abs(phase) > largest) {
+      throw Error(fmt::format("{:g} is no phase in rad; at most {:g} is", phase, largest));
+    }
+    cycles.cycles.begin()[i] = static_cast<float>(phase / period - std::rint(phase / period));
+  }
+  // Nothing is known of a pixel: it comes last, but it comes.
+  constexpr float unknown = 1e-9F;
+  for (float& each : cycles.quality) each = std::isfinite(each) ? std::max(each, unknown) : unknown;
+  return cycles;
+}
+
+/// Numbers the regions by their sizes.
+std::vector<PhaseRegion> number_by_size(Image<int>& region) {
+  std::vector<std::size_t> sizes(region.pixel_count());
+  for (const int label : region) {
+    if (label >= 0) ++sizes[static_cast<std::size_t>(label)];
+  }
+  std::vector<int> labels;
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    if (sizes[i] > 0) labels.push_back(static_cast<int>(i));
+  }
+  std::stable_sort(labels.begin(), labels.end(), [&](int a, int b) {
+    return sizes[static_cast<std::size_t>(a)] > sizes[static_cast<std::size_t>(b)];
+  });
+  std::vector<PhaseRegion> regions;
+  std::vector<int> numbers(region.pixel_count());
+  for (const int label : labels) {
+    regions.push_back({sizes[static_cast<std::size_t>(label)]});
+    numbers[static_cast<std::size_t>(label)] = static_cast<int>(regions.size());
+  }
+  for (int& label : region) label = label < 0 ? 0 : numbers[static_cast<std::size_t>(label)];
+  return regions;
+}
+
+template <class Number>
+void move(UnwrappedPhase<Number>& unwrapped, const std::vector<double>& periods) {
+  for (std::size_t i = 0; i < unwrapped.phase.pixel_count(); ++i) {
+    const int label = unwrapped.region.begin()[i];
+    if (label == 0) continue;
+    Number& phase = unwrapped.phase.begin()[i];
+    phase = static_cast<Number>(phase + period * periods[static_cast<std::size_t>(label - 1)]);
+  }
+}
+
+}  // namespace
+
+std::vector<SpatialUnwrapping> spatial_unwrappings() {
+  return {methods.begin(), methods.end()};
+}
+
+template <class Number>
+UnwrappedPhase<Number> unwrap_in_space(const Image<Number>& wrapped, const Image<float>& quality,
+                                       std::string_view method) {
+  const Method& chosen = method_named(method);
+  if (!quality.empty()) require_size(wrapped.size(), quality.size(), "the quality");
+  Orders orders = chosen.orders(cycles_of(wrapped, quality));
+  UnwrappedPhase<Number> result{
+      Image<Number>(wrapped.size(), std::numeric_limits<Number>::quiet_NaN()),
+      std::move(orders.region),
+      {}};
+  result.regions = number_by_size(result.region);
+  constexpr double unknown = std::numeric_limits<double>::infinity();
+  std::vector<double> first(result.regions.size(), unknown);
+  for (std::size_t i = 0; i < wrapped.pixel_count(); ++i) {
+    const int label = result.region.begin()[i];
+    if (label == 0) continue;
+    const auto phase = static_cast<double>(wrapped.begin()[i]);
+    const double order = orders.order.begin()[i] - std::rint(phase / period);
+    double& start = first[static_cast<std::size_t>(label - 1)];
+    if (start == unknown) start = order;
+    result.phase.begin()[i] = static_cast<Number>(phase + period * (order - start));
+  }
+  return result;
+}
+
+template <class Number>
+void anchor_at(UnwrappedPhase<Number>& unwrapped, int column, int row, double phase) {
+  const auto [width, height] = unwrapped.phase.size();
+  const bool inside = column >= 0 && row >= 0 && column < width && row < height;
+  const int label = inside ? unwrapped.region(column, row) : 0;
+  if (label == 0) {
+    throw Error(fmt::format("there is no phase at column {}, row {} to be anchored", column, row));
+  }
+  if (!std::isfinite(phase)) throw Error("the phase of an anchor is not finite");
+  std::vector<double> periods(unwrapped.regions.size());
+  const auto place = static_cast<std::size_t>(label - 1);
+  periods[place] = std::rint((phase - unwrapped.phase(column, row)) / period);
+  unwrapped.regions[place].anchored = true;
+  move(unwrapped, periods);
+}
+
+template <class Number>
+void anchor_by(UnwrappedPhase<Number>& unwrapped, const Image<Number>& coarse) {
+  require_size(unwrapped.phase.size(), coarse.size(), "the coarse phase");
+  std::vector<std::vector<double>> differences(unwrapped.regions.size());
+  for (std::size_t i = 0; i < coarse.pixel_count(); ++i) {
+    const int label = unwrapped.region.begin()[i];
+    const double difference = (coarse.begin()[i] - unwrapped.phase.begin()[i]) / period;
+    if (label == 0 || !std::isfinite(difference)) continue;
+    differences[static_cast<std::size_t>(label - 1)].push_back(difference);
+  }
+  std::vector<double> periods(unwrapped.regions.size());
+  for (std::size_t n = 0; n < periods.size(); ++n) {
+    if (differences[n].empty()) continue;
+    periods[n] = std::rint(quantile(differences[n], 0.5));
+    unwrapped.regions[n].anchored = true;
+  }
+  move(unwrapped, periods);
+}
+
+template UnwrappedPhase<float> unwrap_in_space(const Image<float>&, const Image<float>&,
+                                               std::string_view);
+template UnwrappedPhase<double> unwrap_in_space(const Image<double>&, const Image<float>&,
+                                                std::string_view);
+template void anchor_at(UnwrappedPhase<float>&, int, int, double);
+template void anchor_at(UnwrappedPhase<double>&, int, int, double);
+template void anchor_by(UnwrappedPhase<float>&, const Image<float>&);
+template void anchor_by(UnwrappedPhase<double>&, const Image<double>&);
+
+}  // namespace slipstream

@@ -1,6 +1,6 @@
 """A cloud to Open3D and PyVista, where they are installed: hand_over.py SCAN
 
-Neither is in Debian as a Python module; what they take are plain arrays."""
+Open3D is Debian's python3-open3d, PyVista comes from PyPI; what they take are plain arrays."""
 
 import importlib
 import sys

@@ -1,5 +1,6 @@
 """Each example runs on data that the program makes."""
 
+import json
 import os
 import subprocess
 import sys
@@ -91,3 +92,26 @@ def test_read_recording(tmp_path):
     taken("pmp", path=tmp_path / "scan.slip", steps=4)
     said = run("read_recording", tmp_path / "scan.slip")
     assert "frame 2: uint8 (240, 320)" in said and "its first cycle" in said
+
+
+def test_notebook():
+    """In Jupyter's kernel where that is there, else cell by cell."""
+    pytest.importorskip("matplotlib", reason="package python3-matplotlib is not installed")
+    path = EXAMPLES / "notebook.ipynb"
+    cells = [cell for cell in json.loads(path.read_text())["cells"] if cell["cell_type"] == "code"]
+    assert not any(cell["outputs"] or cell["execution_count"] for cell in cells)
+    try:
+        import ipykernel  # noqa: F401
+        import nbclient
+        import nbformat
+    except ImportError:
+        import matplotlib
+        matplotlib.use("Agg")
+        names = {}
+        for cell in cells:
+            exec("".join(cell["source"]), names)
+    else:
+        done = nbclient.NotebookClient(nbformat.read(path, as_version=4)).execute()
+        pictures = [output for cell in done.cells for output in cell.get("outputs", [])
+                    if "image/png" in output.get("data", {})]
+        assert len(pictures) == 3

@@ -30,24 +30,42 @@ def test_commands_and_flags_are_found(commands):
     assert all(said for flags in found.values() for said in flags.values())
 
 
-@pytest.mark.parametrize("typed, offered", [
+OFFERED = pytest.mark.parametrize("typed, offered", [
     ("slipstream rec", "reconstruct record"),
     ("slipstream calibrate ga", "gamma"),
     ("slipstream reconstruct scan --max-s", "--max-sigma"),
     ("slipstream nothing --ver", "--version"),
 ])
-def test_bash_offers_them(pages, commands, typed, offered):
-    words = typed.split()
-    asked = (f"COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; "
-             f"_slipstream slipstream {words[-1]}; echo ${{COMPREPLY[*]}}")
-    told = subprocess.run(["bash", "-c", pages.bash(commands) + asked], capture_output=True,
-                          text=True)
-    assert told.stdout.split() == offered.split(), told.stderr
 
 
-@pytest.mark.parametrize("shell", ["zsh", "fish"])
-def test_other_shells_read_theirs(pages, commands, tmp_path, shell):
-    (tmp_path / "script").write_text(getattr(pages, shell)(commands))
+def answer_of(shell, script, asked):
     if shutil.which(shell) is None:
         pytest.skip(f"{shell} is not installed")
-    assert subprocess.run([shell, "-n", tmp_path / "script"]).returncode == 0
+    told = subprocess.run([shell], input=script + asked, capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    return told.stdout.split("\n")
+
+
+@OFFERED
+def test_bash_offers_them(pages, commands, typed, offered):
+    words = typed.split()
+    told = answer_of("bash", pages.bash(commands), (
+        f"COMP_WORDS=({typed}); COMP_CWORD={len(words) - 1}; "
+        f"_slipstream slipstream {words[-1]}; printf '%s\\n' ${{COMPREPLY[*]}}"))
+    assert told[:-1] == offered.split()
+
+
+@OFFERED
+def test_fish_offers_them(pages, commands, typed, offered):
+    told = answer_of("fish", pages.fish(commands), f"complete -C '{typed}'")
+    assert [line.split("\t")[0] for line in told[:-1]] == offered.split()
+
+
+@OFFERED
+def test_zsh_offers_them(pages, commands, typed, offered):
+    """All that may follow: zsh itself looks which begin as the word does."""
+    given = (f"words=({typed}); CURRENT={len(typed.split())}; _files() {{ }}; "
+             "_describe() { print -l -- ${(P)2} }\n")
+    told = answer_of("zsh", given + pages.zsh(commands), "")
+    begun = typed.split()[-1]
+    assert [line.split(":")[0] for line in told if line.startswith(begun)] == offered.split()

@@ -8,6 +8,10 @@ html_theme = "furo"
 html_title = "slipstream"
 html_copy_source = False
 html_show_sphinx = False
+html_show_copyright = False
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_js_files = [("site.js", {"defer": "defer"})]
 exclude_patterns = ["site"]
 
 

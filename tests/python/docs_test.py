@@ -1,14 +1,37 @@
-"""Each block of docs/python.md runs, one after the other, where what it names is there."""
+"""Each block of Python runs, one after the other, where what it names is there."""
 
 import re
 import shutil
 
+import pytest
 from conftest import SOURCES, program, taken
 
 import slipstream
 
 
-def test_every_block_runs(tmp_path, monkeypatch):
+def run_blocks_of(page):
+    text = (SOURCES / "docs" / page).read_text()
+    names = {}
+    for block in re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
+        exec(compile(block, block.splitlines()[0], "exec"), names)
+
+
+def test_glossary(tmp_path, monkeypatch):
+    pytest.importorskip("matplotlib", reason="package python3-matplotlib is not installed")
+    monkeypatch.chdir(tmp_path)
+    run_blocks_of("glossary.md")
+    kept = {path.name for path in (SOURCES / "docs" / "glossary").iterdir()}
+    assert {path.name for path in tmp_path.glob("*.jpg")} == kept
+
+
+def test_start(tmp_path, monkeypatch):
+    taken("pmp", path=tmp_path / "scan")
+    monkeypatch.chdir(tmp_path)
+    run_blocks_of("index.md")
+    assert (tmp_path / "cloud.ply").exists()
+
+
+def test_guide(tmp_path, monkeypatch):
     taken("dual-frequency", path=tmp_path / "scan", steps=3, high=16, low=1)
     (tmp_path / "pictures").mkdir()
     for picture in (tmp_path / "scan").glob("frame_*.png"):
@@ -20,11 +43,6 @@ def test_every_block_runs(tmp_path, monkeypatch):
         slipstream.simulate(slipstream.Sequence("pmp, steps 8"), tmp_path / f"flat_{n}", seed=n,
                             scene="board", camera=(320, 240))
     monkeypatch.chdir(tmp_path)
-    text = (SOURCES / "docs" / "python.md").read_text()
-    blocks = re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
-    assert len(blocks) == text.count("```") // 2 == 10
-    names = {}
-    for block in blocks:
-        exec(compile(block, block.splitlines()[0], "exec"), names)
+    run_blocks_of("python.md")
     for written in ["cloud.ply", "described/scan.yaml", "mesh.glb", "own.ply", "scanner.yaml"]:
         assert (tmp_path / written).exists(), written

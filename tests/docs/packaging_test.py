@@ -1,0 +1,48 @@
+"""The versions that the files for packages say are the project's, and what they name is there."""
+
+import ast
+import json
+import pathlib
+import re
+
+SOURCES = pathlib.Path(__file__).parents[2]
+CMAKE = (SOURCES / "CMakeLists.txt").read_text()
+
+
+def said(path, pattern):
+    return re.search(pattern, (SOURCES / path).read_text(), re.M)[1]
+
+
+def test_versions_are_one():
+    versions = {
+        "CMakeLists.txt": said("CMakeLists.txt", r"^project\(slipstream VERSION (\S+)"),
+        "pyproject.toml": said("pyproject.toml", r'^version = "(.*)"'),
+        "CITATION.cff": said("CITATION.cff", r"^version: (\S+)"),
+        "CHANGELOG.md": said("CHANGELOG.md", r"^## ([\d.]+)"),
+        "debian": said("debian/changelog", r"^slipstream \((.*)\)"),
+        "vcpkg": json.loads((SOURCES / "packaging/vcpkg/vcpkg.json").read_text())["version"],
+        "conan": said("packaging/conan/conanfile.py", r'^    version = "(.*)"'),
+    }
+    assert len(set(versions.values())) == 1, versions
+
+
+def test_parts_are_options_of_the_build():
+    parts = set(re.findall(r"^slipstream_part\((\w+)", CMAKE, re.M))
+    port = (SOURCES / "packaging/vcpkg/portfile.cmake").read_text()
+    assert set(re.findall(r"SLIPSTREAM_(\w+)", port)) <= parts
+    recipe = (SOURCES / "packaging/conan/conanfile.py").read_text()
+    named = next(node for node in ast.walk(ast.parse(recipe)) if isinstance(node, ast.Dict)
+                 and any(key.value == "APP" for key in node.keys if isinstance(key, ast.Constant)))
+    assert {key.value for key in named.keys} <= parts
+
+
+def test_features_of_the_port_are_those_of_its_manifest():
+    port = said("packaging/vcpkg/portfile.cmake", r"FEATURES\n((?: +\w+ SLIPSTREAM_\w+\)?\n)+)")
+    manifest = json.loads((SOURCES / "packaging/vcpkg/vcpkg.json").read_text())
+    assert re.findall(r"^ +(\w+)", port, re.M) == list(manifest["features"])
+
+
+def test_the_container_copies_what_debian_packages_are_called():
+    copied = re.findall(r"packages/(\S+)_\*\.deb", (SOURCES / "Containerfile").read_text())
+    built = re.findall(r"^Package: (\S+)", (SOURCES / "debian/control").read_text(), re.M)
+    assert copied and set(copied) <= set(built)

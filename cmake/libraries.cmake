@@ -19,6 +19,7 @@ set(slipstream_libraries
   "PNG::PNG                      libpng          PNG"
   "TIFF::TIFF                    libtiff-4       TIFF"
   "PkgConfig::libdeflate         libdeflate"
+  "PkgConfig::lemon              lemon"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"
   "glfw                          glfw3           glfw3"

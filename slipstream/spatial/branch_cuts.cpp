@@ -1,5 +1,6 @@
 // Cuts between residues whose charges cancel, which no way may cross: Goldstein, Zebker and Werner,
 // Radio Science 23 (1988). A cut runs between pixels, as Huntley's do, and takes none of them away.
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 #include <vector>

@@ -8,10 +8,10 @@ namespace slipstream {
 Orders orders_by_rows(const WrappedCycles& wrapped) {
   const EdgeSteps steps = edge_steps(wrapped.cycles);
   PhaseGroups groups(wrapped.cycles.pixel_count());
-  const auto join = [&](const Image<std::int8_t>& edges, int apart) {
+  const auto join = [&](const Image<std::int16_t>& edges, int apart) {
     for (std::size_t i = 0; i < edges.pixel_count(); ++i) {
       const auto at = static_cast<int>(i);
-      const std::int8_t step = edges.begin()[i];
+      const std::int16_t step = edges.begin()[i];
       if (step != EdgeSteps::closed) groups.join(at, at + apart, step);
     }
   };

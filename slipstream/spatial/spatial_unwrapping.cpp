@@ -28,7 +28,11 @@ constexpr std::array methods{
     Method{{"rows", "fringes counted along rows"}, orders_by_rows},
     Method{{"flood", "a flood around rough pixels"}, orders_by_flood},
     Method{{"branch-cuts", "a flood between cuts that join residues"}, orders_by_branch_cuts},
+    Method{{"regions", "regions without a wrap, joined by their borders"}, orders_by_regions},
     Method{{"quality", "the surest neighbours first"}, orders_by_quality},
+    Method{{"least-squares", "by the surface of the nearest differences"}, orders_by_least_squares},
+    Method{{"flow", "the least change that makes all ways agree"}, orders_by_flow},
+    Method{{"cuts", "raised piece by piece while that is smoother"}, orders_by_cuts},
 };
 
 const Method& method_named(std::string_view name) {

@@ -1,5 +1,6 @@
 #include "slipstream/spatial/detail/edge_steps.h"
 
+#include <cmath>
 #include <vector>
 
 #include "slipstream/image/parallel_rows.h"
@@ -8,18 +9,18 @@ namespace slipstream {
 
 EdgeSteps edge_steps(const Image<float>& cycles) {
   const auto [width, height] = cycles.size();
-  EdgeSteps steps{Image<std::int8_t>(cycles.size(), EdgeSteps::closed),
-                  Image<std::int8_t>(cycles.size(), EdgeSteps::closed)};
+  EdgeSteps steps{Image<std::int16_t>(cycles.size(), EdgeSteps::closed),
+                  Image<std::int16_t>(cycles.size(), EdgeSteps::closed)};
   for_each_row(height, [&, width = width, height = height](int row) {
     const float* const here = cycles.row(row);
     const float* const below = cycles.row(row + 1 < height ? row + 1 : row);
     for (int i = 0; i < width; ++i) {
       if (std::isnan(here[i])) continue;
       if (i + 1 < width && !std::isnan(here[i + 1])) {
-        steps.right(i, row) = static_cast<std::int8_t>(step_between(here[i], here[i + 1]));
+        steps.right(i, row) = static_cast<std::int16_t>(step_between(here[i], here[i + 1]));
       }
       if (row + 1 < height && !std::isnan(below[i])) {
-        steps.down(i, row) = static_cast<std::int8_t>(step_between(here[i], below[i]));
+        steps.down(i, row) = static_cast<std::int16_t>(step_between(here[i], below[i]));
       }
     }
   });
@@ -27,7 +28,7 @@ EdgeSteps edge_steps(const Image<float>& cycles) {
 }
 
 int charge_at(const EdgeSteps& steps, int column, int row) {
-  const auto step = [&](const Image<std::int8_t>& image, int x, int y) -> int {
+  const auto step = [&](const Image<std::int16_t>& image, int x, int y) -> int {
     if (x < 0 || y < 0 || x >= image.width() || y >= image.height()) return 0;
     return image(x, y) == EdgeSteps::closed ? 0 : image(x, y);
   };

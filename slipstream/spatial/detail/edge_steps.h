@@ -14,9 +14,9 @@ inline int step_between(float from, float to) {
 
 /// By how many periods the order changes from each pixel to its right and to its lower neighbour.
 struct EdgeSteps {
-  static constexpr std::int8_t closed = -128;  ///< there is no way, or no neighbour
+  static constexpr std::int16_t closed = -32768;  ///< there is no way, or no neighbour
 
-  Image<std::int8_t> right, down;
+  Image<std::int16_t> right, down;
 
   [[nodiscard]] Size size() const { return right.size(); }
 
@@ -25,15 +25,15 @@ struct EdgeSteps {
   void for_each_neighbour(int at, const Visit& visit) const {
     // An edge to the left or above that is not there is closed: the pixel before is a row's last.
     const int width = size().width;
-    const std::int8_t* const to_right = right.begin();
-    const std::int8_t* const to_below = down.begin();
+    const std::int16_t* const to_right = right.begin();
+    const std::int16_t* const to_below = down.begin();
     if (to_right[at] != closed) visit(at + 1, to_right[at]);
     if (to_below[at] != closed) visit(at + width, to_below[at]);
     if (at >= 1 && to_right[at - 1] != closed) visit(at - 1, -to_right[at - 1]);
     if (at >= width && to_below[at - width] != closed) visit(at - width, -to_below[at - width]);
   }
   /// The edge between two neighbours, of which `at` is the left or the upper one.
-  std::int8_t& edge(int at, int to) {
+  std::int16_t& edge(int at, int to) {
     return to - at == size().width ? down.begin()[at] : right.begin()[at];
   }
 };

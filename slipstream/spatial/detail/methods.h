@@ -25,6 +25,10 @@ struct Orders {
 Orders orders_by_rows(const WrappedCycles& wrapped);
 Orders orders_by_flood(const WrappedCycles& wrapped);
 Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
+Orders orders_by_regions(const WrappedCycles& wrapped);
 Orders orders_by_quality(const WrappedCycles& wrapped);
+Orders orders_by_least_squares(const WrappedCycles& wrapped);
+Orders orders_by_flow(const WrappedCycles& wrapped);
+Orders orders_by_cuts(const WrappedCycles& wrapped);
 
 }  // namespace slipstream

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -43,6 +44,23 @@ class PhaseGroups {
     }
     at(first.group).before += at(second.group).before;
     at(second.group) = {first.group, step};
+  }
+
+  /// The number of the group of each pixel, from 0 to count() - 1.
+  std::vector<int> numbered() {
+    std::vector<int> numbers(members_.size(), -1);
+    int next = 0;
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (members_[i].before < 0) numbers[i] = next++;
+    }
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      numbers[i] = numbers[static_cast<std::size_t>(find(static_cast<int>(i)).group)];
+    }
+    return numbers;
+  }
+  [[nodiscard]] std::size_t count() const {
+    return static_cast<std::size_t>(std::count_if(
+        members_.begin(), members_.end(), [](const Member& member) { return member.before < 0; }));
   }
 
   Orders orders(const WrappedCycles& wrapped) {

@@ -1,4 +1,4 @@
-#include "slipstream/spatial/detail/second_differences.h"
+#include "slipstream/spatial/detail/roughness.h"
 
 #include <algorithm>
 #include <array>
@@ -7,18 +7,20 @@
 #include <vector>
 
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/image/quantile.h"
 
 namespace slipstream {
 namespace {
 
 /// Of the difference of two phases in [-0.5, 0.5].
-float wrapped(float difference) {
+float nearest(float difference) {
   return difference - (difference > 0.5F ? 1.F : 0.F) + (difference < -0.5F ? 1.F : 0.F);
 }
 
 }  // namespace
 
-Image<float> second_differences(const Image<float>& cycles) {
+Image<float> roughness(const WrappedCycles& wrapped) {
+  const Image<float>& cycles = wrapped.cycles;
   const auto [width, height] = cycles.size();
   Image<float> result(cycles.size());
   for_each_row(height, [&, width = width, height = height](int row) {
@@ -35,7 +37,7 @@ Image<float> second_differences(const Image<float>& cycles) {
     for (int i = 0; i < width; ++i) {
       float sum = 0, found = 0;
       const auto add = [&, middle = here[i + 1]](float before, float after) {
-        const float second = wrapped(before - middle) - wrapped(middle - after);
+        const float second = nearest(before - middle) - nearest(middle - after);
         const bool is_there = second == second;
         sum += is_there ? second * second : 0;
         found += is_there ? 1.F : 0.F;
@@ -46,7 +48,22 @@ Image<float> second_differences(const Image<float>& cycles) {
       add(above[i + 2], below[i]);
       to[i] = found > 0 ? sum / found : 1;
     }
+    if (wrapped.quality.empty()) return;
+    const float* const quality = wrapped.quality.row(row);
+    for (int i = 0; i < width; ++i) to[i] /= quality[i] * quality[i];
   });
+  return result;
+}
+
+Image<float> smoothness(const WrappedCycles& wrapped) {
+  Image<float> result = roughness(wrapped);
+  std::vector<float> some;
+  for (std::size_t i = 0; i < result.pixel_count(); ++i) {
+    if (wrapped.has(i)) some.push_back(result.begin()[i]);
+  }
+  if (some.empty()) return result;
+  const float usual = 4 * quantile(some, 0.5) + 1e-9F;
+  for (float& each : result) each = usual / (usual + each);
   return result;
 }
 

@@ -1,0 +1,102 @@
+// The least change of the steps that makes every way around close, a flow of least cost between
+// residues: Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <lemon/network_simplex.h>
+#include <lemon/smart_graph.h>
+
+#include "slipstream/spatial/detail/edge_steps.h"
+#include "slipstream/spatial/detail/phase_groups.h"
+#include "slipstream/spatial/detail/roughness.h"
+
+namespace slipstream {
+namespace {
+
+using Graph = lemon::SmartDigraph;
+
+/// Calls `visit(step, first, second, from, to)` for each edge between the pixels `from` and `to`,
+/// or where there is none, and the corners on its sides: a flow from the first to the second takes
+/// away from the step.
+template <class Visit>
+void for_each_edge(EdgeSteps& steps, const Visit& visit) {
+  const auto [width, height] = steps.size();
+  const int wide = width + 1;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int at = y * width + x, corner = y * wide + x;
+      visit(steps.right(x, y), corner + 1 + wide, corner + 1, at, at + 1);
+      visit(steps.down(x, y), corner + wide, corner + wide + 1, at, at + width);
+    }
+  }
+}
+
+/// Which node each corner is. Corners that no edge keeps apart are one: those around a hole, and
+/// those around the picture.
+std::vector<int> nodes_of_corners(EdgeSteps& steps, std::size_t& count) {
+  const auto [width, height] = steps.size();
+  const int wide = width + 1;
+  PhaseGroups groups(static_cast<std::size_t>(wide) * static_cast<std::size_t>(height + 1));
+  for (int x = 0; x < width; ++x) groups.join(x, x + 1, 0);
+  for (int y = 0; y < height; ++y) groups.join(y * wide, (y + 1) * wide, 0);
+  for_each_edge(steps, [&](std::int16_t step, int first, int second, int, int) {
+    if (step == EdgeSteps::closed) groups.join(first, second, 0);
+  });
+  std::vector<int> nodes = groups.numbered();
+  count = groups.count();
+  return nodes;
+}
+
+}  // namespace
+
+Orders orders_by_flow(const WrappedCycles& wrapped) {
+  EdgeSteps steps = edge_steps(wrapped.cycles);
+  if (wrapped.cycles.empty()) return flood(wrapped, steps);
+  std::size_t count = 0;
+  const std::vector<int> nodes = nodes_of_corners(steps, count);
+  Graph graph;
+  graph.reserveNode(static_cast<int>(count));
+  for (std::size_t i = 0; i < count; ++i) graph.addNode();
+  Graph::NodeMap<int> charges(graph, 0);
+  bool any = false;
+  const int wide = steps.size().width + 1;
+  for (std::size_t corner = 0; corner < nodes.size(); ++corner) {
+    const auto at = static_cast<int>(corner);
+    const int charge = charge_at(steps, at % wide, at / wide);
+    charges[Graph::nodeFromId(nodes[corner])] += charge;
+    any = any || charge != 0;
+  }
+  if (!any) return flood(wrapped, steps);
+
+  const Image<float> weights = smoothness(wrapped);
+  std::vector<std::int16_t*> crossed;
+  std::vector<int> costs;
+  for_each_edge(steps, [&](std::int16_t& step, int first, int second, int from, int to) {
+    const int a = nodes[static_cast<std::size_t>(first)],
+              b = nodes[static_cast<std::size_t>(second)];
+    if (step == EdgeSteps::closed || a == b) return;
+    graph.addArc(Graph::nodeFromId(a), Graph::nodeFromId(b));
+    graph.addArc(Graph::nodeFromId(b), Graph::nodeFromId(a));
+    crossed.push_back(&step);
+    // By how much the square of the difference grows: what is nearly half a period gives way first.
+    const float rest =
+        wrapped.cycles.begin()[to] - wrapped.cycles.begin()[from] + static_cast<float>(step);
+    const float weight = 100 * std::min(weights.begin()[from], weights.begin()[to]);
+    costs.push_back(1 + static_cast<int>(weight * (1 - 2 * rest)));
+    costs.push_back(1 + static_cast<int>(weight * (1 + 2 * rest)));
+  });
+  Graph::ArcMap<int> cost(graph);
+  for (std::size_t i = 0; i < costs.size(); ++i)
+    cost[Graph::arcFromId(static_cast<int>(i))] = costs[i];
+  lemon::NetworkSimplex<Graph, int, long> solver(graph);
+  solver.supplyMap(charges).costMap(cost).run(decltype(solver)::CANDIDATE_LIST);
+  for (std::size_t i = 0; i < crossed.size(); ++i) {
+    const auto arc = static_cast<int>(2 * i);
+    const int flow = solver.flow(Graph::arcFromId(arc)) - solver.flow(Graph::arcFromId(arc + 1));
+    *crossed[i] = static_cast<std::int16_t>(*crossed[i] - flow);
+  }
+  return flood(wrapped, steps);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,142 @@
+// The surface whose differences are the nearest to the wrapped ones, weighted, by conjugate
+// gradients preconditioned by a cosine transform: Ghiglia and Romero, Journal of the Optical
+// Society of America A 11 (1994). The orders are those nearest to it.
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+#include <unsupported/Eigen/FFT>
+
+#include "slipstream/image/parallel_rows.h"
+#include "slipstream/image/quantile.h"
+#include "slipstream/spatial/detail/edge_steps.h"
+#include "slipstream/spatial/detail/roughness.h"
+
+namespace slipstream {
+namespace {
+
+using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The cosine transform of each row, or back, up to its scale: DCT-II, DCT-III.
+void transform_rows(Rows& rows, bool back) {
+  const auto n = rows.cols();
+  if (n == 1) return;
+  std::vector<std::complex<float>> turns(static_cast<std::size_t>(n));
+  for (Eigen::Index k = 0; k < n; ++k) {
+    turns[static_cast<std::size_t>(k)] =
+        std::polar(1.F, static_cast<float>(-std::numbers::pi * static_cast<double>(k) /
+                                           (2 * static_cast<double>(n))));
+  }
+  for_each_row(static_cast<int>(rows.rows()), [&](int row) {
+    Eigen::FFT<float> fft;
+    Eigen::VectorXcf in(n), out(n);
+    // Even places from the left, odd ones from the right.
+    const auto place = [&](Eigen::Index i) { return i % 2 == 0 ? i / 2 : n - 1 - i / 2; };
+    if (!back) {
+      for (Eigen::Index i = 0; i < n; ++i) in[place(i)] = rows(row, i);
+      fft.fwd(out, in);
+      for (Eigen::Index k = 0; k < n; ++k)
+        rows(row, k) = (out[k] * turns[static_cast<std::size_t>(k)]).real();
+    } else {
+      for (Eigen::Index k = 0; k < n; ++k) {
+        const std::complex<float> value(rows(row, k), k == 0 ? 0.F : -rows(row, n - k));
+        in[k] = value * std::conj(turns[static_cast<std::size_t>(k)]);
+      }
+      fft.inv(out, in);
+      for (Eigen::Index i = 0; i < n; ++i) rows(row, i) = out[place(i)].real();
+    }
+  });
+}
+
+/// Solves the same without weights and holes.
+class CosinePreconditioner {
+ public:
+  void set_size(Size size) { size_ = size; }
+  template <class Matrix>
+  CosinePreconditioner& analyzePattern(const Matrix&) {
+    return *this;
+  }
+  template <class Matrix>
+  CosinePreconditioner& factorize(const Matrix&) {
+    return *this;
+  }
+  template <class Matrix>
+  CosinePreconditioner& compute(const Matrix&) {
+    return *this;
+  }
+  [[nodiscard]] Eigen::ComputationInfo info() const { return Eigen::Success; }
+
+  [[nodiscard]] Eigen::VectorXf solve(const Eigen::VectorXf& of) const {
+    Rows rows = Eigen::Map<const Rows>(of.data(), size_.height, size_.width);
+    transform_rows(rows, false);
+    Rows columns = rows.transpose();
+    transform_rows(columns, false);
+    for (int x = 0; x < size_.width; ++x) {
+      for (int y = 0; y < size_.height; ++y) {
+        const double curvature = 4 - 2 * std::cos(std::numbers::pi * x / size_.width) -
+                                 2 * std::cos(std::numbers::pi * y / size_.height);
+        columns(x, y) = x + y == 0 ? 0 : static_cast<float>(columns(x, y) / curvature);
+      }
+    }
+    transform_rows(columns, true);
+    rows = columns.transpose();
+    transform_rows(rows, true);
+    return Eigen::Map<const Eigen::VectorXf>(rows.data(), of.size());
+  }
+
+ private:
+  Size size_;
+};
+
+}  // namespace
+
+Orders orders_by_least_squares(const WrappedCycles& wrapped) {
+  const EdgeSteps steps = edge_steps(wrapped.cycles);
+  const float* const cycles = wrapped.cycles.begin();
+  const auto pixels = static_cast<int>(wrapped.cycles.pixel_count());
+  Orders orders = flood(wrapped, steps);
+  if (pixels == 0) return orders;
+  const Image<float> weights = smoothness(wrapped);
+  Eigen::SparseMatrix<float, Eigen::RowMajor> matrix(pixels, pixels);
+  matrix.reserve(Eigen::VectorXi::Constant(pixels, 5));
+  Eigen::VectorXf right = Eigen::VectorXf::Zero(pixels);
+  for (int at = 0; at < pixels; ++at) {
+    float sum = 0;
+    steps.for_each_neighbour(at, [&](int to, int step) {
+      const float weight = std::min(weights.begin()[at], weights.begin()[to]);
+      sum += weight;
+      right[at] -= weight * (cycles[to] - cycles[at] + static_cast<float>(step));
+      matrix.insert(at, to) = -weight;
+    });
+    matrix.insert(at, at) = sum;
+  }
+  Eigen::ConjugateGradient<Eigen::SparseMatrix<float, Eigen::RowMajor>, Eigen::Lower | Eigen::Upper,
+                           CosinePreconditioner>
+      solver;
+  solver.preconditioner().set_size(wrapped.cycles.size());
+  solver.setMaxIterations(100);
+  solver.setTolerance(1e-4F);
+  solver.compute(matrix);
+  const Eigen::VectorXf surface = solver.solve(right);
+  // Each region's surface is known up to a constant: that at which most phases agree.
+  std::vector<std::complex<float>> phases(static_cast<std::size_t>(pixels));
+  for (int at = 0; at < pixels; ++at) {
+    if (orders.region.begin()[at] < 0) continue;
+    phases[static_cast<std::size_t>(orders.region.begin()[at])] +=
+        std::polar(1.F, static_cast<float>(2 * std::numbers::pi) * (surface[at] - cycles[at]));
+  }
+  for (int at = 0; at < pixels; ++at) {
+    const int region = orders.region.begin()[at];
+    if (region < 0) continue;
+    const float constant = std::arg(phases[static_cast<std::size_t>(region)]) /
+                           static_cast<float>(2 * std::numbers::pi);
+    orders.order.begin()[at] = static_cast<int>(std::lrint(surface[at] - cycles[at] - constant));
+  }
+  return orders;
+}
+
+}  // namespace slipstream

@@ -20,7 +20,7 @@ namespace slipstream::app {
 namespace {
 
 struct UnwrapFlags {
-  std::string input, output, method = "quality";
+  std::string input, output, method = "flow";
   std::optional<std::string> quality, mask, coarse, regions, preview;
   std::vector<double> anchor;  ///< row, column, phase
 };
@@ -115,7 +115,7 @@ void add_unwrap(CLI::App& program, Command& chosen) {
   command.app.footer(
       "Methods:" + methods() +
       "\nExamples:\n  slipstream unwrap wrapped.tiff -o phase.tiff --preview phase.png\n"
-      "  slipstream unwrap wrapped.npy -o phase.npy --method flow --anchor 240 320 12.5\n"
+      "  slipstream unwrap wrapped.npy -o phase.npy --method quality --anchor 240 320 12.5\n"
       "Regions that pixels without a phase keep apart are unwrapped each by itself. A step of half "
       "a period or more between neighbours cannot be known from one map.");
 }

@@ -1,15 +1,15 @@
 // How often each unwrapping is right, how long it takes and what memory: the table of
 // docs/unwrapping.md.
 //
-//   spatial_table [--small] [--only METHOD] [--npy FOLDER]
-//
-// --npy writes the phases, for tools/compare of other programs, and measures nothing.
+//   spatial_table [--small | --large] [--only METHOD] [--phase NAME]
+//   spatial_table --npy FOLDER    writes the phases, for compare_skimage.py
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "slipstream/image/converted.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/spatial/spatial_unwrapping.h"
@@ -44,6 +44,14 @@ void measure(const std::string& method, const NamedPhase& phase, Size size) {
   std::fflush(stdout);
 }
 
+void write(const fs::path& folder, const NamedPhase& phase, Size size) {
+  const KnownPhase known = phase.make(size);
+  const std::string name = text_of(size) + "-" + phase.name;
+  write_map(folder / (name + "-wrapped.npy"), known.wrapped);
+  write_map(folder / (name + "-truth.npy"), known.truth);
+  write_map(folder / (name + "-regions.npy"), converted<float>(regions_of(known.truth)));
+}
+
 }  // namespace
 }  // namespace slipstream
 
@@ -53,7 +61,8 @@ int main(int argc, char** argv) {
   std::vector<Size> sizes{{640, 480}, {2592, 1944}};
   for (int i = 1; i < argc; ++i) {
     const std::string flag = argv[i];
-    if (flag == "--small") sizes.pop_back();
+    if (flag == "--small") sizes = {{640, 480}};
+    if (flag == "--large") sizes = {{2592, 1944}};
     if (flag == "--only") only = argv[++i];
     if (flag == "--phase") scene = argv[++i];
     if (flag == "--npy") folder = argv[++i];
@@ -61,6 +70,10 @@ int main(int argc, char** argv) {
   for (const Size size : sizes) {
     for (const NamedPhase& phase : known_phases()) {
       if (!scene.empty() && scene != phase.name) continue;
+      if (!folder.empty()) {
+        write(folder, phase, size);
+        continue;
+      }
       for (const SpatialUnwrapping& method : spatial_unwrappings()) {
         if (!only.empty() && only != method.name) continue;
         measure(std::string(method.name), phase, size);

@@ -11,6 +11,7 @@
 #include "slipstream/io/preview.h"
 #include "slipstream/io/stored_cloud.h"
 #include "slipstream/io/surface_file.h"
+#include "slipstream/spatial/spatial_unwrapping.h"
 
 namespace slipstream::python {
 namespace {
@@ -183,6 +184,21 @@ void bind_clouds(py::module_& module) {
   module.def(
       "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a,
       "Such a file as an array of float64.");
+  module.def(
+      "unwrap",
+      [](const ArrayOf<float>& phase, const std::optional<ArrayOf<float>>& quality,
+         const std::string& method) {
+        const Image<float> wrapped = image_from(phase);
+        const Image<float> sure = quality ? image_from(*quality) : Image<float>();
+        auto unwrapped = unlocked([&] { return unwrap_in_space(wrapped, sure, method); });
+        return results("phase"_a = array_from(std::move(unwrapped.phase)),
+                       "region"_a = array_from(std::move(unwrapped.region)));
+      },
+      "phase"_a, "quality"_a = py::none(), "method"_a = "flow",
+      "A wrapped phase, rad, rows x columns, NaN where there is none, unwrapped by its "
+      "neighbouring "
+      "pixels: .phase, and .region, the number of the region that each pixel is connected with, 0 "
+      "where there is no phase. Methods as those of slipstream unwrap.");
 }
 
 }  // namespace slipstream::python

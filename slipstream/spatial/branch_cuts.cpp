@@ -18,19 +18,16 @@ struct Corner {
 class BranchCuts {
  public:
   explicit BranchCuts(const WrappedCycles& wrapped)
-      : steps_(edge_steps(wrapped.cycles)),
-        corners_({steps_.size().width + 1, steps_.size().height + 1}),
-        tree_(corners_.size()) {
+      : steps_(edge_steps(wrapped.cycles)), corners_(charges_of(steps_)), tree_(corners_.size()) {
+    // What is not between four pixels is the border.
+    const auto has = [&](int x, int y) {
+      return x >= 0 && y >= 0 && x < wrapped.cycles.width() && y < wrapped.cycles.height() &&
+             !std::isnan(wrapped.cycles(x, y));
+    };
     for (int y = 0; y < corners_.height(); ++y) {
       for (int x = 0; x < corners_.width(); ++x) {
-        const bool outer =
-            x == 0 || y == 0 || x + 1 == corners_.width() || y + 1 == corners_.height();
-        const auto has = [&](int column, int row) {
-          return !std::isnan(wrapped.cycles(column, row));
-        };
-        const bool inner =
-            !outer && has(x - 1, y - 1) && has(x, y - 1) && has(x - 1, y) && has(x, y);
-        corners_(x, y) = inner ? static_cast<std::int8_t>(charge_at(steps_, x, y)) : border;
+        const bool inner = has(x - 1, y - 1) && has(x, y - 1) && has(x - 1, y) && has(x, y);
+        if (!inner) corners_(x, y) = border;
       }
     }
   }
@@ -46,7 +43,7 @@ class BranchCuts {
   }
 
  private:
-  static constexpr std::int8_t border = 100;
+  static constexpr int border = 100;
 
   struct Branch {
     Corner at;
@@ -82,7 +79,7 @@ class BranchCuts {
 
   void visit(Corner from, Corner to) {
     if (to.x < 0 || to.y < 0 || to.x >= corners_.width() || to.y >= corners_.height()) return;
-    const std::int8_t met = corners_(to.x, to.y);
+    const int met = corners_(to.x, to.y);
     int& tree = tree_(to.x, to.y);
     if (met == 0 || tree == trees_) return;
     if (met == border) {
@@ -112,8 +109,8 @@ class BranchCuts {
   }
 
   EdgeSteps steps_;
-  Image<std::int8_t> corners_;  ///< their charges, and where cuts may end
-  Image<int> tree_;             ///< the last that each residue is of, from 1
+  Image<int> corners_;  ///< their charges, and where cuts may end
+  Image<int> tree_;     ///< the last that each residue is of, from 1
   std::vector<Branch> branches_{};
   int charge_ = 0;
   int trees_ = 0;

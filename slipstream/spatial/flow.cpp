@@ -32,9 +32,9 @@ void for_each_edge(EdgeSteps& steps, const Visit& visit) {
   }
 }
 
-/// Which node each corner is. Corners that no edge keeps apart are one: those around a hole, and
+/// Corners that no edge keeps apart are one: those around a hole, and
 /// those around the picture.
-std::vector<int> nodes_of_corners(EdgeSteps& steps, std::size_t& count) {
+PhaseGroups corner_groups(EdgeSteps& steps) {
   const auto [width, height] = steps.size();
   const int wide = width + 1;
   PhaseGroups groups(static_cast<std::size_t>(wide) * static_cast<std::size_t>(height + 1));
@@ -43,31 +43,30 @@ std::vector<int> nodes_of_corners(EdgeSteps& steps, std::size_t& count) {
   for_each_edge(steps, [&](std::int16_t step, int first, int second, int, int) {
     if (step == EdgeSteps::closed) groups.join(first, second, 0);
   });
-  std::vector<int> nodes = groups.numbered();
-  count = groups.count();
-  return nodes;
+  return groups;
 }
 
 }  // namespace
 
 Orders orders_by_flow(const WrappedCycles& wrapped) {
   EdgeSteps steps = edge_steps(wrapped.cycles);
-  if (wrapped.cycles.empty()) return flood(wrapped, steps);
-  std::size_t count = 0;
-  const std::vector<int> nodes = nodes_of_corners(steps, count);
-  Graph graph;
-  graph.reserveNode(static_cast<int>(count));
-  for (std::size_t i = 0; i < count; ++i) graph.addNode();
-  Graph::NodeMap<int> charges(graph, 0);
-  bool any = false;
-  const int wide = steps.size().width + 1;
-  for (std::size_t corner = 0; corner < nodes.size(); ++corner) {
-    const auto at = static_cast<int>(corner);
-    const int charge = charge_at(steps, at % wide, at / wide);
-    charges[Graph::nodeFromId(nodes[corner])] += charge;
-    any = any || charge != 0;
+  PhaseGroups groups = corner_groups(steps);
+  const std::vector<int> nodes = groups.numbered();
+  const Image<int> charges = charges_of(steps);
+  std::vector<int> residues(groups.count());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    residues[static_cast<std::size_t>(nodes[i])] += charges.begin()[i];
   }
-  if (!any) return flood(wrapped, steps);
+  if (std::count(residues.begin(), residues.end(), 0) == std::ssize(residues)) {
+    return flood(wrapped, steps);
+  }
+  Graph graph;
+  graph.reserveNode(static_cast<int>(residues.size()));
+  while (graph.maxNodeId() + 1 < std::ssize(residues)) graph.addNode();
+  Graph::NodeMap<int> supplies(graph);
+  for (int i = 0; i < std::ssize(residues); ++i) {
+    supplies[Graph::nodeFromId(i)] = residues[static_cast<std::size_t>(i)];
+  }
 
   const Image<float> weights = smoothness(wrapped);
   std::vector<std::int16_t*> crossed;
@@ -90,7 +89,7 @@ Orders orders_by_flow(const WrappedCycles& wrapped) {
   for (std::size_t i = 0; i < costs.size(); ++i)
     cost[Graph::arcFromId(static_cast<int>(i))] = costs[i];
   lemon::NetworkSimplex<Graph, int, long> solver(graph);
-  solver.supplyMap(charges).costMap(cost).run(decltype(solver)::CANDIDATE_LIST);
+  solver.supplyMap(supplies).costMap(cost).run(decltype(solver)::CANDIDATE_LIST);
   for (std::size_t i = 0; i < crossed.size(); ++i) {
     const auto arc = static_cast<int>(2 * i);
     const int flow = solver.flow(Graph::arcFromId(arc)) - solver.flow(Graph::arcFromId(arc + 1));

@@ -52,40 +52,49 @@ void transform_rows(Rows& rows, bool back) {
   });
 }
 
-/// Solves the same without weights and holes.
+/// The next length that is a product of small numbers, which transforms are fast for.
+int next_fast(int length) {
+  for (;; ++length) {
+    int rest = length;
+    for (const int factor : {2, 3, 5}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return length;
+  }
+}
+
+/// Solves the same without weights and holes, with nothing to the right and below.
 class CosinePreconditioner {
  public:
   void set_size(Size size) { size_ = size; }
   template <class Matrix>
-  CosinePreconditioner& analyzePattern(const Matrix&) {
-    return *this;
-  }
-  template <class Matrix>
-  CosinePreconditioner& factorize(const Matrix&) {
-    return *this;
-  }
-  template <class Matrix>
   CosinePreconditioner& compute(const Matrix&) {
     return *this;
   }
-  [[nodiscard]] Eigen::ComputationInfo info() const { return Eigen::Success; }
+  [[nodiscard]] static Eigen::ComputationInfo info() { return Eigen::Success; }
 
   [[nodiscard]] Eigen::VectorXf solve(const Eigen::VectorXf& of) const {
-    Rows rows = Eigen::Map<const Rows>(of.data(), size_.height, size_.width);
+    const int width = next_fast(size_.width), height = next_fast(size_.height);
+    Rows rows = Rows::Zero(height, width);
+    rows.topLeftCorner(size_.height, size_.width) =
+        Eigen::Map<const Rows>(of.data(), size_.height, size_.width);
     transform_rows(rows, false);
     Rows columns = rows.transpose();
     transform_rows(columns, false);
-    for (int x = 0; x < size_.width; ++x) {
-      for (int y = 0; y < size_.height; ++y) {
-        const double curvature = 4 - 2 * std::cos(std::numbers::pi * x / size_.width) -
-                                 2 * std::cos(std::numbers::pi * y / size_.height);
-        columns(x, y) = x + y == 0 ? 0 : static_cast<float>(columns(x, y) / curvature);
+    const auto curvature = [](int place, int length) {
+      return 2 - 2 * std::cos(std::numbers::pi * place / length);
+    };
+    for (int x = 0; x < width; ++x) {
+      for (int y = 0; y < height; ++y) {
+        const double both = curvature(x, width) + curvature(y, height);
+        columns(x, y) = x + y == 0 ? 0 : static_cast<float>(columns(x, y) / both);
       }
     }
     transform_rows(columns, true);
     rows = columns.transpose();
     transform_rows(rows, true);
-    return Eigen::Map<const Eigen::VectorXf>(rows.data(), of.size());
+    const Rows inside = rows.topLeftCorner(size_.height, size_.width);
+    return Eigen::Map<const Eigen::VectorXf>(inside.data(), of.size());
   }
 
  private:
@@ -118,7 +127,7 @@ Orders orders_by_least_squares(const WrappedCycles& wrapped) {
                            CosinePreconditioner>
       solver;
   solver.preconditioner().set_size(wrapped.cycles.size());
-  solver.setMaxIterations(100);
+  solver.setMaxIterations(50);
   solver.setTolerance(1e-4F);
   solver.compute(matrix);
   const Eigen::VectorXf surface = solver.solve(right);

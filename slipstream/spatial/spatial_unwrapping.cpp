@@ -32,7 +32,6 @@ constexpr std::array methods{
     Method{{"quality", "the surest neighbours first"}, orders_by_quality},
     Method{{"least-squares", "by the surface of the nearest differences"}, orders_by_least_squares},
     Method{{"flow", "the least change that makes all ways agree"}, orders_by_flow},
-    Method{{"cuts", "raised piece by piece while that is smoother"}, orders_by_cuts},
 };
 
 const Method& method_named(std::string_view name) {

@@ -37,7 +37,7 @@ struct UnwrappedPhase {
 template <class Number>
 UnwrappedPhase<Number> unwrap_in_space(const Image<Number>& wrapped,
                                        const Image<float>& quality = {},
-                                       std::string_view method = "quality");
+                                       std::string_view method = "flow");
 
 /// Moves the pixel's region by whole periods to the nearest of `phase`, rad, at the pixel. Throws
 /// Error where the pixel has no region or `phase` is not finite.

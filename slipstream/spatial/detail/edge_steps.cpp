@@ -27,13 +27,23 @@ EdgeSteps edge_steps(const Image<float>& cycles) {
   return steps;
 }
 
-int charge_at(const EdgeSteps& steps, int column, int row) {
-  const auto step = [&](const Image<std::int16_t>& image, int x, int y) -> int {
-    if (x < 0 || y < 0 || x >= image.width() || y >= image.height()) return 0;
-    return image(x, y) == EdgeSteps::closed ? 0 : image(x, y);
-  };
-  return step(steps.right, column - 1, row - 1) + step(steps.down, column, row - 1) -
-         step(steps.right, column - 1, row) - step(steps.down, column - 1, row - 1);
+Image<int> charges_of(const EdgeSteps& steps) {
+  const auto [width, height] = steps.size();
+  Image<int> charges({width + 1, height + 1});
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int right = steps.right(x, y), down = steps.down(x, y);
+      if (right != EdgeSteps::closed) {
+        charges(x + 1, y + 1) += right;
+        charges(x + 1, y) -= right;
+      }
+      if (down != EdgeSteps::closed) {
+        charges(x, y + 1) += down;
+        charges(x + 1, y + 1) -= down;
+      }
+    }
+  }
+  return charges;
 }
 
 Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps) {

@@ -39,9 +39,10 @@ struct EdgeSteps {
 };
 EdgeSteps edge_steps(const Image<float>& cycles);
 
-/// What a whole turn around a corner of four pixels, the lower right of them (column, row),
-/// changes; closed edges change nothing. Column 0 to width, row 0 to height.
-int charge_at(const EdgeSteps& steps, int column, int row);
+/// What a whole turn around each corner of pixels changes, closed edges nothing; pixel (x, y) is
+/// the lower right one of corner (x, y), and there is a column and a row more of these than of
+/// pixels.
+Image<int> charges_of(const EdgeSteps& steps);
 
 /// From pixel to pixel along the steps; what they connect is a region.
 Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps);

@@ -29,6 +29,5 @@ Orders orders_by_regions(const WrappedCycles& wrapped);
 Orders orders_by_quality(const WrappedCycles& wrapped);
 Orders orders_by_least_squares(const WrappedCycles& wrapped);
 Orders orders_by_flow(const WrappedCycles& wrapped);
-Orders orders_by_cuts(const WrappedCycles& wrapped);
 
 }  // namespace slipstream

@@ -12,6 +12,7 @@ set(slipstream_libraries
   "opencv_features2d             opencv4         OpenCV COMPONENTS features2d"
   "opencv_aruco                  opencv4         OpenCV COMPONENTS aruco"
   "opencv_structured_light       opencv4         OpenCV OPTIONAL_COMPONENTS structured_light"
+  "opencv_phase_unwrapping       opencv4         OpenCV OPTIONAL_COMPONENTS phase_unwrapping"
   "yaml-cpp                      yaml-cpp        yaml-cpp"
   "pugixml::pugixml              pugixml         pugixml"
   "tinyobjloader::tinyobjloader  tinyobjloader   tinyobjloader"

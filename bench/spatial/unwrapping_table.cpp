@@ -1,13 +1,19 @@
 // How often each unwrapping is right, how long it takes and what memory: the table of
 // docs/unwrapping.md.
 //
-//   spatial_table [--small | --large] [--only METHOD] [--phase NAME]
+//   spatial_table [--small | --large] [--only METHOD] [--phase NAME]     METHOD may be opencv
 //   spatial_table --npy FOLDER    writes the phases, for compare_skimage.py
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <string>
+
+#ifdef SLIPSTREAM_OPENCV_PHASE_UNWRAPPING
+#include <opencv2/phase_unwrapping/histogramphaseunwrapping.hpp>
+#endif
 
 #include "slipstream/image/converted.h"
 #include "slipstream/io/file.h"
@@ -32,15 +38,44 @@ double peak_memory(bool anew) {
   return 0;
 }
 
+#ifdef SLIPSTREAM_OPENCV_PHASE_UNWRAPPING
+Image<float> unwrapped_by_opencv(const Image<float>& wrapped) {
+  using Unwrapping = cv::phase_unwrapping::HistogramPhaseUnwrapping;
+  Unwrapping::Params settings;
+  settings.width = wrapped.width();
+  settings.height = wrapped.height();
+  cv::Mat phase(settings.height, settings.width, CV_32F), valid(phase.size(), CV_8U), result;
+  for (int y = 0; y < settings.height; ++y) {
+    for (int x = 0; x < settings.width; ++x) {
+      valid.at<uchar>(y, x) = std::isnan(wrapped(x, y)) ? 0 : 255;
+      phase.at<float>(y, x) = std::isnan(wrapped(x, y)) ? 0 : wrapped(x, y);
+    }
+  }
+  Unwrapping::create(settings)->unwrapPhaseMap(phase, result, valid);
+  Image<float> unwrapped(wrapped.size());
+  for (int y = 0; y < settings.height; ++y) {
+    std::copy_n(result.ptr<float>(y), settings.width, &unwrapped(0, y));
+  }
+  return unwrapped;
+}
+#endif
+
+Image<float> unwrapped_by(const std::string& method, const Image<float>& wrapped) {
+#ifdef SLIPSTREAM_OPENCV_PHASE_UNWRAPPING
+  if (method == "opencv") return unwrapped_by_opencv(wrapped);
+#endif
+  return unwrap_in_space(wrapped, {}, method).phase;
+}
+
 void measure(const std::string& method, const NamedPhase& phase, Size size) {
   const KnownPhase known = phase.make(size);
   const double before = peak_memory(true);
   const auto start = std::chrono::steady_clock::now();
-  const UnwrappedPhase<float> unwrapped = unwrap_in_space(known.wrapped, {}, method);
+  const Image<float> unwrapped = unwrapped_by(method, known.wrapped);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  std::printf("%-13s %-9s %9s  right %8.4f %%  regions %7zu  %8.3f s  %6.0f MB\n", method.c_str(),
-              phase.name.c_str(), text_of(size).c_str(), 100 * right_share(known, unwrapped.phase),
-              unwrapped.regions.size(), took.count(), peak_memory(false) - before);
+  std::printf("%-13s %-9s %9s  right %8.4f %%  %8.3f s  %6.0f MB\n", method.c_str(),
+              phase.name.c_str(), text_of(size).c_str(), 100 * right_share(known, unwrapped),
+              took.count(), peak_memory(false) - before);
   std::fflush(stdout);
 }
 
@@ -74,6 +109,7 @@ int main(int argc, char** argv) {
         write(folder, phase, size);
         continue;
       }
+      if (only == "opencv") measure(only, phase, size);
       for (const SpatialUnwrapping& method : spatial_unwrappings()) {
         if (!only.empty() && only != method.name) continue;
         measure(std::string(method.name), phase, size);

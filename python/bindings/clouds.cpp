@@ -185,7 +185,7 @@ void bind_clouds(py::module_& module) {
       "load_map", [](const fs::path& path) { return array_from(read_map(path)); }, "path"_a,
       "Such a file as an array of float64.");
   module.def(
-      "unwrap",
+      "unwrap_in_space",
       [](const ArrayOf<float>& phase, const std::optional<ArrayOf<float>>& quality,
          const std::string& method) {
         const Image<float> wrapped = image_from(phase);
@@ -196,9 +196,8 @@ void bind_clouds(py::module_& module) {
       },
       "phase"_a, "quality"_a = py::none(), "method"_a = "flow",
       "A wrapped phase, rad, rows x columns, NaN where there is none, unwrapped by its "
-      "neighbouring "
-      "pixels: .phase, and .region, the number of the region that each pixel is connected with, 0 "
-      "where there is no phase. Methods as those of slipstream unwrap.");
+      "neighbouring pixels: .phase, and .region, the number of the region that each pixel is "
+      "connected with, 0 where there is no phase. Methods as those of slipstream unwrap.");
 }
 
 }  // namespace slipstream::python

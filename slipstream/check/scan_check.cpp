@@ -53,6 +53,10 @@ double least_range(const CheckSettings& settings) {
 
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner, const CheckSettings& settings) {
+  // Frames that are taken out of one are no evidence of each other, and dark along every edge.
+  if (sequence.strategy.is_spectral()) {
+    return {.findings = scanner ? check_scanner(*scanner) : std::vector<Finding>(), .order = {}};
+  }
   const double least = settings.minimum_modulation;
   const PhotometricCalibration& photometry = scanner ? scanner->photometry : settings.photometry;
   const FrameModel model(sequence, photometry);

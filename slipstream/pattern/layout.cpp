@@ -120,6 +120,19 @@ void require_code(const Layout& layout, std::string_view name) {
   }
 }
 
+void require_frames_of_surfaces(const Layout& layout, std::string_view name) {
+  const bool all = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
+                               [&](const SingleFrame& single) {
+                                 return single.frame >= 0 && single.frame < layout.frames &&
+                                        single.periods > 0 && single.periods <= 1;
+                               });
+  if (all && layout.bands.size() == 1 && layout.single_frames.size() >= 3) return;
+  throw Error(
+      fmt::format("{}: surfaces are told by one band and three frames or more of at most "
+                  "one period each",
+                  name));
+}
+
 void require_single_frames(const Layout& layout, std::string_view name) {
   const bool all = std::all_of(
       layout.single_frames.begin(), layout.single_frames.end(), [&](const SingleFrame& single) {
@@ -248,6 +261,8 @@ void require_valid(const Layout& layout, std::string_view name) {
   switch (layout.unwrapping) {
     case Unwrapping::none:
       return;
+    case Unwrapping::surfaces:
+      return require_frames_of_surfaces(layout, name);
     case Unwrapping::hierarchical:
       return require_hierarchy(layout, name);
     case Unwrapping::vote:

@@ -99,6 +99,7 @@ enum class Unwrapping {
   none,           ///< one band of at most one period needs nothing; of more it gives no coordinate
   hierarchical,   ///< each band, from few periods to many, is unwrapped by the one before: Eq.
                   ///< (1.17)
+  surfaces,       ///< each connected surface by the order under which its single frames fit best
   vote,           ///< the cue, or a second band in the same frames, and the neighbours: Section 3.2
   beats,          ///< hierarchical, by whole sums and differences of the bands' phases (heterodyne)
   likelihood,     ///< the coordinate under which all bands together are likeliest
@@ -114,10 +115,10 @@ struct Layout {
   /// At least one. With Unwrapping::vote the first one measures, and a second one of one period is
   /// its cue; else the order is free.
   std::vector<Band> bands{};
-  std::optional<Cue> cue{};    ///< with Unwrapping::vote, where there is one band
-  std::optional<Code> code{};  ///< with Unwrapping::code and code_alone
-  std::vector<SingleFrame>
-      single_frames{};  ///< with Unwrapping::single_frames, a run of steps first
+  std::optional<Cue> cue{};                  ///< with Unwrapping::vote, where there is one band
+  std::optional<Code> code{};                ///< with Unwrapping::code and code_alone
+  std::vector<SingleFrame> single_frames{};  ///< with Unwrapping::single_frames, a run of steps
+                                             ///< first; with surfaces of at most one period
   Unwrapping unwrapping = Unwrapping::none;
 
   friend bool operator==(const Layout&, const Layout&) = default;

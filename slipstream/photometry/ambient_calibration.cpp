@@ -44,7 +44,7 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
   }
   const Strategy& strategy = scan.sequence.strategy;
   const Layout& layout = strategy.layout();
-  if (layout.unwrapping != Unwrapping::vote && carrier_periods(layout) == 0) return;
+  if (layout.unwrapping != Unwrapping::vote && carrier_periods(strategy) == 0) return;
   throw Error(
       fmt::format("{}: {}; ambient light is measured with patterns that hold no cue and no carrier",
                   name, strategy.name()));

@@ -12,6 +12,7 @@
 #include "slipstream/capture/merged_exposures.h"
 #include "slipstream/error/error.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/phase/demodulator.h"
 #include "slipstream/phase/frame_motion.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
@@ -100,25 +101,28 @@ struct Engine::Tables {
 };
 
 struct Engine::Memory {
-  explicit Memory(const CleanSettings& settings) : clean(settings) {}
+  explicit Memory(const EngineSetup& setup) : clean(setup.settings.clean) {
+    const auto& [scanner, sequence, settings] = setup;
+    if (const auto how = sequence.strategy.demodulation()) demodulate.emplace(*how, sequence.axis);
+  }
 
   FusedMemory fused;
   MergedFrames merged;
+  std::optional<Demodulator> demodulate;
   Image<float> modulation;
   FrameMotion motion;
   Cleaner clean;
 };
 
 Engine::Engine(const EngineSetup& setup)
-    : tables_(std::make_shared<Tables>(setup)),
-      memory_(std::make_unique<Memory>(setup.settings.clean)) {}
+    : tables_(std::make_shared<Tables>(setup)), memory_(std::make_unique<Memory>(setup)) {}
 
 Engine::Engine(const Scanner& scanner, const Sequence& sequence,
                const ReconstructSettings& settings)
     : Engine(EngineSetup{scanner, sequence, settings}) {}
 
 Engine::Engine(const Engine& other)
-    : tables_(other.tables_), memory_(std::make_unique<Memory>(other.setup().settings.clean)) {}
+    : tables_(other.tables_), memory_(std::make_unique<Memory>(other.setup())) {}
 
 Engine::Engine(Engine&& other) noexcept = default;
 
@@ -135,7 +139,11 @@ const EngineSetup& Engine::setup() const {
 }
 
 const FrameViews& Engine::merged(const FrameViews& frames) {
-  const std::vector<double>& exposures = setup().sequence.exposures;
+  const auto& [scanner, sequence, settings] = setup();
+  const std::vector<double>& exposures = sequence.exposures;
+  if (memory_->demodulate && frames.count() != sequence.strategy.layout().frames) {
+    return (*memory_->demodulate)(frames);
+  }
   if (exposures.size() == 1 || frames.merged()) return frames;
   merge_exposures(frames, exposures, memory_->merged);
   return memory_->merged.views;

@@ -33,8 +33,9 @@ class Engine {
 
   [[nodiscard]] const EngineSetup& setup() const;
 
-  /// The frames of several exposures merged, in memory that lasts until others are; those of one,
-  /// or merged before, as they are. What follows does that of itself.
+  /// The frames of several exposures merged, or what frames hold at once taken apart, in memory
+  /// that lasts until others are; frames that need neither as they are. What follows does that of
+  /// itself.
   [[nodiscard]] const FrameViews& merged(const FrameViews& frames);
 
   // Each throws Error when the frames are not of the camera's size or not as many as the

@@ -3,17 +3,28 @@
 #include <utility>
 
 #include "slipstream/capture/merged_exposures.h"
+#include "slipstream/phase/demodulator.h"
 
 namespace slipstream {
 
 Scan merged(Scan scan) {
   scan.exposures = scan.sequence.exposures;
-  if (frame_count(scan.sequence) == frame_count(scan.sequence.strategy)) return scan;
+  const auto demodulation = scan.sequence.strategy.demodulation();
+  if (frame_count(scan.sequence) == frame_count(scan.sequence.strategy) && !demodulation) {
+    return scan;
+  }
   scan.order.clear();  // which is of the frames of all exposures and axes
   if (scan.exposures.size() > 1) scan.frames = merged_exposures(scan.frames, scan.exposures);
   scan.sequence = merged_sequence(std::move(scan.sequence));
-  if (!scan.sequence.both_axes) return scan;
+  if (!scan.sequence.both_axes) {
+    if (demodulation) scan.frames = demodulated(*demodulation, scan.sequence.axis, scan.frames);
+    return scan;
+  }
   auto [first, second] = halves(std::move(scan.frames));
+  if (demodulation) {
+    first = demodulated(*demodulation, Axis::x, first);
+    second = demodulated(*demodulation, Axis::y, second);
+  }
   scan.other_axis = {{.frames = std::move(second), .sequence = along(scan.sequence, Axis::y)}};
   scan.frames = std::move(first);
   scan.sequence = along(std::move(scan.sequence), Axis::x);

@@ -5,8 +5,10 @@
 #include <variant>
 #include <vector>
 
+#include "slipstream/strategy/composite_pattern.h"
 #include "slipstream/strategy/composites.h"
 #include "slipstream/strategy/dual_frequency.h"
+#include "slipstream/strategy/fourier_profilometry.h"
 #include "slipstream/strategy/gray_code.h"
 #include "slipstream/strategy/micro_phase_shifting.h"
 #include "slipstream/strategy/modulated_phase_shifting.h"
@@ -19,10 +21,11 @@
 namespace slipstream {
 
 /// The registry: every coding that can be asked for by its name. A new one is added here.
-using KnownCodings = std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing,
-                                  MultiFrequency, GrayCode, GrayPhase, ExclusiveOrGray, TwoPlusOne,
-                                  FastThreeStep, DoubleThreeStep, TwoFrequency2N, TwoFrequency4N,
-                                  MicroPhaseShifting, ModulatedPhaseShifting, PeriodCoded>;
+using KnownCodings =
+    std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing, MultiFrequency, GrayCode,
+                 GrayPhase, ExclusiveOrGray, TwoPlusOne, FastThreeStep, DoubleThreeStep,
+                 TwoFrequency2N, TwoFrequency4N, MicroPhaseShifting, ModulatedPhaseShifting,
+                 PeriodCoded, FourierProfilometry, CompositePattern>;
 
 /// What is shown where nobody says what.
 Strategy default_strategy();

@@ -68,6 +68,7 @@ PatternSet pattern_set(const Sequence& sequence) {
 
 Sequence merged_sequence(Sequence sequence, int first) {
   sequence.exposures = {1};
+  sequence.strategy = sequence.strategy.read_as();
   if (sequence.motion > 0) sequence.strategy = sequence.strategy.in_motion(sequence.motion, first);
   sequence.motion = 0;
   return sequence;
@@ -89,6 +90,12 @@ void require_mergeable(const Sequence& sequence) {
           "both axes or a marker");
     }
     motion_window(sequence.strategy.layout(), sequence.motion);
+  }
+  if (sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0)) {
+    throw Error(
+        fmt::format("{} is read from the spectrum of each frame: of one exposure, and "
+                    "without frames of motion",
+                    sequence.strategy.name()));
   }
   if (exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout())) {
     throw Error(

@@ -53,8 +53,8 @@ PatternSet pattern_set(const Sequence& sequence);
 /// Those of a cycle: without the frames of motion.
 Sequence cycle_of(Sequence sequence);
 
-/// What the frames show once their exposures are merged into one; a window that begins with pattern
-/// `first`.
+/// What the frames show once their exposures are merged into one and what they hold at once is
+/// taken apart; a window that begins with pattern `first`.
 Sequence merged_sequence(Sequence sequence, int first = 0);
 
 /// Throws Error unless the frames of motion are 0, or those of one cycle of one sinusoid without

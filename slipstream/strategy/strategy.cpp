@@ -1,5 +1,6 @@
 #include "slipstream/strategy/strategy.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -21,6 +22,19 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
   };
 }
 
+Strategy Strategy::read_as() const {
+  Strategy read = *this;
+  if (demodulation_) {
+    read.shape_ = read_shape_;
+    read.read_ = true;
+  }
+  return read;
+}
+
+std::optional<Demodulation> Strategy::demodulation() const {
+  return read_ ? std::nullopt : demodulation_;
+}
+
 std::string_view name_of(const Strategy& strategy) {
   return strategy.name();
 }
@@ -35,7 +49,8 @@ Strategy Strategy::in_motion(int extra, int first) const {
 }
 
 int frame_count(const Strategy& strategy) {
-  return strategy.layout().frames;
+  const auto demodulation = strategy.demodulation();
+  return demodulation ? demodulation->shown : strategy.layout().frames;
 }
 
 std::vector<int> step_counts(const Strategy& strategy) {
@@ -48,6 +63,16 @@ bool has_coordinate(const Strategy& strategy) {
 
 double highest_frequency(const Strategy& strategy) {
   return highest_frequency(strategy.layout());
+}
+
+double carrier_periods(const Strategy& strategy) {
+  double most = carrier_periods(strategy.layout());
+  const auto demodulation = strategy.demodulation();
+  if (!demodulation) return most;
+  for (const SpectralFrame& frame : demodulation->frames) {
+    if (frame.across) most = std::max(most, frame.periods);
+  }
+  return most;
 }
 
 void require_resolved(const Strategy& strategy, Axis axis, Size projector) {
@@ -64,8 +89,7 @@ void require_resolved(const Strategy& strategy, Axis axis, Size projector) {
                     what, periods, length, length / 2));
   };
   require_shown("frequency", highest_frequency(strategy), projector_length);
-  require_shown("carrier", carrier_periods(strategy.layout()),
-                length_along(across(axis), projector));
+  require_shown("carrier", carrier_periods(strategy), length_along(across(axis), projector));
 }
 
 PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light) {
@@ -75,7 +99,7 @@ PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& 
       .axis = axis,
       .light = light,
       .shape = [strategy](int n, double y, double across) { return strategy.shape(n, y, across); },
-      .carrier = carrier_periods(strategy.layout()) > 0};
+      .carrier = carrier_periods(strategy) > 0};
 }
 
 }  // namespace slipstream

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "slipstream/pattern/composite.h"
 #include "slipstream/pattern/layout.h"
 #include "slipstream/pattern/pattern_set.h"
+#include "slipstream/pattern/spectral_frame.h"
 #include "slipstream/strategy/settings.h"
 
 namespace slipstream {
@@ -31,6 +33,10 @@ namespace slipstream {
 /// or instead of the last two
 ///   std::vector<ShownSinusoid> sinusoids() const, which frames show together and phases are taken
 ///     from by fitted_bands, unwrapped hierarchically where there are several.
+/// One whose frames hold several things at once has a layout of the frames that are taken out of
+/// them, and beside it
+///   Demodulation demodulation() const, and
+///   double read_shape(int n, double y) const, what would show frame n of those.
 /// A value; copies share nothing that changes.
 class Strategy {
  public:
@@ -46,7 +52,15 @@ class Strategy {
       show(coding.sinusoids());
     } else {
       layout_ = coding.layout();
-      shape_ = [coding](int n, double y) { return coding.shape(n, y); };
+      if constexpr (requires { coding.demodulation(); }) {
+        demodulation_ = coding.demodulation();
+        read_shape_ = [coding](int n, double y) { return coding.read_shape(n, y); };
+      }
+      if constexpr (requires { coding.shape(0, 0.0, 0.0); }) {
+        shape_ = [coding](int n, double y, double across) { return coding.shape(n, y, across); };
+      } else {
+        shape_ = [coding](int n, double y) { return coding.shape(n, y); };
+      }
     }
     require_valid(layout_, name_);
   }
@@ -54,7 +68,14 @@ class Strategy {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// Those that make_strategy needs to give the same strategy again.
   [[nodiscard]] const StrategySettings& settings() const { return settings_; }
+  /// Of the frames that are read: those shown, or those that demodulation makes of them.
   [[nodiscard]] const Layout& layout() const { return layout_; }
+  /// How frames that are shown become those that are read; none where they are the same.
+  [[nodiscard]] std::optional<Demodulation> demodulation() const;
+  /// What would show the frames that are read; the same where these are what is shown.
+  [[nodiscard]] Strategy read_as() const;
+  /// Whether it is, or is read as, one whose frames are taken apart by their spectra.
+  [[nodiscard]] bool is_spectral() const { return demodulation_.has_value(); }
   /// Intensity of pattern n, in [0, 1], at projector coordinate y in [0, 1]; see PatternShape.
   [[nodiscard]] double shape(int n, double y, double across = 0) const {
     return shape_(n, y, across);
@@ -64,9 +85,10 @@ class Strategy {
   /// pattern `first` on: see motion_window.
   [[nodiscard]] Strategy in_motion(int extra, int first = 0) const;
 
-  /// Of name, settings and layout.
+  /// Of name, settings, layout and demodulation.
   friend bool operator==(const Strategy& a, const Strategy& b) {
-    return a.name_ == b.name_ && a.settings_ == b.settings_ && a.layout_ == b.layout_;
+    return a.name_ == b.name_ && a.settings_ == b.settings_ && a.layout_ == b.layout_ &&
+           a.demodulation_ == b.demodulation_ && a.read_ == b.read_;
   }
 
  private:
@@ -76,6 +98,9 @@ class Strategy {
   StrategySettings settings_;
   Layout layout_;
   PatternShape shape_;
+  std::optional<Demodulation> demodulation_;
+  PatternShape read_shape_;  ///< where there is a demodulation
+  bool read_ = false;        ///< whether that is done
 };
 
 std::string_view name_of(const Strategy& strategy);
@@ -86,6 +111,7 @@ int frame_count(const Strategy& strategy);
 std::vector<int> step_counts(const Strategy& strategy);
 bool has_coordinate(const Strategy& strategy);
 double highest_frequency(const Strategy& strategy);
+double carrier_periods(const Strategy& strategy);
 
 /// Throws Error when the highest frequency has less than two of the projector's pixels along the
 /// axis for each period, a carrier less than two across it, or a code less than one for each

@@ -9,6 +9,8 @@
 #include "slipstream/unwrap/band_unwrapper.h"
 #include "slipstream/unwrap/cue_evidence.h"
 #include "slipstream/unwrap/neighbourhood_fringe_order.h"
+#include "slipstream/unwrap/surface_by_frames.h"
+#include "slipstream/unwrap/surface_orders.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
@@ -60,6 +62,22 @@ Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
         .cue_sine = phases.cue_sine.empty() ? 0 : phases.cue_sine.begin()[i] / grey_level};
   }
   return pixels;
+}
+
+UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& phases,
+                                   double least_modulation) {
+  const PhaseMaps& band = phases.bands.front();
+  Image<double> phase = band.wrapped_phase;
+  std::transform(phase.begin(), phase.end(), band.modulation.begin(), phase.begin(),
+                 [&](double phi, double B) {
+                   return B > least_modulation ? phi : std::numeric_limits<double>::quiet_NaN();
+                 });
+  UnwrappedPhases result{.coordinate = coordinate_by_surfaces(phase, measuring_band(layout).periods,
+                                                              order_by_frames(layout, phases)),
+                         .doubt = Image<double>(phase.size())};
+  std::transform(result.coordinate.begin(), result.coordinate.end(), result.doubt.begin(),
+                 [](double y) { return std::isnan(y) ? 0.5 : 0; });
+  return result;
 }
 
 /// The fringe orders that the neighbours leave standing.
@@ -131,6 +149,9 @@ UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const C
   if (!has_coordinate(layout)) return {};
   if (layout.unwrapping == Unwrapping::vote) {
     return unwrap_by_vote(layout, phases, cue, projector_length, grey_level);
+  }
+  if (layout.unwrapping == Unwrapping::surfaces) {
+    return unwrap_by_surfaces(layout, phases, grey_level * cue.least_modulation);
   }
   return unwrap_alone(layout, phases, projector_length);
 }

@@ -24,7 +24,8 @@ struct LayoutPhases {
 struct UnwrappedPhases {
   Image<double> coordinate{};  ///< y, see BasicMaps; empty where the layout gives none
   /// How far the bands are apart on the fringe order, the most of all steps from band to band, or
-  /// the cue from the order chosen: see fringe_order_residual. Empty with Unwrapping::none.
+  /// the cue from the order chosen: see fringe_order_residual; with Unwrapping::surfaces 0, or 0.5
+  /// where the surface's order is not known. Empty with Unwrapping::none.
   Image<double> doubt{};
   Image<double> contrast{};  ///< with Unwrapping::code_alone: see CodeReading; else empty
   Image<double>

@@ -37,6 +37,8 @@ double farthest_within(const EngineSetup& setup, const Eigen::Vector3d& ray, dou
   return near;
 }
 
+/// Throws Error unless each pixel has one order or, of a spectrum, whose edges are left out, each
+/// surface may have.
 void require_narrow(const EngineSetup& setup, double periods) {
   const double nearest = *setup.settings.nearest, farthest = *setup.settings.farthest;
   const Size size = setup.scanner.camera.size;
@@ -48,7 +50,7 @@ void require_narrow(const EngineSetup& setup, double periods) {
     throw Error(fmt::format("depths from {} mm on begin behind the projector; name a farther one",
                             nearest));
   }
-  if (covered * periods < 1) return;
+  if (covered * periods < 1 || setup.sequence.strategy.is_spectral()) return;
   constexpr double sure = 0.95;  // of a period: noise takes the rest
   throw Error(
       fmt::format("depths from {} to {} mm cover {:.2f} of {} periods at the middle of the "
@@ -64,6 +66,8 @@ DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
     : periods_(highest_frequency(setup.sequence.strategy)),
       noise_(std::sqrt(coordinate_variance(setup.sequence.strategy.layout(), 1,
                                            cue_settings(setup).noise_variance))),
+      by_surfaces_(setup.sequence.strategy.is_spectral()),
+      least_modulation_(setup.settings.minimum_modulation),
       bounds_(setup.scanner.camera.size) {
   require_narrow(setup, periods_);
   const double end = farthest_past_field(projector_length(setup));
@@ -80,25 +84,41 @@ DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
   });
 }
 
+OrderRange DepthUnwrapper::possible(double phi, double modulation, const Bounds& bounds) const {
+  constexpr double sigmas = 4;
+  if (std::isnan(bounds.least)) return {};
+  const double cycles = phi / (2 * std::numbers::pi);
+  const double margin = sigmas * noise_ / std::max(modulation, 1e-3);
+  return {static_cast<int>(std::ceil((bounds.least - margin) * periods_ - cycles)),
+          static_cast<int>(std::floor((bounds.largest + margin) * periods_ - cycles))};
+}
+
 DepthUnwrapper::Result DepthUnwrapper::operator()(const BasicMaps<double>& maps,
                                                   double full_scale) const {
-  constexpr double sigmas = 4;
+  const double grey_level = full_scale / 255;
+  const auto orders = [&](int column, int row) {
+    return possible(maps.wrapped_phase(column, row), maps.modulation(column, row) / grey_level,
+                    bounds_(column, row));
+  };
   const Size size = bounds_.size();
   Result result{Image<double>(size, nan), Image<Validity>(size, Validity::doubtful_order)};
+  if (by_surfaces_) {
+    Image<double> phase = maps.wrapped_phase;
+    std::transform(
+        phase.begin(), phase.end(), maps.modulation.begin(), phase.begin(),
+        [&](double phi, double B) { return B < least_modulation_ * grey_level ? nan : phi; });
+    result.coordinate = coordinate_by_surfaces(phase, periods_, by_possible_orders(orders));
+  }
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
-      const auto [least, largest] = bounds_(column, row);
-      if (std::isnan(least)) continue;
-      const double phi = maps.wrapped_phase(column, row);
-      const double cycles = phi / (2 * std::numbers::pi);
-      const double margin =
-          sigmas * noise_ * full_scale / 255 / std::max(maps.modulation(column, row), 1e-3);
-      const double first = std::ceil((least - margin) * periods_ - cycles);
-      const double last = std::floor((largest + margin) * periods_ - cycles);
-      if (first > last) result.validity(column, row) = Validity::out_of_range;
-      if (first != last) continue;
-      result.validity(column, row) = Validity::valid;
-      result.coordinate(column, row) = unwrapped_coordinate(phi, static_cast<int>(first), periods_);
+      const auto [first, last] = orders(column, row);
+      const bool known = !std::isnan(bounds_(column, row).least);
+      if (known && first > last) result.validity(column, row) = Validity::out_of_range;
+      double& coordinate = result.coordinate(column, row);
+      if (!by_surfaces_ && first == last) {
+        coordinate = unwrapped_coordinate(maps.wrapped_phase(column, row), first, periods_);
+      }
+      if (!std::isnan(coordinate)) result.validity(column, row) = Validity::valid;
     }
   });
   return result;

@@ -4,16 +4,19 @@
 #include "slipstream/cloud/maps.h"
 #include "slipstream/image/image.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/unwrap/surface_orders.h"
 
 namespace slipstream {
 
 /// The fringe order from the range of depth asked for (An, Hyun, Zhang 2016): along a pixel's ray
 /// the nearest and the farthest depth bound the projector coordinate, and an order whose coordinate
-/// lies between them is a candidate. All that is lit must lie in the range.
+/// lies between them is a candidate. All that is lit must lie in the range. Of frames that are
+/// taken apart by their spectra each connected surface has one order, see by_possible_orders; of
+/// others each pixel has that which is the only candidate.
 class DepthUnwrapper {
  public:
-  /// Throws Error where the range covers a period or more at the middle pixel, so that little would
-  /// have one candidate alone, or lies behind the projector there.
+  /// Throws Error where the range lies behind the projector at the middle pixel or, of what is no
+  /// spectrum, covers a period or more there, so that little would have one candidate alone.
   explicit DepthUnwrapper(const EngineSetup& setup);
 
   struct Result {
@@ -31,8 +34,12 @@ class DepthUnwrapper {
     double largest = 0;
   };
 
+  [[nodiscard]] OrderRange possible(double phi, double modulation, const Bounds& bounds) const;
+
   double periods_;
   double noise_;  ///< standard deviation of y where B is one grey level of 8 bits
+  bool by_surfaces_;
+  double least_modulation_;  ///< grey levels of 8 bits
   Image<Bounds> bounds_;
 };
 

@@ -432,7 +432,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   const bool votes = layout.unwrapping == Unwrapping::vote;
   const bool by_reference =
       layout.unwrapping == Unwrapping::likelihood || layout.unwrapping == Unwrapping::code_alone ||
-      layout.unwrapping == Unwrapping::single_frames || carrier_periods(layout) > 0;
+      layout.unwrapping == Unwrapping::single_frames || layout.unwrapping == Unwrapping::surfaces ||
+      carrier_periods(layout) > 0;
   if (by_reference || (votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;

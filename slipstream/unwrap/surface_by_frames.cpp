@@ -1,0 +1,90 @@
+#include "slipstream/unwrap/surface_by_frames.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "slipstream/unwrap/temporal_unwrapping.h"
+
+namespace slipstream {
+namespace {
+
+class SurfaceByFrames {
+ public:
+  SurfaceByFrames(const Layout& layout, const LayoutPhases& phases)
+      : frames_(phases.frames),
+        measuring_(phases.bands.front()),
+        periods_(layout.bands.front().periods),
+        shown_(layout.single_frames) {}
+
+  std::optional<int> operator()(const std::vector<SurfacePixel>& surface) const {
+    const auto [first, last] =
+        std::minmax_element(surface.begin(), surface.end(),
+                            [](const auto& a, const auto& b) { return a.order < b.order; });
+    constexpr std::size_t fewest = 2000;
+    constexpr int least_span = 4;  // periods
+    if (surface.size() < fewest || last->order - first->order < least_span) return {};
+    const int most = static_cast<int>(std::ceil(periods_)) - last->order;
+    double least = std::numeric_limits<double>::infinity(), next = least;
+    std::optional<int> best;
+    for (int shift = -first->order - 1; shift <= most; ++shift) {
+      const double left = misfit(surface, shift);
+      if (left < least) {
+        next = least;
+        least = left;
+        best = shift;
+      } else {
+        next = std::min(next, left);
+      }
+    }
+    constexpr double most_left = 0.04, decided = 1.2;
+    return least < most_left && next > decided * least ? best : std::nullopt;
+  }
+
+ private:
+  /// The part of the frames' squares that is left.
+  [[nodiscard]] double misfit(const std::vector<SurfacePixel>& surface, int shift) const {
+    constexpr std::size_t every = 7;
+    const std::size_t count = shown_.size();
+    std::vector<double> squares(count), models(count), products(count);
+    frames_.visit([&](const auto& frames) {
+      for (std::size_t i = 0; i < surface.size(); i += every) {
+        const auto& [column, row, order] = surface[i];
+        const double y =
+            unwrapped_coordinate(measuring_.wrapped_phase(column, row), order + shift, periods_);
+        const double B = measuring_.modulation(column, row);
+        for (std::size_t n = 0; n < count; ++n) {
+          const auto& [frame, periods, origin] = shown_[n];
+          const auto I = static_cast<double>(frames[static_cast<std::size_t>(frame)](column, row));
+          const double model = B * (1 + std::cos(2 * std::numbers::pi * periods * y + origin));
+          squares[n] += I * I;
+          models[n] += model * model;
+          products[n] += I * model;
+        }
+      }
+    });
+    double left = 0, all = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      all += squares[n];
+      left += squares[n] - products[n] * products[n] / std::max(models[n], 1e-9);
+    }
+    return left / all;
+  }
+
+  const FrameViews& frames_;
+  const PhaseMaps& measuring_;
+  double periods_;
+  const std::vector<SingleFrame>& shown_;
+};
+
+}  // namespace
+
+SurfaceChoice order_by_frames(const Layout& layout, const LayoutPhases& phases) {
+  return SurfaceByFrames(layout, phases);
+}
+
+}  // namespace slipstream

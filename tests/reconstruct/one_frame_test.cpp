@@ -1,0 +1,190 @@
+// Codings of one frame or two, against truth and against many steps of the same scene.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <iostream>
+#include <numbers>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/phase/demodulator.h"
+#include "slipstream/phase/phase_decoder.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/strategy/registry.h"
+#include "tests/shared_data.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+using std::numbers::pi;
+
+double quantile_of(std::vector<double>& values, double share) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+TEST(OneFrame, HasThePhaseOfTwelveSteps) {
+  const fs::path folder = shared_data() / "cpsd-plane";
+  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is not there";
+  std::vector<fs::path> files;
+  for (int step = 1; step <= 12; ++step) {
+    files.push_back(folder / ((step < 10 ? "f4_s0" : "f4_s") + std::to_string(step) + ".png"));
+  }
+  const LoadedFrames loaded = read_frames(files);
+  const FrameViews frames = loaded.frames;
+  const LoadedFrames masked = read_frames({folder / "mask_authors.png"});
+  const Image<double> mask = weighted_sum(masked.frames, {1});
+  const PhaseMaps steps = PhaseDecoder(PhaseMethod::equation, {12})(frames, 0, 12);
+  const Strategy fourier = FourierProfilometry{.frequency = 64};
+  const FrameSet read = demodulated(*fourier.demodulation(), Axis::x, frames.part(0, 1));
+  const PhaseMaps one =
+      PhaseDecoder(PhaseMethod::equation, {})(read, fourier.layout().bands.front());
+  std::vector<double> errors;
+  std::size_t valid = 0;
+  for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
+    if (mask.begin()[i] == 0) continue;
+    ++valid;
+    if (one.modulation.begin()[i] < 15 * 257) continue;
+    errors.push_back(one.wrapped_phase.begin()[i] + steps.wrapped_phase.begin()[i]);
+  }
+  double constant_cosine = 0, constant_sine = 0;
+  for (const double error : errors) {
+    constant_cosine += std::cos(error);
+    constant_sine += std::sin(error);
+  }
+  const double constant = std::atan2(constant_sine, constant_cosine);
+  for (double& error : errors) {
+    error = std::abs(std::remainder(error - constant, 2 * pi));
+  }
+  const auto share = static_cast<double>(errors.size()) / static_cast<double>(valid);
+  std::cout << "share " << share << ", median " << quantile_of(errors, 0.5) << ", 90 % "
+            << quantile_of(errors, 0.9) << " rad, constant " << constant << '\n';
+  EXPECT_GT(share, 0.95);
+  EXPECT_LE(quantile_of(errors, 0.5), 0.008);
+  EXPECT_LE(quantile_of(errors, 0.9), 0.023);
+}
+
+struct OneFrameScan {
+  Strategy strategy;
+  std::string scene;
+  double least_points;  ///< share of the lit pixels
+  double most_median;   ///< mm
+  double most_far;      ///< share of the points off by more than 1 mm
+};
+
+void PrintTo(const OneFrameScan& scan, std::ostream* out) {
+  *out << label_of(scan.strategy) << " of " << scan.scene;
+}
+
+class OneFrameScans : public testing::TestWithParam<OneFrameScan> {};
+
+/// In the world of a bench: blur, noise, a dim lamp.
+TEST_P(OneFrameScans, AreNowhereAPeriodOff) {
+  const auto& [strategy, scene, least_points, most_median, most_far] = GetParam();
+  const Scanner scanner = example_scanner({640, 480});
+  Photometry photometry{.ambient = 5, .noise_variance = 1.6, .bits = 8};
+  photometry.physics.camera.blur = 0.6;
+  const VirtualScan scan =
+      take_scan(scanner, scene_named(scene, scanner), pattern_set(strategy, Axis::x), photometry);
+  double nearest = INFINITY, farthest = 0;
+  for (const double depth : scan.depth) {
+    if (std::isnan(depth)) continue;
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  }
+  Engine engine(scanner, {.strategy = strategy},
+                {.nearest = nearest - 5, .farthest = farthest + 5});
+  Cloud cloud;
+  engine.cloud(scan.frames, cloud);
+  std::vector<double> errors;
+  double lit = 0, far = 0, wrong = 0;
+  for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
+    if (std::isnan(scan.coordinate.begin()[i])) continue;
+    ++lit;
+    if (cloud.validity.begin()[i] != Validity::valid) continue;
+    errors.push_back(std::abs(cloud.z.begin()[i] - scan.depth.begin()[i]));
+    far += errors.back() > 1 ? 1 : 0;
+    wrong += errors.back() > 30 ? 1 : 0;
+  }
+  if (errors.empty()) {
+    std::cout << "no points\n";
+    EXPECT_EQ(least_points, 0);
+    return;
+  }
+  const auto points = static_cast<double>(errors.size());
+  std::cout << points / lit << " of the lit, median " << quantile_of(errors, 0.5) << " mm, 90 % "
+            << quantile_of(errors, 0.9) << " mm, beyond 1 mm " << far / points << ", a period off "
+            << wrong / points << '\n';
+  EXPECT_GT(points / lit, least_points);
+  EXPECT_LT(quantile_of(errors, 0.5), most_median);
+  EXPECT_LT(far / points, most_far);
+  EXPECT_EQ(wrong, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Virtual, OneFrameScans,
+    testing::Values(
+        OneFrameScan{FourierProfilometry{.frequency = 32}, "sphere", 0.7, 0.2, 0.05},
+        OneFrameScan{FourierProfilometry{.frequency = 48}, "board", 0.9, 0.05, 0.05},
+        OneFrameScan{FourierProfilometry{.frequency = 32, .pi_shift = true}, "sphere", 0.7, 0.2,
+                     0.05},
+        OneFrameScan{FourierProfilometry{.frequency = 48, .pi_shift = true}, "board", 0.9, 0.05,
+                     0.05},
+        // Which of its surfaces stands where, neither tells: that is doubtful, and no point wrong.
+        OneFrameScan{FourierProfilometry{.frequency = 48}, "statue", 0, 0.2, 0.1},
+        OneFrameScan{CompositePattern{}, "statue", 0, 0.2, 0.1},
+        OneFrameScan{CompositePattern{}, "sphere", 0, 0.2, 0.1},
+        OneFrameScan{CompositePattern{}, "board", 0.7, 0.05, 0.06}));
+
+TEST(OneFrame, OfBothAxesAndAnotherOriginIsTheSameSurface) {
+  const Scanner scanner = example_scanner({320, 240});
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    for (const double origin : {0.0, 2.5}) {
+      const Strategy strategy =
+          FourierProfilometry{.frequency = 40, .pi_shift = true, .shifts = {origin}};
+      const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
+                                         pattern_set(strategy, axis), {.bits = std::nullopt});
+      Engine engine(scanner, {.strategy = strategy, .axis = axis},
+                    {.nearest = 490, .farthest = 770});
+      Maps maps;
+      engine.maps(scan.frames, maps);
+      std::vector<double> errors;
+      for (int row = 30; row < 210; ++row) {
+        for (int column = 30; column < 290; ++column) {
+          if (std::isnan(scan.coordinate(column, row)) || maps.modulation(column, row) < 15 * 257) {
+            continue;
+          }
+          const double phase = 2 * pi * 40 * scan.coordinate(column, row);
+          errors.push_back(
+              std::abs(std::remainder(maps.wrapped_phase(column, row) - phase, 2 * pi)));
+        }
+      }
+      ASSERT_GT(errors.size(), 10000U);
+      EXPECT_LT(quantile_of(errors, 0.5), 0.02) << name_of(axis) << " " << origin;
+    }
+  }
+}
+
+TEST(OneFrame, TakesOneExposureAndOneCycle) {
+  Sequence sequence{.strategy = FourierProfilometry{}};
+  EXPECT_NO_THROW(require_mergeable(sequence));
+  sequence.exposures = {1, 4};
+  EXPECT_THROW(require_mergeable(sequence), Error);
+  sequence.exposures = {1};
+  sequence.motion = 2;
+  EXPECT_THROW(require_mergeable(sequence), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -44,6 +44,7 @@ void add_batch(CLI::App& program, Command& chosen);
 void add_assist(CLI::App& program, Command& chosen);
 void add_check(CLI::App& program, Command& chosen);
 void add_unwrap(CLI::App& program, Command& chosen);
+void add_height(CLI::App& program, Command& chosen);
 void add_measure(CLI::App& program, Command& chosen);
 void add_compare(CLI::App& program, Command& chosen);
 void add_verify(CLI::App& program, Command& chosen);
@@ -63,6 +64,7 @@ void add_calibrate_geometry(CLI::App& calibrate, Command& chosen);
 void add_calibrate_verify(CLI::App& calibrate, Command& chosen);
 void add_calibrate_ambient(CLI::App& calibrate, Command& chosen);
 void add_calibrate_gamma(CLI::App& calibrate, Command& chosen);
+void add_calibrate_height(CLI::App& calibrate, Command& chosen);
 void add_calibrate_noise(CLI::App& calibrate, Command& chosen);
 
 }  // namespace slipstream::app

@@ -24,6 +24,7 @@ void add_scene_flags(CLI::App& command, VirtualFlags& flags) {
   group.add_file("--mesh", flags.mesh, "a PLY or OBJ mesh (Y up, facing +Z) instead of a scene");
   group.add("--mesh-size", flags.mesh_size, "its largest side, mm; fills the view where 0");
   group.add("--reflectivity", flags.reflectivity, "alpha of every surface, 0 to 1");
+  group.add("--shift", flags.shift, "where it stands, off its own place: X Y Z, mm")->expected(3);
   group.add("--move", flags.motion, "how it moves from frame to frame: X Y Z, mm")
       ->expected(3)
       ->default_str(fmt::format("{}", fmt::join(flags.idle_motion, " ")));
@@ -118,6 +119,7 @@ Scene virtual_scene(const VirtualFlags& flags, const Scanner& scanner) {
   const Motion motion = motion_from(flags, working_volume(scanner).centre);
   for (Body& body : scene) {
     if (flags.reflectivity) body.texture = uniform_texture(*flags.reflectivity);
+    if (!flags.shift.empty()) body.pose.pretranslate(Eigen::Vector3d(flags.shift.data()));
     if (!body.fixed) body.motion = motion;
   }
   return scene;

@@ -20,6 +20,7 @@ struct VirtualFlags {
   std::optional<std::string> mesh;
   double mesh_size = 0;
   std::optional<double> reflectivity;
+  std::vector<double> shift;                              ///< empty, or X Y Z, as the next
   std::vector<double> motion;                             ///< empty, or X Y Z
   Eigen::Vector3d idle_motion = Eigen::Vector3d::Zero();  ///< where no flag says how it moves
   double turn = 0;                                        ///< degrees
@@ -36,11 +37,11 @@ struct VirtualFlags {
   std::uint64_t seed = 1;
 };
 
-/// Adds --scene, --mesh, --mesh-size, --reflectivity, --move, --turn, --vibrate, --breathe,
+/// Adds --scene, --mesh, --mesh-size, --reflectivity, --shift, --move, --turn, --vibrate,
+/// --breathe,
 /// --camera, --world, --camera-bits, --seed, --rays, and --virtual-ambient, --virtual-gamma and
-/// --virtual-noise: what is simulated, where
-/// --ambient,
-/// --gamma and --noise-variance are what is reckoned with.
+/// --virtual-noise: what is simulated, where --ambient, --gamma and --noise-variance are what is
+/// reckoned with.
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags);
 
 /// Of the scanner that --scanner names, else the example with a camera of that size, with the

@@ -3,7 +3,7 @@
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/maps.h"
-#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {
 
@@ -16,5 +16,9 @@ struct PictureReport {
 /// By the maps of these frames, which are merged where there are several exposures: Engine::merged.
 PictureReport picture_report(const FrameViews& frames, const Maps& maps,
                              const ReconstructSettings& settings);
+
+/// The projector coordinate of the pixels that are lit, not saturated and of a fringe order that
+/// their neighbours confirm, NaN elsewhere; with or without a scanner.
+Image<double> measured_coordinates(Engine& engine, const FrameViews& frames);
 
 }  // namespace slipstream

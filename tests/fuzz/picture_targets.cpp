@@ -1,5 +1,6 @@
 // Frames: pictures, recordings, and pixels as cameras give them.
 #include "slipstream/camera/mono_pixels.h"
+#include "slipstream/io/height_file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/strategy/dual_frequency.h"
@@ -37,6 +38,13 @@ std::vector<Bytes> number_files() {
     return written_file("map.npy", [&](const fs::path& path) { write_map(path, map); });
   };
   return {written(Image<float>({5, 4}, 0.5F)), written(Image<double>({3, 7}, -2))};
+}
+
+std::vector<Bytes> height_files() {
+  Image<HeightCurve> curves({3, 2});
+  curves(2, 1) = {.reference = 0.25F, .slope = 1e-3F, .bend = -2e-4F, .lowest = 0, .highest = 0.5F};
+  return {written_file("heights.npy",
+                       [&](const fs::path& path) { write_height_curves(path, curves); })};
 }
 
 std::vector<Bytes> recordings() {
@@ -81,6 +89,10 @@ const bool known =
     add_fuzz_target(
         {"map.npy", number_files,
          [](std::span<const std::uint8_t> input) { (void)read_map(file_of(input, "map.npy")); }}) &&
+    add_fuzz_target({"heights.npy", height_files,
+                     [](std::span<const std::uint8_t> input) {
+                       (void)read_height_curves(file_of(input, "heights.npy"));
+                     }}) &&
     add_fuzz_target({"recording", recordings, read_recording}) &&
     add_fuzz_target({"pixels", [] { return std::vector<Bytes>{Bytes(400, 0xa5)}; }, unpack_pixels});
 

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/live_session.h"
+#include "app/publish.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/source_flags.h"
@@ -20,6 +22,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/photometry/gamma_choice.h"
+#include "slipstream/publish/named_sink.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/picture_report.h"
 
@@ -38,6 +41,7 @@ struct LiveFlags {
   std::string track, model;
   std::string output;
   std::string record;
+  std::vector<std::string> publish;
   ViewFlags view;
 };
 
@@ -154,6 +158,11 @@ void require_good(const LiveFlags& flags) {
     if (!file.empty()) require_cloud_ending(file);
   }
   if (!flags.track.empty()) (void)tracked_shape_named(flags.track);
+  std::set<std::string> sinks;
+  for (const std::string& sink : flags.publish) {
+    require_sink(sink);
+    if (!sinks.insert(sink).second) throw Error(fmt::format("--publish {} is given twice", sink));
+  }
 #ifdef SLIPSTREAM_VIEW
   require_good(flags.view);
 #else
@@ -206,15 +215,27 @@ void write_model(const ModelPoints& model, const std::string& file, Output& outp
   output.object("files")["model"] = file;
 }
 
+/// What the session has measured until now.
+nlohmann::json document_of(const LiveSession& session, const Publisher& publisher) {
+  const LiveStatistics statistics = session.pipeline.statistics();
+  nlohmann::json document = json_of(statistics);
+  if (statistics.track) document["track"] = json_of(*statistics.track);
+  if (statistics.model) document["model"] = json_of(*statistics.model);
+  document["findings"] = app::json_of(session.pipeline.findings());
+  document["sinks"] = app::json_of(publisher.statistics());
+  document["source"] = session.source;
+  return document;
+}
+
 /// What the session measured, and what is to be kept of its last cloud.
-void write_results(LiveSession& session, const LiveFlags& flags, Output& output) {
+void write_results(LiveSession& session, const LiveFlags& flags, const Publisher& publisher,
+                   Output& output) {
   const LiveStatistics statistics = session.pipeline.statistics();
   output.say("{}", text_of(statistics));
-  output.document.update(json_of(statistics));
-  if (statistics.track) output.document["track"] = json_of(*statistics.track);
-  if (statistics.model) output.document["model"] = json_of(*statistics.model);
-  output.document["findings"] = app::json_of(session.pipeline.findings());
-  output.document["source"] = flags.source.source;
+  for (const SinkStatistics& sink : publisher.statistics()) {
+    output.say("{}: {} clouds, {} dropped", sink.name, sink.published, sink.dropped);
+  }
+  output.document.update(document_of(session, publisher));
   if (const auto failure = session.pipeline.failure()) std::rethrow_exception(failure);
   if (!has_geometry(session.setup.scanner)) tell_pictures(session, output);
   if (!flags.output.empty()) {
@@ -260,15 +281,19 @@ void live(const LiveFlags& flags, Output& output) {
                         .most_frames = flags.frames,
                         .model = !flags.model.empty()};
   if (!flags.track.empty()) settings.track = tracked_shape_named(flags.track);
+  Publisher publisher;
+  if (!flags.publish.empty()) {
+    settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
+    settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
+  }
   LivePipeline pipeline(std::move(source), setup, settings);
 
   const RunEnd end(flags.duration);
-  if (!flags.record.empty()) recorder.record_to(flags.record);
-  pipeline.start();
   LiveSession session{pipeline,
                       recorder,
                       setup,
                       [&] {
+                        tell_news(publisher, output);
                         const bool at_end = flags.headless || flags.frames;
                         return end.reached() || pipeline.failure() ||
                                (at_end && !pipeline.running());
@@ -276,13 +301,22 @@ void live(const LiveFlags& flags, Output& output) {
                       flags.source.source,
                       scheme != "virtual" && scheme != "replay",
                       flags.view};
+  open_sinks(
+      flags.publish, session, [&] { return document_of(session, publisher); }, publisher);
+  const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
+      &publisher, [](Publisher* ending) { ending->finish(); });
+  tell_news(publisher, output);
+  if (!flags.record.empty()) recorder.record_to(flags.record);
+  pipeline.start();
   output.document["files"] = nlohmann::json::object();
   std::vector<LiveFinding> findings;
   run_session(session, flags.headless, findings, output);
   pipeline.stop();
+  publisher.finish();
+  tell_news(publisher, output);
   tell_news(pipeline.findings(), findings, output);
 
-  write_results(session, flags, output);
+  write_results(session, flags, publisher, output);
   recorder.finish_recording();  // one that was begun in the window too
   if (!flags.record.empty()) output.object("files")["recording"] = flags.record;
 }
@@ -309,6 +343,11 @@ void add_live(CLI::App& program, Command& chosen) {
                      "all clouds made one, of a rigid object that turns and that they show alone: "
                      ".ply, .pcd or .xyz");
   command.add_output("--record", flags.record, "all frames, for replay:PATH");
+  command
+      .add("--publish", flags.publish,
+           fmt::format("where clouds go besides, once for each: {}", sink_forms()))
+      ->expected(1)
+      ->take_all();
   command.add("--indexing", flags.indexing,
               "how it is known which pattern a frame shows: told (by the source), counted "
               "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
 #include <string>
 
 #include "app/output.h"
@@ -12,14 +13,15 @@ namespace slipstream::app {
 
 /// A live scan that runs, for what shows it.
 struct LiveSession {
-  LivePipeline& pipeline;  ///< started
+  LivePipeline& pipeline;
   RecordedSource& recorder;
-  EngineSetup setup;  ///< what is looked for in the frames now
+  EngineSetup setup;  ///< what is looked for in the frames now; this thread alone changes it
   /// Whether it is to end: asked for, all frames there, time over, or failed.
   std::function<bool()> is_over;
   std::string source;        ///< as it was asked for
   bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
   ViewFlags view;
+  std::mutex mutex{};  ///< of the setup, where it is changed and in other threads
 };
 
 /// Shows it in a window until that is closed or the session is over; then writes the screenshot

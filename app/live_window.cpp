@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/live_session.h"
+#include "app/save_folder.h"
 #include "app/scan_findings.h"
 #include "app/view_files.h"
 #include "slipstream/io/file.h"
@@ -32,11 +33,12 @@ view::ViewSource view_source_of(LiveSession& session) {
                                      text_of(session.recorder.format().size));
   source.change = [&session](const EngineSetup& setup) {
     session.pipeline.change(setup);
+    const std::lock_guard lock(session.mutex);
     session.setup = setup;
     session.recorder.set_strategy(setup.sequence.strategy);
   };
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
-    return save_in_new_folder(cloud, setup, session.view,
+    return save_in_new_folder(cloud.frames, setup, session.view.save_to,
                               doubts(session.pipeline.statistics().findings));
   };
   source.record = [&session](bool on) {

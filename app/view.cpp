@@ -11,6 +11,7 @@
 #include "app/cloud_input.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
+#include "app/save_folder.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
@@ -48,9 +49,9 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
       {fmt::format("of the {}", asked.input.gamma == "scanner" ? "scanner" : "flag"), given},
       {"none", std::nullopt},
       {"from the frames", blind}};
-  source.save = [view = flags.view, remarks = doubts(sound.checked.findings)](
+  source.save = [parent = flags.view.save_to, remarks = doubts(sound.checked.findings)](
                     const view::ShownCloud& cloud, const EngineSetup& used) {
-    return save_in_new_folder(cloud, used, view, remarks);
+    return save_in_new_folder(cloud.frames, used, parent, remarks);
   };
   return source;
 }

@@ -21,6 +21,8 @@ set(slipstream_libraries
   "TIFF::TIFF                    libtiff-4       TIFF"
   "PkgConfig::libdeflate         libdeflate"
   "PkgConfig::lemon              lemon"
+  "PkgConfig::zstd               libzstd"
+  "Boost::headers                -lpthread       Boost"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"
   "glfw                          glfw3           glfw3"

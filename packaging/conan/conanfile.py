@@ -37,7 +37,8 @@ class Slipstream(ConanFile):
             self.requires(one, transitive_headers=True)
 
     def build(self):
-        parts = {"APP": False, "CAMERAS": False, "SPATIAL": False, "VIEW": False,
+        parts = {"APP": False, "CAMERAS": False, "PUBLISH": False, "SPATIAL": False,
+                 "VIEW": False,
                  "IO": self.options.io, "CALIBRATE": self.options.calibrate}
         cmake = CMake(self)
         cmake.configure({f"SLIPSTREAM_{part}": bool(on) for part, on in parts.items()})

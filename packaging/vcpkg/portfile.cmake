@@ -10,6 +10,7 @@ vcpkg_cmake_configure(
     ${parts}
     -DSLIPSTREAM_APP=OFF
     -DSLIPSTREAM_CAMERAS=OFF
+    -DSLIPSTREAM_PUBLISH=OFF
     -DSLIPSTREAM_SPATIAL=OFF
     -DSLIPSTREAM_VIEW=OFF)
 vcpkg_cmake_install()

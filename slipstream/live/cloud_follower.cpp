@@ -21,11 +21,11 @@ double seconds_of(const LiveCloud& cloud) {
 
 }  // namespace
 
-CloudFollower::CloudFollower(std::function<void(const LiveCloud&)> look,
-                             std::function<void(std::exception_ptr)> failed)
-    : thread_([this, look = std::move(look), failed = std::move(failed)] {
+CloudFollower::CloudFollower(std::function<void(const Pooled<LiveCloud>&)> look,
+                             std::function<void(std::exception_ptr)> failed, std::size_t places)
+    : waiting_(places), thread_([this, look = std::move(look), failed = std::move(failed)] {
         try {
-          while (auto cloud = waiting_.pop()) look(**cloud);
+          while (auto cloud = waiting_.pop()) look(*cloud);
         } catch (...) {
           failed(std::current_exception());
         }
@@ -44,13 +44,13 @@ FollowedObject::FollowedObject(const LiveSettings& settings, const Lens& camera,
                                const std::function<void(std::exception_ptr)>& failed) {
   if (settings.track) {
     tracker_.emplace(*settings.track);
-    track_follower_ =
-        std::make_unique<CloudFollower>([this](const LiveCloud& cloud) { track(cloud); }, failed);
+    track_follower_ = std::make_unique<CloudFollower>(
+        [this](const Pooled<LiveCloud>& cloud) { track(*cloud); }, failed);
   }
   if (settings.model) {
     model_.emplace(camera);
-    model_follower_ =
-        std::make_unique<CloudFollower>([this](const LiveCloud& cloud) { take_in(cloud); }, failed);
+    model_follower_ = std::make_unique<CloudFollower>(
+        [this](const Pooled<LiveCloud>& cloud) { take_in(*cloud); }, failed);
   }
 }
 

@@ -23,20 +23,21 @@ inline constexpr std::size_t followed_clouds = 2;
 /// Looks at clouds in a thread of its own, which nobody waits for.
 class CloudFollower {
  public:
-  /// `failed`: what `look` throws; then no more clouds are looked at.
-  CloudFollower(std::function<void(const LiveCloud&)> look,
-                std::function<void(std::exception_ptr)> failed);
+  /// `failed`: what `look` throws; then no more clouds are looked at. `places`: clouds that may
+  /// wait.
+  CloudFollower(std::function<void(const Pooled<LiveCloud>&)> look,
+                std::function<void(std::exception_ptr)> failed, std::size_t places = 1);
   ~CloudFollower() { finish(); }
   CloudFollower(const CloudFollower&) = delete;
   CloudFollower& operator=(const CloudFollower&) = delete;
 
-  /// In place of the one that waits, where there is one: that is missed. True where one was.
+  /// In place of the oldest that waits, where there is no room: that is missed. True where one was.
   bool follow(const Pooled<LiveCloud>& cloud);
   /// Looks at what waits, and ends.
   void finish();
 
  private:
-  BoundedQueue<Pooled<LiveCloud>> waiting_{1};
+  BoundedQueue<Pooled<LiveCloud>> waiting_;
   std::thread thread_;
 };
 

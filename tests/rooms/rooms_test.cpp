@@ -68,12 +68,13 @@ std::vector<std::string> included(const std::string& source) {
 /// What a source of `room` includes and may not; empty where all is well.
 std::vector<std::string> forbidden_includes(const std::string& room, const std::string& source,
                                             const Uses& uses) {
-  static const std::set<std::string> heavy_rooms{"calibrate", "camera",  "io",
-                                                 "opengl",    "project", "view"};
+  static const std::set<std::string> heavy_rooms{"calibrate", "camera",  "io",  "opengl",
+                                                 "project",   "publish", "view"};
   static const std::regex slipstream_header("slipstream/([a-z_]+)/(detail/)?.*");
   static const std::regex no_library("(app|bench|tests|tools)/.*");
   static const std::regex heavy_library(
-      "(opencv2|ceres|yaml-cpp|tiny_obj_loader|pugixml|CLI|nlohmann|GLFW|epoxy|imgui|glm|arv).*");
+      "(opencv2|ceres|yaml-cpp|tiny_obj_loader|pugixml|CLI|nlohmann|GLFW|epoxy|imgui|glm|arv|boost|"
+      "zstd).*");
   std::vector<std::string> forbidden;
   for (const std::string& header : included(source)) {
     std::smatch match;

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "slipstream/capture/pool.h"
+#include "slipstream/geometry/lens.h"
+#include "slipstream/live/live_cloud.h"
+
+namespace slipstream {
+
+/// The run whose clouds are published. The functions are called from any thread; they may throw.
+struct PublishedRun {
+  Lens camera{};           ///< whose pixels the clouds have
+  bool has_points = true;  ///< whether a scanner is known; else there are pictures alone
+  std::function<std::string()> statistics{};  ///< what the run has counted until now, as JSON
+  std::function<std::string()> trouble{};     ///< one line; empty where all is well
+  std::function<std::string()> save{};        ///< writes the newest cloud; returns where
+};
+
+/// Where clouds go: a file, other programs, a browser. A Publisher gives each its thread.
+class CloudSink {
+ public:
+  virtual ~CloudSink() = default;
+
+  /// Whether the sink is to be given this cloud, of those that come. In the thread that makes them.
+  [[nodiscard]] virtual bool wants(const LiveCloud&) { return true; }
+  /// Takes the next cloud; what is kept of it keeps its memory from the pipeline, one at most. What
+  /// is thrown ends the sink and nothing else.
+  virtual void put(const Pooled<LiveCloud>& cloud) = 0;
+  /// No more clouds come. Throws likewise.
+  virtual void finish() {}
+  /// Lines for people that were not told before. From any thread.
+  virtual std::vector<std::string> news() { return {}; }
+};
+
+}  // namespace slipstream

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+namespace slipstream {
+static_assert(std::endian::native == std::endian::little);
+
+/// Adds a number's bytes to a list of bytes, or to a text that holds bytes.
+template <class Bytes, class Number>
+requires std::is_arithmetic_v<Number>
+void append(Bytes& bytes, Number number) {
+  for (const std::uint8_t byte : std::bit_cast<std::array<std::uint8_t, sizeof number>>(number)) {
+    bytes.push_back(static_cast<typename Bytes::value_type>(byte));
+  }
+}
+
+inline void append(std::vector<std::uint8_t>& bytes, std::span<const std::uint8_t> more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+/// Adds its length in 32 bits, and the text.
+inline void append(std::vector<std::uint8_t>& bytes, std::string_view text) {
+  append(bytes, static_cast<std::uint32_t>(text.size()));
+  bytes.insert(bytes.end(), text.begin(), text.end());
+}
+
+}  // namespace slipstream

@@ -1,0 +1,224 @@
+#include "slipstream/publish/mcap_writer.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+
+#include <zstd.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/io/checksum.h"
+#include "slipstream/publish/little_endian.h"
+
+namespace slipstream {
+namespace {
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
+/// A chunk ends once it holds so much.
+constexpr std::size_t chunk_bytes = 4 << 20;
+/// Of zstd: the fastest ones save nearly as much of 32-bit floats as the thorough ones.
+constexpr int compression = -3;
+
+enum Opcode : std::uint8_t {
+  header = 0x01,
+  footer = 0x02,
+  schema = 0x03,
+  channel = 0x04,
+  message = 0x05,
+  chunk = 0x06,
+  message_index = 0x07,
+  chunk_index = 0x08,
+  statistics = 0x0b,
+  summary_offset = 0x0e,
+  data_end = 0x0f,
+};
+
+/// What tells what a record is, and how long its content.
+void append_head(Bytes& bytes, Opcode opcode, std::uint64_t length) {
+  append(bytes, static_cast<std::uint8_t>(opcode));
+  append(bytes, length);
+}
+
+void append_record(Bytes& bytes, Opcode opcode, std::span<const std::uint8_t> content) {
+  append_head(bytes, opcode, content.size());
+  append(bytes, content);
+}
+
+Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
+  Bytes bytes;
+  append(bytes, static_cast<std::uint32_t>(values.size() * 10));
+  for (const auto& [key, value] : values) {
+    append(bytes, key);
+    append(bytes, value);
+  }
+  return bytes;
+}
+
+}  // namespace
+
+McapWriter::McapWriter(const std::filesystem::path& path)
+    : file_(path, OutputFile::Writing::over_time) {
+  Bytes begin(magic.begin(), magic.end()), content;
+  append(content, std::string_view("ros2"));
+  append(content, std::string_view("slipstream"));
+  append_record(begin, header, content);
+  put(begin);
+}
+
+void McapWriter::put(std::span<const std::uint8_t> bytes) {
+  file_.write({bytes});
+  offset_ += bytes.size();
+}
+
+std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
+                                      const std::string& text) {
+  const std::uint16_t number = ++channels_;  // of its schema too; 0 is none
+  Bytes content;
+  append(content, number);
+  append(content, schema_name);
+  append(content, std::string_view("ros2msg"));
+  append(content, text);
+  append_record(definitions_, schema, content);
+  content.clear();
+  append(content, number);
+  append(content, number);
+  append(content, topic);
+  append(content, std::string_view("cdr"));
+  append(content, std::uint32_t{0});  // no more is told of it
+  append_record(definitions_, channel, content);
+  statistics_.of_channel[number] = 0;
+  return number;
+}
+
+void McapWriter::write(std::uint16_t number, std::uint64_t time,
+                       std::span<const std::uint8_t> content) {
+  if (chunks_.empty() && chunk_.empty()) chunk_ = definitions_;
+  if (index_.empty()) now_.start = now_.end = time;
+  now_.start = std::min(now_.start, time);
+  now_.end = std::max(now_.end, time);
+  index_[number].push_back({time, chunk_.size()});
+  const std::uint64_t count = statistics_.of_channel[number]++;
+  append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
+  append(chunk_, number);
+  append(chunk_, static_cast<std::uint32_t>(count));
+  append(chunk_, time);  // when it was logged, and when published
+  append(chunk_, time);
+  append(chunk_, content);
+  ++statistics_.messages;
+}
+
+void McapWriter::end_message_group() {
+  if (chunk_.size() >= chunk_bytes) end_chunk();
+}
+
+void McapWriter::end_chunk() {
+  if (index_.empty()) return;
+  packed_.resize(ZSTD_compressBound(chunk_.size()));
+  const std::size_t size =
+      ZSTD_compress(packed_.data(), packed_.size(), chunk_.data(), chunk_.size(), compression);
+  if (ZSTD_isError(size) != 0) throw WorldError(ZSTD_getErrorName(size));
+  now_.offset = offset_;
+  now_.packed = size;
+  now_.unpacked = chunk_.size();
+  Bytes head, indices;
+  append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
+  append(head, now_.start);
+  append(head, now_.end);
+  append(head, now_.unpacked);
+  append(head, checksum(chunk_));
+  append(head, std::string_view("zstd"));
+  append(head, now_.packed);
+  put(head);
+  put({packed_.data(), size});
+  now_.length = offset_ - now_.offset;
+  for (const auto& [number, places] : index_) {
+    now_.indices[number] = offset_ + indices.size();
+    append_head(indices, message_index, 2 + 4 + 16 * places.size());
+    append(indices, number);
+    append(indices, static_cast<std::uint32_t>(16 * places.size()));
+    for (const auto& [time, place] : places) {
+      append(indices, time);
+      append(indices, place);
+    }
+  }
+  put(indices);
+  now_.index_length = indices.size();
+  const bool first = chunks_.empty();
+  statistics_.start = first ? now_.start : std::min(statistics_.start, now_.start);
+  statistics_.end = std::max(statistics_.end, now_.end);
+  chunks_.push_back(std::exchange(now_, {}));
+  index_.clear();
+  chunk_.clear();
+}
+
+void McapWriter::finish() {
+  end_chunk();
+  Bytes end, content, offsets;
+  append(content, std::uint32_t{0});  // no checksum of all before
+  append_record(end, data_end, content);
+  put(end);
+  const std::uint64_t summary = offset_;
+  Bytes records;
+  // Of each kind of record, where the records of that kind lie.
+  const auto group = [&](Opcode opcode, std::size_t begin) {
+    if (records.size() == begin) return;
+    append_head(offsets, summary_offset, 1 + 8 + 8);
+    append(offsets, static_cast<std::uint8_t>(opcode));
+    append(offsets, summary + begin);
+    append(offsets, static_cast<std::uint64_t>(records.size() - begin));
+  };
+  for (const Opcode kind : {schema, channel}) {
+    const std::size_t begin = records.size();
+    for (std::size_t at = 0; at < definitions_.size();) {
+      std::uint64_t length = 0;
+      std::memcpy(&length, definitions_.data() + at + 1, sizeof length);
+      length += 9;
+      if (definitions_[at] == kind) {
+        append(records, std::span(definitions_).subspan(at, length));
+      }
+      at += length;
+    }
+    group(kind, begin);
+  }
+  std::size_t begin = records.size();
+  content.clear();
+  append(content, statistics_.messages);
+  append(content, channels_);  // schemas
+  append(content, std::uint32_t{channels_});
+  append(content, std::uint32_t{0});  // attachments
+  append(content, std::uint32_t{0});  // metadata
+  append(content, static_cast<std::uint32_t>(chunks_.size()));
+  append(content, statistics_.start);
+  append(content, statistics_.end);
+  append(content, map_of(statistics_.of_channel));
+  append_record(records, statistics, content);
+  group(statistics, begin);
+  begin = records.size();
+  for (const Chunk& one : chunks_) {
+    content.clear();
+    for (const std::uint64_t value : {one.start, one.end, one.offset, one.length}) {
+      append(content, value);
+    }
+    append(content, map_of(one.indices));
+    append(content, one.index_length);
+    append(content, std::string_view("zstd"));
+    append(content, one.packed);
+    append(content, one.unpacked);
+    append_record(records, chunk_index, content);
+  }
+  group(chunk_index, begin);
+  // The footer's own checksum is of all from the summary on but itself.
+  const std::uint64_t offsets_at = summary + records.size();
+  append(records, offsets);
+  append_head(records, footer, 8 + 8 + 4);
+  append(records, summary);
+  append(records, offsets_at);
+  append(records, checksum(records));
+  append(records, magic);
+  put(records);
+  file_.keep();
+}
+
+}  // namespace slipstream

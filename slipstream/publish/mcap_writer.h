@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "slipstream/io/file.h"
+
+namespace slipstream {
+
+/// Messages of several channels in one MCAP file (mcap.dev/spec): chunks compressed by zstd, an
+/// index behind each and one of all at the end, checksums. What was written is read up to its last
+/// whole chunk where the end is missing.
+class McapWriter {
+ public:
+  /// Throws WorldError where the file cannot be written, as all that follows.
+  explicit McapWriter(const std::filesystem::path& path);
+
+  /// What its messages are, by the name and the text of their definition ("ros2msg") in the
+  /// encoding "cdr". Before the first message. Returns the channel's number.
+  std::uint16_t add_channel(const std::string& topic, const std::string& schema_name,
+                            const std::string& schema);
+  /// `time`: nanoseconds of the world's clock since 1970.
+  void write(std::uint16_t channel, std::uint64_t time, std::span<const std::uint8_t> message);
+  /// Ends the chunk where it is full: what is written together is best read together.
+  void end_message_group();
+  /// Writes the end and gives the file its name.
+  void finish();
+
+ private:
+  using Bytes = std::vector<std::uint8_t>;
+  struct Index {
+    std::uint64_t time, offset;
+  };
+  struct Chunk {
+    std::uint64_t start = 0, end = 0, offset = 0, length = 0, packed = 0, unpacked = 0;
+    std::map<std::uint16_t, std::uint64_t> indices{};  ///< where each channel's begins
+    std::uint64_t index_length = 0;
+  };
+  struct Statistics {
+    std::uint64_t messages = 0, start = 0, end = 0;
+    std::map<std::uint16_t, std::uint64_t> of_channel{};
+  };
+
+  void put(std::span<const std::uint8_t> bytes);
+  void end_chunk();
+
+  OutputFile file_;
+  std::uint64_t offset_ = 0;
+  Bytes definitions_, chunk_, packed_;
+  std::uint16_t channels_ = 0;
+  Chunk now_;
+  std::map<std::uint16_t, std::vector<Index>> index_;
+  std::vector<Chunk> chunks_;
+  Statistics statistics_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,101 @@
+#include "slipstream/publish/publisher.h"
+
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/live/cloud_follower.h"
+
+namespace slipstream {
+
+struct Publisher::Outlet {
+  Outlet(std::string called, std::unique_ptr<CloudSink> opened)
+      : name(std::move(called)),
+        sink(std::move(opened)),
+        follower(
+            [this](const Pooled<LiveCloud>& cloud) {
+              sink->put(cloud);
+              ++published;
+            },
+            [this](std::exception_ptr failure) { fail(std::move(failure)); }, waiting_clouds) {}
+
+  void fail(std::exception_ptr failure) {
+    std::string words = "it failed";
+    try {
+      std::rethrow_exception(std::move(failure));
+    } catch (const std::exception& thrown) {
+      words = thrown.what();
+    } catch (...) {
+    }
+    const std::lock_guard lock(mutex);
+    if (error.empty()) error = std::move(words);
+  }
+
+  void finish() {
+    follower.finish();
+    if (std::exchange(finished, true)) return;
+    try {
+      sink->finish();
+    } catch (...) {
+      fail(std::current_exception());
+    }
+  }
+
+  SinkStatistics statistics() const {
+    const std::lock_guard lock(mutex);
+    return {name, published, dropped, error};
+  }
+
+  const std::string name;
+  std::unique_ptr<CloudSink> sink;
+  std::atomic<std::uint64_t> published = 0, dropped = 0;
+  mutable std::mutex mutex;
+  std::string error;
+  bool finished = false, told_drops = false, told_error = false;
+  CloudFollower follower;
+};
+
+Publisher::Publisher() = default;
+
+Publisher::~Publisher() {
+  finish();
+}
+
+void Publisher::add(const std::string& name, std::unique_ptr<CloudSink> sink) {
+  outlets_.push_back(std::make_unique<Outlet>(name, std::move(sink)));
+}
+
+void Publisher::publish(const Pooled<LiveCloud>& cloud) {
+  for (const auto& outlet : outlets_) {
+    if (outlet->sink->wants(*cloud) && outlet->follower.follow(cloud)) ++outlet->dropped;
+  }
+}
+
+void Publisher::finish() {
+  for (const auto& outlet : outlets_) outlet->finish();
+}
+
+std::vector<SinkStatistics> Publisher::statistics() const {
+  std::vector<SinkStatistics> all;
+  for (const auto& outlet : outlets_) all.push_back(outlet->statistics());
+  return all;
+}
+
+void Publisher::tell(const std::function<void(const std::string&)>& say,
+                     const std::function<void(const std::string&)>& warn) {
+  for (const auto& outlet : outlets_) {
+    const auto [name, published, dropped, error] = outlet->statistics();
+    for (const std::string& line : outlet->sink->news()) say(fmt::format("{}: {}", name, line));
+    if (!error.empty()) {
+      if (std::exchange(outlet->told_error, true)) continue;
+      warn(fmt::format("{}: {}; nothing more is published there", name, error));
+    } else if (dropped > 0 && !std::exchange(outlet->told_drops, true)) {
+      warn(fmt::format("{}: clouds come faster than it takes them; the oldest are dropped", name));
+    }
+  }
+}
+
+}  // namespace slipstream

@@ -1,0 +1,167 @@
+#include "slipstream/publish/ros_messages.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "slipstream/publish/little_endian.h"
+
+namespace slipstream {
+namespace {
+
+constexpr const char* header_definition =
+    "\n{0:=>80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
+    "\n{0:=>80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
+constexpr const char* field_definition =
+    "\n{0:=>80}\nMSG: sensor_msgs/PointField\nstring name\nuint32 offset\nuint8 datatype\n"
+    "uint32 count\n";
+constexpr const char* region_definition =
+    "\n{0:=>80}\nMSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\n"
+    "uint32 height\nuint32 width\nbool do_rectify\n";
+
+constexpr std::uint8_t float32 = 7;  // PointField's number of it
+constexpr std::size_t point_bytes = 16;
+
+/// Numbers and texts one after the other, each where CDR aligns it.
+class Cdr {
+ public:
+  explicit Cdr(RosMessage& message) : message_(message) {
+    message_.assign({0, 1, 0, 0});  // CDR, little-endian
+  }
+
+  template <class Number>
+  Cdr& add(Number number) {
+    align(sizeof number);
+    append(message_, number);
+    return *this;
+  }
+  Cdr& add_text(std::string_view text) {
+    add(static_cast<std::uint32_t>(text.size() + 1));
+    message_.insert(message_.end(), text.begin(), text.end());
+    message_.push_back(0);
+    return *this;
+  }
+  Cdr& add_header(std::uint64_t time) {
+    constexpr std::uint64_t second = 1'000'000'000;
+    add(static_cast<std::int32_t>(time / second));
+    add(static_cast<std::uint32_t>(time % second));
+    return add_text("camera");
+  }
+  /// A list of so many bytes, to be filled before more is added.
+  std::span<std::uint8_t> add_bytes(std::size_t count) {
+    add(static_cast<std::uint32_t>(count));
+    message_.resize(message_.size() + count);
+    return std::span(message_).last(count);
+  }
+
+ private:
+  void align(std::size_t size) {
+    message_.resize(message_.size() + (size - (message_.size() - 4) % size) % size);
+  }
+
+  RosMessage& message_;
+};
+
+template <class Pixel, class Grey>
+void add_picture(Cdr& cdr, const Image<Pixel>& picture, std::string_view encoding, Grey grey) {
+  using Level = decltype(grey(Pixel{}));
+  const auto width = static_cast<std::uint32_t>(picture.size().width);
+  cdr.add(static_cast<std::uint32_t>(picture.size().height)).add(width).add_text(encoding);
+  cdr.add(std::uint8_t{0}).add(static_cast<std::uint32_t>(width * sizeof(Level)));
+  std::uint8_t* at = cdr.add_bytes(picture.pixel_count() * sizeof(Level)).data();
+  for (const Pixel pixel : picture) {
+    const Level level = grey(pixel);
+    std::memcpy(at, &level, sizeof level);
+    at += sizeof level;
+  }
+}
+
+}  // namespace
+
+RosType point_cloud_type() {
+  return {"sensor_msgs/msg/PointCloud2",
+          "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\n"
+          "bool is_bigendian\nuint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n" +
+              fmt::format(fmt::runtime(header_definition), "") +
+              fmt::format(fmt::runtime(field_definition), "")};
+}
+
+RosType image_type() {
+  return {"sensor_msgs/msg/Image",
+          "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
+          "uint8 is_bigendian\nuint32 step\nuint8[] data\n" +
+              fmt::format(fmt::runtime(header_definition), "")};
+}
+
+RosType camera_info_type() {
+  return {"sensor_msgs/msg/CameraInfo",
+          "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
+          "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
+          "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
+              fmt::format(fmt::runtime(header_definition), "") +
+              fmt::format(fmt::runtime(region_definition), "")};
+}
+
+void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
+  constexpr std::array<std::string_view, 4> fields{"x", "y", "z", "intensity"};
+  const auto width = static_cast<std::uint32_t>(cloud.size().width);
+  Cdr cdr(message);
+  cdr.add_header(time).add(static_cast<std::uint32_t>(cloud.size().height)).add(width);
+  cdr.add(static_cast<std::uint32_t>(fields.size()));
+  for (std::uint32_t i = 0; i < fields.size(); ++i) {
+    cdr.add_text(fields[i]).add(4 * i).add(float32).add(std::uint32_t{1});
+  }
+  cdr.add(std::uint8_t{0}).add(std::uint32_t{point_bytes});
+  cdr.add(static_cast<std::uint32_t>(width * point_bytes));
+  std::uint8_t* at = cdr.add_bytes(cloud.z.pixel_count() * point_bytes).data();
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i, at += point_bytes) {
+    const std::array<float, 4> point{cloud.x.begin()[i] / 1000, cloud.y.begin()[i] / 1000,
+                                     cloud.z.begin()[i] / 1000, cloud.intensity.begin()[i]};
+    std::memcpy(at, point.data(), point_bytes);
+  }
+  cdr.add(std::uint8_t{0});  // some points are NaN
+}
+
+void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message) {
+  Cdr cdr(message);
+  cdr.add_header(time);
+  if (!cloud.cloud.z.empty()) return add_picture(cdr, cloud.cloud.intensity, "mono8", grey_level);
+  std::visit(
+      [&]<class Pixel>(const Image<Pixel>& pixels) {
+        add_picture(cdr, pixels, sizeof(Pixel) == 1 ? "mono8" : "mono16",
+                    [](Pixel pixel) { return pixel; });
+      },
+      cloud.frames.front()->pixels);
+}
+
+void write_camera_info(const Lens& camera, std::uint64_t time, RosMessage& message) {
+  const auto& all = camera.distortion.coefficients;
+  const bool five = std::all_of(all.begin() + 5, all.end(), [](double c) { return c == 0; });
+  const std::size_t count = five ? 5 : all.size();
+  Cdr cdr(message);
+  cdr.add_header(time).add(static_cast<std::uint32_t>(camera.size.height));
+  cdr.add(static_cast<std::uint32_t>(camera.size.width));
+  cdr.add_text(five ? "plumb_bob" : "rational_polynomial");
+  cdr.add(static_cast<std::uint32_t>(count));
+  for (std::size_t i = 0; i < count; ++i) cdr.add(all[i]);
+  const auto add_matrix = [&](const Eigen::Matrix3d& matrix, int columns) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < columns; ++column) {
+        cdr.add(column < 3 ? matrix(row, column) : 0.0);
+      }
+    }
+  };
+  add_matrix(camera.intrinsic, 3);
+  add_matrix(Eigen::Matrix3d::Identity(), 3);
+  add_matrix(camera.intrinsic, 4);
+  for (int i = 0; i < 6; ++i) cdr.add(std::uint32_t{0});  // binning, region: all of the sensor
+  cdr.add(std::uint8_t{0});
+}
+
+}  // namespace slipstream

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "slipstream/geometry/lens.h"
+#include "slipstream/live/live_cloud.h"
+
+namespace slipstream {
+
+/// Pixels that a page is sent at most: of larger pictures every second row and column, or third...
+inline constexpr std::int64_t most_web_pixels = 1 << 20;
+
+/// Rows and columns from one pixel that is sent to the next.
+int web_step(Size camera);
+
+/// The directions (u, v, 1) of the pixels that are sent, row by row: u and v as 32-bit floats,
+/// little-endian. A point is at its depth times its direction.
+std::string web_rays(const Lens& camera);
+
+/// A cloud as the page takes it, little-endian: width, height, 1 where there is depth, else 0, and
+/// the number of points, each as 32-bit integer; the nearest depth and the step of depth, mm, as
+/// 32-bit float; then for each pixel its depth in 16 bits, 0 where there is no point, else steps
+/// from the nearest, plus 1; and its grey level in 8 bits. Without a scanner the grey levels are
+/// those of the window's first frame.
+std::string web_cloud(const LiveCloud& cloud);
+
+}  // namespace slipstream

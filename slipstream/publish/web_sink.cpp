@@ -1,0 +1,419 @@
+#include "slipstream/publish/web_sink.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <random>
+#include <set>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <boost/asio.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
+#include "slipstream/publish/metrics.h"
+#include "slipstream/publish/thread_priority.h"
+#include "slipstream/publish/web_cloud.h"
+#include "slipstream/publish/web_page.h"
+
+namespace slipstream {
+namespace {
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace websocket = beast::websocket;
+using asio::ip::tcp;
+using namespace std::chrono_literals;
+using Failure = boost::system::error_code;
+using Request = http::request<http::empty_body>;
+using Bytes = std::shared_ptr<const std::string>;
+
+constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_message = 64;
+/// How long a client may take for a request or an answer, and a page for a cloud.
+constexpr auto patience = 10s, cloud_patience = 30s;
+constexpr auto between_saves = 1s;
+/// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
+constexpr const char* page_rules =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
+    "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+std::string random_token() {
+  std::random_device device;  // of the system
+  std::string token;
+  for (int word = 0; word < 4; ++word) token += fmt::format("{:08x}", device());
+  return token;
+}
+
+/// In a time that says nothing of where they differ.
+bool is_same(std::string_view a, std::string_view b) {
+  unsigned differences = a.size() == b.size() ? 0 : 1;
+  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
+    differences |= static_cast<unsigned>(a[i] ^ b[i]);
+  }
+  return differences == 0;
+}
+
+std::string_view text_of(beast::string_view text) {
+  return {text.data(), text.size()};
+}
+
+/// "localhost" of "localhost:8080".
+std::string_view without_port(std::string_view host) {
+  const std::size_t colon = host.rfind(':');
+  return host.ends_with(']') || colon == host.npos ? host : host.substr(0, colon);
+}
+
+class Connection;
+
+/// What is served, and who asks. All but `put`, `news` and `finish` is the serving thread's.
+class WebSink final : public CloudSink {
+ public:
+  WebSink(const WebAddress& address, PublishedRun run);
+  ~WebSink() override { stop(); }
+
+  void put(const Pooled<LiveCloud>& cloud) override;
+  void finish() override { stop(); }
+  std::vector<std::string> news() override;
+
+  void tell(const std::string& line);
+  /// Whether the request comes from the page, or from who may know of it; else why not.
+  [[nodiscard]] std::string refusal(const Request& request) const;
+  http::response<http::string_body> answer(const Request& request);
+  /// The newest cloud, and which it is, where it is another one.
+  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen);
+  void wait_for_cloud() { anybody_waits_ = true; }
+
+  std::set<Connection*> connections{};
+
+ private:
+  void stop();
+  void accept();
+  void serve_waiting();
+  void serve();
+  std::string save();
+
+  const WebAddress address_;
+  const PublishedRun run_;
+  const std::string token_;
+  const std::string rays_;
+  std::mutex mutex_;  ///< of the three that follow
+  std::vector<std::string> news_;
+  Pooled<LiveCloud> newest_;
+  std::uint64_t count_ = 0;
+  std::set<std::string> told_;
+  std::atomic<bool> anybody_waits_ = false;
+  Bytes sent_;  ///< the cloud of that count
+  std::uint64_t sent_count_ = 0;
+  std::chrono::steady_clock::time_point saved_{};
+  asio::io_context io_{1};
+  tcp::acceptor acceptor_{io_};
+  asio::steady_timer pause_{io_};
+  std::thread thread_;
+};
+
+/// One client: requests one after the other, or a page that asks for clouds.
+class Connection : public std::enable_shared_from_this<Connection> {
+ public:
+  Connection(tcp::socket socket, WebSink& sink) : stream_(std::move(socket)), sink_(sink) {
+    sink_.connections.insert(this);
+  }
+  ~Connection() { sink_.connections.erase(this); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  void read_request() {
+    parser_.emplace();
+    parser_->header_limit(largest_header);
+    parser_->body_limit(0);
+    stream_.expires_after(patience);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](Failure failure, std::size_t) {
+                       if (!failure) self->answer();
+                     });
+  }
+
+  /// Sends the newest cloud if one is asked for and it is new.
+  void send_cloud() {
+    if (!asked_ || sending_) return;
+    sink_.wait_for_cloud();  // first: one may come while this looks
+    auto [bytes, count] = sink_.newer_than(seen_);
+    if (!bytes) return;
+    asked_ = false;
+    sending_ = bytes;
+    seen_ = count;
+    page_->async_write(asio::buffer(*sending_),
+                       [self = shared_from_this()](Failure failure, std::size_t) {
+                         self->sending_.reset();
+                         if (failure == beast::error::timeout) {
+                           self->sink_.tell("a page that stopped reading was let go");
+                         }
+                         if (!failure) self->send_cloud();
+                       });
+  }
+
+ private:
+  void answer() {
+    const Request request = parser_->release();
+    if (websocket::is_upgrade(request) && text_of(request.target()).starts_with("/clouds") &&
+        sink_.refusal(request).empty()) {
+      open_page(request);
+      return;
+    }
+    response_ = sink_.answer(request);
+    stream_.expires_after(patience);
+    http::async_write(stream_, response_,
+                      [self = shared_from_this()](Failure failure, std::size_t) {
+                        if (!failure && self->response_.keep_alive()) self->read_request();
+                      });
+  }
+
+  void open_page(const Request& request) {
+    stream_.expires_never();
+    page_.emplace(std::move(stream_));
+    page_->set_option(websocket::stream_base::timeout{patience, cloud_patience, true});
+    page_->read_message_max(largest_message);
+    page_->auto_fragment(false);
+    page_->binary(true);
+    page_->async_accept(request, [self = shared_from_this()](Failure failure) {
+      if (!failure) self->read_wish();
+    });
+  }
+
+  /// All that a page says is "next".
+  void read_wish() {
+    buffer_.clear();
+    page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
+      if (failure == beast::error::timeout) {
+        self->sink_.tell("a page that stopped reading was let go");
+      }
+      if (failure) return;
+      if (beast::buffers_to_string(self->buffer_.data()) != "next") {
+        beast::get_lowest_layer(*self->page_).close();
+        return;
+      }
+      self->asked_ = true;
+      self->send_cloud();
+      self->read_wish();
+    });
+  }
+
+  beast::tcp_stream stream_;
+  WebSink& sink_;
+  beast::flat_buffer buffer_{2 * largest_header};
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  http::response<http::string_body> response_;
+  std::optional<websocket::stream<beast::tcp_stream>> page_;
+  bool asked_ = false;
+  Bytes sending_;
+  std::uint64_t seen_ = 0;  ///< count of the newest cloud that was sent
+};
+
+WebSink::WebSink(const WebAddress& address, PublishedRun run)
+    : address_(address),
+      run_(std::move(run)),
+      token_(address.loopback ? "" : random_token()),
+      rays_(run_.has_points ? web_rays(run_.camera) : "") {
+  const tcp::endpoint endpoint(asio::ip::make_address(address.host), address.port);
+  try {
+    acceptor_.open(endpoint.protocol());
+    acceptor_.set_option(tcp::acceptor::reuse_address(true));
+    acceptor_.bind(endpoint);
+    acceptor_.listen();
+  } catch (const boost::system::system_error& error) {
+    throw WorldError(
+        fmt::format("--publish web:{}:{}: {}", address.host, address.port, error.code().message()));
+  }
+  const std::string host = !address.loopback            ? asio::ip::host_name()
+                           : endpoint.address().is_v6() ? "[" + address.host + "]"
+                                                        : address.host;
+  tell(fmt::format("http://{}:{}/{}", host, acceptor_.local_endpoint().port(),
+                   token_.empty() ? "" : "?token=" + token_));
+  accept();
+  thread_ = std::thread([this] { serve(); });
+}
+
+void WebSink::serve() {
+  let_others_go_first();
+  while (true) {
+    try {
+      io_.run();
+      return;
+    } catch (const std::exception& error) {  // of one client, who is let go
+      tell(error.what());
+    }
+  }
+}
+
+void WebSink::stop() {
+  io_.stop();
+  if (thread_.joinable()) thread_.join();
+  const std::lock_guard lock(mutex_);
+  newest_ = {};
+}
+
+void WebSink::accept() {
+  acceptor_.async_accept([this](Failure failure, tcp::socket socket) {
+    if (failure) {  // no descriptors are left
+      tell(failure.message());
+      pause_.expires_after(100ms);
+      pause_.async_wait([this](Failure) { accept(); });
+      return;
+    }
+    accept();
+    if (connections.size() < most_clients) {
+      socket.set_option(tcp::no_delay(true), failure);
+      std::make_shared<Connection>(std::move(socket), *this)->read_request();
+    } else {
+      tell(fmt::format("more than {} clients at a time are turned away", most_clients));
+    }
+  });
+}
+
+void WebSink::put(const Pooled<LiveCloud>& cloud) {
+  {
+    const std::lock_guard lock(mutex_);
+    newest_ = cloud;
+    ++count_;
+  }
+  if (anybody_waits_.exchange(false)) asio::post(io_, [this] { serve_waiting(); });
+}
+
+void WebSink::serve_waiting() {
+  for (Connection* const connection : connections) connection->send_cloud();
+}
+
+std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen) {
+  Pooled<LiveCloud> cloud;
+  std::uint64_t count = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (count_ == seen) return {};
+    count = count_;
+    cloud = newest_;
+  }
+  if (!cloud) return {};
+  if (count != sent_count_) {
+    sent_ = std::make_shared<const std::string>(web_cloud(*cloud));
+    sent_count_ = count;
+  }
+  return {sent_, count};
+}
+
+void WebSink::tell(const std::string& line) {
+  const std::lock_guard lock(mutex_);
+  if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
+}
+
+std::vector<std::string> WebSink::news() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(news_, {});
+}
+
+std::string WebSink::refusal(const Request& request) const {
+  const std::string_view host = text_of(request[http::field::host]),
+                         origin = text_of(request[http::field::origin]),
+                         target = text_of(request.target()), name = without_port(host);
+  if (address_.loopback && name != "localhost" && name != address_.host && name != "[::1]") {
+    return "this page is for localhost";  // a foreign name may point here
+  }
+  if (!token_.empty()) {
+    const std::size_t question = target.find("?token=");
+    if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
+      return "the token is wrong; the whole address was printed where slipstream began";
+    }
+  }
+  const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
+  const std::size_t scheme = origin.find("://");
+  if (changes && (scheme == origin.npos || origin.substr(scheme + 3) != host)) {
+    return "another page's script asks";
+  }
+  return "";
+}
+
+std::string WebSink::save() {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - saved_ < between_saves) return "saved a moment ago";
+  saved_ = now;
+  return run_.save();
+}
+
+http::response<http::string_body> WebSink::answer(const Request& request) {
+  http::response<http::string_body> response(http::status::ok, request.version());
+  response.keep_alive(request.keep_alive());
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  response.set("Referrer-Policy", "no-referrer");
+  const auto say = [&](http::status status, std::string body, const char* type = "text/plain") {
+    response.result(status);
+    response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
+    response.body() = std::move(body);
+  };
+  const std::string_view target = text_of(request.target());
+  const std::string path(target.substr(0, target.find('?')));
+  const bool get = request.method() == http::verb::get;
+  try {
+    if (const std::string why = refusal(request); !why.empty()) {
+      say(http::status::forbidden, why + "\n");
+    } else if (get && path == "/") {
+      response.set("Content-Security-Policy", page_rules);
+      say(http::status::ok, std::string(web_page()), "text/html");
+    } else if (get && path == "/rays") {
+      say(http::status::ok, rays_, "application/octet-stream");
+    } else if (get && path == "/statistics") {
+      say(http::status::ok, run_.statistics(), "application/json");
+    } else if (get && path == "/metrics") {
+      say(http::status::ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
+    } else if (get && path == "/health") {
+      const std::string trouble = run_.trouble();
+      say(trouble.empty() ? http::status::ok : http::status::service_unavailable,
+          (trouble.empty() ? "ok" : trouble) + "\n");
+    } else if (request.method() == http::verb::post && path == "/save") {
+      say(http::status::ok, save());
+    } else {
+      say(http::status::not_found, "there is no such page\n");
+    }
+  } catch (const std::exception& error) {
+    say(http::status::internal_server_error, error.what());
+  }
+  response.prepare_payload();
+  return response;
+}
+
+}  // namespace
+
+WebAddress web_address_from(const std::string& where) {
+  WebAddress address;
+  const std::size_t colon = where.rfind(':');
+  if (colon != std::string::npos) address.host = where.substr(0, colon);
+  if (address.host.starts_with('[') && address.host.ends_with(']')) {
+    address.host = address.host.substr(1, address.host.size() - 2);
+  }
+  const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // of all without a colon
+  Failure failure;
+  const auto number = asio::ip::make_address(address.host, failure);
+  if (!port || failure) {
+    throw Error(fmt::format(
+        "--publish web:{}: a port, or the number of one of this machine's addresses and a port, is "
+        "wanted, as web:8080 or web:0.0.0.0:8080",
+        where));
+  }
+  address.port = *port;
+  address.loopback = number.is_loopback();
+  return address;
+}
+
+std::unique_ptr<CloudSink> open_web_sink(const std::string& where, PublishedRun run) {
+  return std::make_unique<WebSink>(web_address_from(where), std::move(run));
+}
+
+}  // namespace slipstream

@@ -1,0 +1,288 @@
+// What sinks write, read back by readers that are written here from the formats' descriptions.
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <zstd.h>
+
+#include "slipstream/io/checksum.h"
+#include "slipstream/io/file.h"
+#include "slipstream/publish/mcap_sink.h"
+#include "slipstream/publish/metrics.h"
+#include "slipstream/publish/web_cloud.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream {
+namespace {
+
+const Size size{61, 43};
+
+Lens camera() {
+  Lens lens{.size = size};
+  lens.intrinsic << 80, 0, 30, 0, 82, 20, 0, 0, 1;
+  lens.distortion = make_distortion(std::vector<double>{-0.1, 0.05, 0.001, -0.002, 0.01});
+  return lens;
+}
+
+/// Any points, one in eight missing.
+Pooled<LiveCloud> any_cloud(std::uint64_t sequence) {
+  std::mt19937 random(static_cast<unsigned>(sequence));
+  Pool<LiveCloud> pool(1, [] { return LiveCloud{.cloud = Cloud(size)}; });
+  Pooled<LiveCloud> pooled = pool.take();
+  LiveCloud& live = pooled.fill();
+  Pool<Frame> frames(1, [] { return Frame(FrameFormat{size}); });
+  live.frames.assign(4, frames.take());
+  live.newest = {.sequence = sequence, .host_time = std::chrono::steady_clock::now()};
+  std::uniform_real_distribution<float> any(0, 1);
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      live.cloud.intensity(column, row) = 300 * any(random) - 20;
+      if (any(random) < 0.125F) continue;
+      const Eigen::Vector3d ray = ray_through(camera(), {column, row});
+      const float z = 500 + 300 * any(random);
+      live.cloud.x(column, row) = static_cast<float>(ray.x()) * z;
+      live.cloud.y(column, row) = static_cast<float>(ray.y()) * z;
+      live.cloud.z(column, row) = z;
+      live.cloud.validity(column, row) = Validity::valid;
+    }
+  }
+  return pooled;
+}
+
+/// Reads little-endian values one after the other.
+struct Reader {
+  std::span<const std::uint8_t> bytes;
+  std::size_t at = 0;
+
+  template <class Number>
+  Number get() {
+    Number number;
+    std::memcpy(&number, take(sizeof number).data(), sizeof number);
+    return number;
+  }
+  std::span<const std::uint8_t> take(std::size_t count) {
+    EXPECT_LE(at + count, bytes.size());
+    at += count;
+    return bytes.subspan(at - count, count);
+  }
+  std::string text() {
+    const auto length = get<std::uint32_t>();
+    const auto letters = take(length);
+    return {letters.begin(), letters.end()};
+  }
+  /// As CDR aligns: behind the four bytes before the message.
+  template <class Number>
+  Number aligned() {
+    while ((at - 4) % sizeof(Number) != 0) ++at;
+    return get<Number>();
+  }
+  std::string aligned_text() {
+    const auto length = aligned<std::uint32_t>();
+    const auto letters = take(length);
+    EXPECT_EQ(letters.back(), 0);
+    return {letters.begin(), letters.end() - 1};
+  }
+};
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct McapFile {
+  std::map<std::uint16_t, std::string> topics, schemas;  ///< by channel, by schema
+  std::map<std::string, std::vector<Bytes>> messages;    ///< by topic
+  int chunks = 0, indices = 0;
+  bool has_end = false;
+};
+
+void read_records(Reader reader, McapFile& file) {
+  while (reader.at + 9 <= reader.bytes.size()) {
+    const auto opcode = reader.get<std::uint8_t>();
+    const auto length = reader.get<std::uint64_t>();
+    if (reader.at + length > reader.bytes.size()) return;  // what was being written
+    Reader record{reader.take(length)};
+    if (opcode == 3) {
+      const auto number = record.get<std::uint16_t>();
+      file.schemas[number] = record.text();
+      EXPECT_EQ(record.text(), "ros2msg");
+    } else if (opcode == 4) {
+      const auto number = record.get<std::uint16_t>();
+      EXPECT_EQ(record.get<std::uint16_t>(), number);
+      file.topics[number] = record.text();
+      EXPECT_EQ(record.text(), "cdr");
+    } else if (opcode == 5) {
+      const auto channel = record.get<std::uint16_t>();
+      record.take(4 + 8 + 8);
+      const auto content = record.take(length - record.at);
+      file.messages[file.topics.at(channel)].emplace_back(content.begin(), content.end());
+    } else if (opcode == 6) {
+      ++file.chunks;
+      record.take(16);
+      Bytes unpacked(record.get<std::uint64_t>());
+      const auto sum = record.get<std::uint32_t>();
+      EXPECT_EQ(record.text(), "zstd");
+      const auto packed = record.take(record.get<std::uint64_t>());
+      EXPECT_EQ(record.at, length);
+      ASSERT_EQ(ZSTD_decompress(unpacked.data(), unpacked.size(), packed.data(), packed.size()),
+                unpacked.size());
+      EXPECT_EQ(checksum(unpacked), sum);
+      read_records({unpacked}, file);
+    } else if (opcode == 8) {
+      ++file.indices;
+    } else if (opcode == 2) {
+      file.has_end = true;
+      EXPECT_EQ(reader.bytes.size() - reader.at, 8U);
+      const auto summary = record.get<std::uint64_t>();
+      record.take(8);
+      const auto before_sum = reader.bytes.subspan(summary - 8, reader.at - 4 - (summary - 8));
+      EXPECT_EQ(record.get<std::uint32_t>(), checksum(before_sum));
+      return;
+    }
+  }
+}
+
+McapFile read_mcap(const std::filesystem::path& path) {
+  const Bytes bytes = read_file(path);
+  McapFile file;
+  EXPECT_EQ(std::memcmp(bytes.data(), "\x89MCAP0\r\n", 8), 0);
+  read_records({std::span(bytes).subspan(8)}, file);
+  return file;
+}
+
+void expect_points(const Bytes& message, const Cloud& cloud) {
+  Reader cdr{message};
+  EXPECT_EQ(cdr.get<std::uint32_t>(), 0x100U);  // little-endian CDR
+  EXPECT_GT(cdr.aligned<std::int32_t>(), 1'700'000'000);
+  EXPECT_LT(cdr.aligned<std::uint32_t>(), 1'000'000'000U);
+  EXPECT_EQ(cdr.aligned_text(), "camera");
+  EXPECT_EQ(cdr.aligned<std::uint32_t>(), 43U);
+  EXPECT_EQ(cdr.aligned<std::uint32_t>(), 61U);
+  ASSERT_EQ(cdr.aligned<std::uint32_t>(), 4U);
+  for (const char* name : {"x", "y", "z", "intensity"}) {
+    EXPECT_EQ(cdr.aligned_text(), name);
+    cdr.aligned<std::uint32_t>();
+    EXPECT_EQ(cdr.get<std::uint8_t>(), 7);
+    EXPECT_EQ(cdr.aligned<std::uint32_t>(), 1U);
+  }
+  EXPECT_EQ(cdr.get<std::uint8_t>(), 0);
+  EXPECT_EQ(cdr.aligned<std::uint32_t>(), 16U);
+  EXPECT_EQ(cdr.aligned<std::uint32_t>(), 16U * 61);
+  ASSERT_EQ(cdr.aligned<std::uint32_t>(), 16U * 61 * 43);
+  int different = 0;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    for (const Image<float>* const axis : {&cloud.x, &cloud.y, &cloud.z}) {
+      const float metres = axis->begin()[i] / 1000;
+      const auto told = cdr.get<std::uint32_t>();
+      if (told != std::bit_cast<std::uint32_t>(metres)) ++different;
+    }
+    if (cdr.get<float>() != cloud.intensity.begin()[i]) ++different;
+  }
+  EXPECT_EQ(different, 0);
+  EXPECT_EQ(cdr.get<std::uint8_t>(), 0);
+  EXPECT_EQ(cdr.at, message.size());
+}
+
+TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_written) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "clouds.mcap";
+  const auto sink = open_mcap_sink(path.string(), {.camera = camera()});
+  constexpr int count = 150;  // of 46 KB each: some chunks
+  for (std::uint64_t i = 0; i < count; ++i) sink->put(any_cloud(i));
+  const McapFile interrupted = read_mcap(path);
+  EXPECT_FALSE(interrupted.has_end);
+  EXPECT_GE(interrupted.chunks, 1);
+  EXPECT_GE(interrupted.messages.at("/points").size(), 80U);
+  sink->finish();
+
+  const McapFile file = read_mcap(path);
+  EXPECT_TRUE(file.has_end);
+  EXPECT_EQ(file.indices, file.chunks);
+  ASSERT_EQ(file.messages.at("/points").size(), std::size_t{count});
+  EXPECT_EQ(file.messages.at("/image").size(), std::size_t{count});
+  EXPECT_EQ(file.messages.at("/camera_info").size(), std::size_t{count});
+  for (std::uint64_t i = 0; i < count; i += 49) {
+    expect_points(file.messages.at("/points")[i], any_cloud(i)->cloud);
+  }
+  const Bytes& image = file.messages.at("/image").front();
+  EXPECT_EQ(image.back(), grey_level(any_cloud(0)->cloud.intensity(60, 42)));
+}
+
+TEST(Mcap, is_given_clouds_that_share_no_frame) {
+  const TemporaryFolder folder;
+  const auto sink = open_mcap_sink((folder.path() / "a.mcap").string(), {.camera = camera()});
+  std::vector<std::uint64_t> wanted;
+  for (const std::uint64_t i : {3, 4, 5, 6, 7, 8, 13, 14, 16, 17, 2, 3}) {
+    if (sink->wants(*any_cloud(i))) wanted.push_back(i);
+  }
+  EXPECT_EQ(wanted, (std::vector<std::uint64_t>{3, 7, 13, 17, 2}));
+}
+
+TEST(WebCloud, gives_back_each_point_within_half_a_step) {
+  const Pooled<LiveCloud> live = any_cloud(5);
+  const std::string rays = web_rays(camera()), bytes = web_cloud(*live);
+  const std::size_t pixels = live->cloud.z.pixel_count();
+  ASSERT_EQ(rays.size(), 8 * pixels);
+  ASSERT_EQ(bytes.size(), 24 + 3 * pixels);
+  Reader message{{reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}};
+  EXPECT_EQ(message.get<std::int32_t>(), size.width);
+  EXPECT_EQ(message.get<std::int32_t>(), size.height);
+  EXPECT_EQ(message.get<std::int32_t>(), 1);
+  EXPECT_EQ(message.get<std::int32_t>(), static_cast<std::int32_t>(point_count(live->cloud)));
+  const auto nearest = message.get<float>(), step = message.get<float>();
+  EXPECT_LT(step, 0.005F) << "of 300 mm";
+  std::vector<float> u(2 * pixels);
+  std::memcpy(u.data(), rays.data(), rays.size());
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const auto steps = message.get<std::uint16_t>();
+    const float true_z = live->cloud.z.begin()[i];
+    ASSERT_EQ(steps == 0, std::isnan(true_z));
+    if (steps == 0) continue;
+    const float z = nearest + static_cast<float>(steps - 1) * step;
+    EXPECT_NEAR(z, true_z, 0.51F * step + 1e-4F);
+    EXPECT_NEAR(u[2 * i] * z, live->cloud.x.begin()[i], step);
+    EXPECT_NEAR(u[2 * i + 1] * z, live->cloud.y.begin()[i], step);
+  }
+  EXPECT_EQ(message.get<std::uint8_t>(), grey_level(live->cloud.intensity(0, 0)));
+}
+
+TEST(WebCloud, thins_large_pictures_and_shows_frames_where_there_are_no_points) {
+  EXPECT_EQ(web_step({640, 480}), 1);
+  EXPECT_EQ(web_step({4096, 3000}), 4);
+  Pooled<LiveCloud> live = any_cloud(1);
+  live.fill().cloud = Cloud();
+  Frame frame(FrameFormat{size, 12});
+  std::get<Image<std::uint16_t>>(frame.pixels)(0, 0) = 0xabc;
+  Pool<Frame> frames(1, [&] { return frame; });
+  live.fill().frames.assign(1, frames.take());
+  const std::string bytes = web_cloud(*live);
+  ASSERT_EQ(bytes.size(), 24U + 3U * 61 * 43);
+  EXPECT_EQ(static_cast<std::uint8_t>(bytes[24 + 2 * 61 * 43]), 0xab);
+}
+
+TEST(Metrics, names_what_the_statistics_say) {
+  EXPECT_EQ(metrics_of(R"({"frames": {"lost": 2}, "latency_ms": {"p99": 1.5}, "source": "virtual",
+                           "stages": [{"name": "a\"b", "rate": 3, "done": 4}], "findings": [{}, {}],
+                           "track": {"centre_mm": [1, 2]}, "model": null})"),
+            R"(# TYPE slipstream_findings gauge
+slipstream_findings 2
+# TYPE slipstream_frames_lost_total counter
+slipstream_frames_lost_total 2
+# TYPE slipstream_latency_ms_p99 gauge
+slipstream_latency_ms_p99 1.5
+# TYPE slipstream_stages_done_total counter
+slipstream_stages_done_total{name="a\"b"} 4
+# TYPE slipstream_stages_rate gauge
+slipstream_stages_rate{name="a\"b"} 3
+# TYPE slipstream_track_centre_mm gauge
+slipstream_track_centre_mm{index="0"} 1
+slipstream_track_centre_mm{index="1"} 2
+)");
+}
+
+}  // namespace
+}  // namespace slipstream

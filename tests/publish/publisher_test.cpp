@@ -1,0 +1,107 @@
+#include "slipstream/publish/publisher.h"
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/publish/named_sink.h"
+
+namespace slipstream {
+namespace {
+
+/// Remembers what it was given, and takes nothing until it may.
+struct SlowSink : CloudSink {
+  explicit SlowSink(std::shared_future<void> when) : may(std::move(when)) {}
+  void put(const Pooled<LiveCloud>& cloud) override {
+    may.wait();
+    seen.push_back(cloud->newest.sequence);
+  }
+  void finish() override { finished = true; }
+  std::vector<std::string> news() override { return {"hello"}; }
+
+  std::shared_future<void> may;
+  std::vector<std::uint64_t> seen;
+  bool finished = false;
+};
+
+struct FailingSink : CloudSink {
+  void put(const Pooled<LiveCloud>&) override { throw WorldError("the disk is full"); }
+};
+
+Pooled<LiveCloud> cloud_of(Pool<LiveCloud>& pool, std::uint64_t sequence) {
+  Pooled<LiveCloud> cloud = pool.take();
+  cloud.fill().newest.sequence = sequence;
+  return cloud;
+}
+
+TEST(Publisher, waits_for_no_sink_drops_the_oldest_and_says_so_once) {
+  std::promise<void> may;
+  const std::shared_future<void> when = may.get_future().share();
+  auto slow = std::make_unique<SlowSink>(when);
+  const SlowSink& sink = *slow;
+  Pool<LiveCloud> pool(3 * Publisher::held_clouds, [] { return LiveCloud(); });
+  Publisher publisher;
+  publisher.add("slow", std::move(slow));
+  publisher.add("broken", std::make_unique<FailingSink>());
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    const Pooled<LiveCloud> cloud = cloud_of(pool, i);
+    ASSERT_TRUE(cloud) << "the sinks hold more than they may, at " << i;
+    publisher.publish(cloud);
+  }
+  std::vector<std::string> said, warned;
+  const auto tell = [&] {
+    publisher.tell([&](const std::string& line) { said.push_back(line); },
+                   [&](const std::string& line) { warned.push_back(line); });
+  };
+  while (publisher.statistics()[1].error.empty()) std::this_thread::yield();
+  tell();
+  tell();
+  may.set_value();
+  publisher.finish();
+  publisher.finish();
+
+  const SinkStatistics statistics = publisher.statistics().front();
+  EXPECT_EQ(statistics.published + statistics.dropped, 40U);
+  EXPECT_GE(statistics.published, Publisher::waiting_clouds);
+  EXPECT_EQ(sink.seen.size(), statistics.published);
+  EXPECT_EQ(sink.seen.back(), 39U) << "the newest is not dropped";
+  EXPECT_TRUE(std::is_sorted(sink.seen.begin(), sink.seen.end()));
+  EXPECT_TRUE(sink.finished);
+  EXPECT_EQ(said, (std::vector<std::string>{"slow: hello", "slow: hello"}));
+  ASSERT_EQ(warned.size(), 2U);
+  EXPECT_NE(warned[0].find("slow: clouds come faster"), std::string::npos) << warned[0];
+  EXPECT_NE(warned[1].find("broken: the disk is full"), std::string::npos) << warned[1];
+}
+
+TEST(NamedSink, says_which_kinds_there_are) {
+  const auto refusal = [](const std::string& name) -> std::string {
+    try {
+      require_sink(name);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const char* bad : {"wbe:8080", "ros:/a", "", "web"}) {
+    EXPECT_NE(refusal(bad).find("web:[ADDRESS:]PORT"), std::string::npos) << refusal(bad);
+  }
+  EXPECT_NE(refusal("wbe:8080").find("did you mean web?"), std::string::npos);
+  EXPECT_NE(refusal("mcap:").find("mcap:FILE"), std::string::npos);
+  EXPECT_NE(refusal("mcap:cloud.ply").find(".mcap"), std::string::npos);
+  for (const char* bad :
+       {"web:x", "web:70000", "web:-1", "web:here:8080", "web:1.2.3:80", "web: 1"}) {
+    EXPECT_NE(refusal(bad).find("web:8080"), std::string::npos) << bad << refusal(bad);
+  }
+  for (const char* good :
+       {"web:0", "web:8080", "web:0.0.0.0:8080", "web:[::1]:80", "mcap:a.mcap"}) {
+    EXPECT_EQ(refusal(good), "");
+  }
+}
+
+}  // namespace
+}  // namespace slipstream

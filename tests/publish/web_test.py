@@ -1,0 +1,343 @@
+"""What `slipstream live --publish` serves: to those who may ask, to those who may not, to hostile ones."""
+
+import base64
+import http.client
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import struct
+import subprocess
+import time
+
+import pytest
+
+from chromium import PROGRAM as CHROMIUM, Chromium
+
+SOURCES = pathlib.Path(__file__).parents[2]
+PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
+
+
+class Live:
+    """The program while it runs, in a folder of its own."""
+
+    def __init__(self, folder, *flags, web="web:0", size="320x240", rate=30):
+        self.words = folder / "words"
+        sinks = ["--publish", web] if web else []
+        self.process = subprocess.Popen(
+            [PROGRAM, "live", "--source", "virtual", "--world", "ideal", "--camera", size, "--rate",
+             str(rate), "--strategy", "pmp", "--steps", "4", "--headless", "--json", *sinks, *flags],
+            cwd=folder, stdout=subprocess.PIPE, stderr=self.words.open("w"), text=True)
+        if web:
+            wait_for(lambda: re.search(r"http://\S+", self.words.read_text()))
+            self.address = re.search(r"http://\S+", self.words.read_text())[0]
+            self.port = int(re.search(r":(\d+)/", self.address)[1])
+            wait_for(lambda: self.statistics()["clouds"] > 0)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def token(self):
+        return self.address.partition("/?")[2]
+
+    def get(self, path, method="GET", **headers):
+        connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
+        connection.request(method, path + ("?" + self.token() if self.token() else ""),
+                           headers=headers)
+        answer = connection.getresponse()
+        return answer.status, answer.read().decode("utf-8", "replace")
+
+    def statistics(self):
+        return json.loads(self.get("/statistics")[1])
+
+    def memory(self):
+        status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
+        return int(re.search(r"VmRSS:\s+(\d+)", status)[1]) / 1024
+
+    def descriptors(self):
+        return len(os.listdir(f"/proc/{self.process.pid}/fd"))
+
+    def finish(self):
+        self.process.send_signal(signal.SIGINT)
+        out, _ = self.process.communicate(timeout=60)
+        return self.process.returncode, json.loads(out)
+
+
+def wait_for(come, seconds=60):
+    end = time.monotonic() + seconds
+    while not (value := come()):
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    return value
+
+
+def ask_for_page(port, path="/clouds", host=None, origin=None):
+    """Asks for a WebSocket; the socket, and the first line of the answer."""
+    host = host or f"127.0.0.1:{port}"
+    head = [f"GET {path} HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
+            f"Sec-WebSocket-Key: {base64.b64encode(bytes(16)).decode()}",
+            "Sec-WebSocket-Version: 13"]
+    head += [f"Origin: {origin}"] if origin else []
+    client = socket.create_connection(("127.0.0.1", port), timeout=20)
+    client.sendall("\r\n".join([*head, "", ""]).encode())
+    answer = b""
+    while b"\r\n\r\n" not in answer:
+        more = client.recv(1)
+        if not more:
+            break
+        answer += more
+    return client, answer.decode().splitlines()[0] if answer else ""
+
+
+def say(client, text, opcode=1):
+    client.sendall(bytes([0x80 | opcode, 0x80 | len(text)]) + bytes(4) + text)
+
+
+def receive(client, count):
+    taken = b""
+    while len(taken) < count:
+        more = client.recv(count - len(taken))
+        assert more
+        taken += more
+    return taken
+
+
+def take_message(client):
+    head = receive(client, 2)
+    length = head[1]
+    if length == 126:
+        length, = struct.unpack(">H", receive(client, 2))
+    elif length == 127:
+        length, = struct.unpack(">Q", receive(client, 8))
+    return head[0] & 15, receive(client, length)
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory):
+    with Live(tmp_path_factory.mktemp("live")) as running:
+        yield running
+
+
+def test_pages_say_what_the_document_says(live):
+    assert live.get("/health") == (200, "ok\n")
+    status, page = live.get("/")
+    assert status == 200 and "<canvas" in page
+    told = live.statistics()
+    assert told["frames"]["captured"] > 0 and told["sinks"][0]["name"] == "web:0"
+    assert live.get("/rays")[0] == 200
+
+
+def test_prometheus_reads_the_metrics(live):
+    parser = pytest.importorskip("prometheus_client.parser",
+                                 reason="python3-prometheus-client is not there")
+    families = {family.name: family for family
+                in parser.text_string_to_metric_families(live.get("/metrics")[1])}
+    captured = families["slipstream_frames_captured"]
+    assert captured.type == "counter" and captured.samples[0].value > 0
+    stages = {sample.labels["name"] for sample in families["slipstream_stages_rate"].samples}
+    assert stages == {"capture", "window", "reconstruct", "show"}
+
+
+def test_no_path_of_the_disk_is_reached(live):
+    for path in ("/../../../../etc/passwd", "/etc/passwd", "//etc/passwd", "/%2e%2e/%2e%2e/etc/passwd",
+                 "/page.html", "/.", "/\\..", "/clouds/../../etc/passwd", "http://x/etc/passwd"):
+        status, text = live.get(path)
+        assert status in (403, 404) and "root:" not in text, path
+    assert live.get("/", method="DELETE", Origin=f"http://127.0.0.1:{live.port}")[0] == 404
+
+
+def test_other_pages_and_names_are_refused(live):
+    own = f"http://127.0.0.1:{live.port}"
+    assert live.get("/", Host="evil.example")[0] == 403
+    for origin in (None, "http://evil.example", "null", f"http://127.0.0.1:{live.port + 1}"):
+        headers = {"Origin": origin} if origin else {}
+        assert live.get("/save", method="POST", **headers)[0] == 403
+        client, answer = ask_for_page(live.port, origin=origin)
+        client.close()
+        assert " 403 " in answer
+    client, answer = ask_for_page(live.port, origin=own)
+    assert " 101 " in answer
+    client.close()
+
+
+def test_a_page_gets_a_cloud_for_each_wish(live):
+    client, _ = ask_for_page(live.port, origin=f"http://127.0.0.1:{live.port}")
+    with client:
+        for _ in range(3):
+            say(client, b"next")
+            opcode, message = take_message(client)
+            width, height, has_depth, points = struct.unpack_from("<4i", message)
+            assert (opcode, width, height, has_depth) == (2, 320, 240, 1) and points > 1000
+            assert len(message) == 24 + 3 * width * height
+        client.settimeout(0.3)
+        with pytest.raises(TimeoutError):
+            client.recv(1)  # nothing that was not asked for
+
+
+def test_save_writes_a_scan(live):
+    status, folder = live.get("/save", method="POST", Origin=f"http://127.0.0.1:{live.port}")
+    assert status == 200
+    assert (live.words.parent / folder / "cloud.ply").exists()
+    assert (live.words.parent / folder / "scan.yaml").exists()
+    assert "moment ago" in live.get("/save", method="POST",
+                                    Origin=f"http://127.0.0.1:{live.port}")[1]
+
+
+def test_others_need_the_token(tmp_path):
+    with Live(tmp_path, web="web:0.0.0.0:0", size="64x48") as live:
+        assert re.fullmatch(r"token=[0-9a-f]{32}", live.token())
+        assert live.get("/")[0] == 200
+        token, live.address = live.token(), "http://x/"
+        for path in ("/", "/metrics", "/?token=", "/?token=" + "0" * 32, "/?token=" + token[6:-1]):
+            assert live.get(path)[0] == 403
+        origin = f"http://127.0.0.1:{live.port}"
+        client, answer = ask_for_page(live.port, origin=origin)
+        client.close()
+        assert " 403 " in answer
+        client, answer = ask_for_page(live.port, "/clouds?" + token, origin=origin)
+        client.close()
+        assert " 101 " in answer
+
+
+def test_a_taken_port_and_a_kind_that_is_none_are_one_line(live):
+    for sink, code, words in ((f"web:{live.port}", 1, "in use"), ("wbe:1", 2, "mcap:FILE")):
+        done = subprocess.run([PROGRAM, "live", "--source", "virtual", "--camera", "64x48",
+                               "--headless", "--frames", "20", "--publish", sink],
+                              capture_output=True, text=True)
+        assert done.returncode == code and words in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_hostile_clients_harm_nobody(tmp_path):
+    with Live(tmp_path, size="640x480") as live:
+        origin = f"http://127.0.0.1:{live.port}"
+        memory, descriptors = live.memory(), live.descriptors()
+        kept = []
+        for _ in range(8):  # stop reading with a wish open
+            client, answer = ask_for_page(live.port, origin=origin)
+            assert " 101 " in answer
+            for _ in range(50):
+                say(client, b"next")
+            kept.append(client)
+        for text in (b"nonsense", b"\x00\xff", b"x" * 100, b""):
+            client, _ = ask_for_page(live.port, origin=origin)
+            say(client, text)
+            client.settimeout(5)
+            while client.recv(65536):
+                pass  # until it is closed
+            client.close()
+        for junk in (b"\x16\x03\x01\x02", b"GET / HTTP/9.9\r\n\r\n", os.urandom(5000), b"A" * 100000,
+                     b"POST /save HTTP/1.1\r\nContent-Length: 99999999999\r\n\r\n",
+                     b"GET /" + b"a" * 20000 + b" HTTP/1.1\r\n\r\n", b"\r\n" * 1000):
+            client = socket.create_connection(("127.0.0.1", live.port))
+            try:
+                client.sendall(junk)
+            except OSError:
+                pass
+            client.close()
+        for cut in (20, 120):  # go away in the middle of asking, and of a cloud
+            client, _ = ask_for_page(live.port, origin=origin)
+            say(client, b"next")
+            client.recv(cut)
+            client.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            client.close()
+        many = []
+        for _ in range(100):
+            client = socket.create_connection(("127.0.0.1", live.port))
+            client.sendall(b"GET / HT")
+            many.append(client)
+        time.sleep(2)
+        assert live.descriptors() < descriptors + 40
+        for client in many:
+            client.close()
+        wait_for(lambda: "let go" in live.words.read_text(), 90)
+        assert live.get("/health") == (200, "ok\n")
+        assert live.memory() < memory + 80  # MB
+        wait_for(lambda: live.descriptors() < descriptors + 4)
+        before = live.statistics()["clouds"]
+        wait_for(lambda: live.statistics()["clouds"] > before + 5)
+        code, told = live.finish()
+        words = live.words.read_text()
+        assert code == 0 and told["frames"]["lost"] == 0
+        assert words.count("let go") == 1 and words.count("turned away") == 1
+        for client in kept:
+            client.close()
+
+
+def test_a_run_that_ends_tells_the_page(tmp_path):
+    with Live(tmp_path, size="64x48") as live:
+        client, _ = ask_for_page(live.port, origin=f"http://127.0.0.1:{live.port}")
+        code, told = live.finish()
+        assert code == 0 and told["sinks"][0]["error"] == ""
+        assert client.recv(100) == b"" or True
+        client.close()
+
+
+def test_npm_reads_the_mcap_file(tmp_path):
+    packages = ["@mcap/core", "fzstd", "@foxglove/rosmsg", "@foxglove/rosmsg2-serialization"]
+    try:
+        subprocess.run(["node", "-e", ";".join(f"require('{name}')" for name in packages)],
+                       check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError):
+        pytest.skip(f"no node, or not {', '.join(packages)} of npm where NODE_PATH says")
+    with Live(tmp_path, "--frames", "60", "--motion", "0", "--publish", "mcap:clouds.mcap",
+              "-o", "last.xyz", web=None) as live:
+        out, _ = live.process.communicate(timeout=60)
+        assert live.process.returncode == 0, live.words.read_text()
+    told = json.loads(out)["sinks"][0]
+    read = subprocess.run(["node", SOURCES / "tests/publish/read_mcap.js", tmp_path / "clouds.mcap"],
+                          capture_output=True, text=True)
+    assert read.returncode == 0, read.stderr
+    summary = json.loads(read.stdout)
+    assert told["published"] >= 10 and told["error"] == ""
+    assert summary["counts"] == {"/points": told["published"], "/image": told["published"],
+                                 "/camera_info": told["published"]}
+    assert summary["points"]["width"] == 320 and summary["points"]["height"] == 240
+    # The last cloud of the run is the last of the file: 60 frames are 15 cycles of four.
+    points = [tuple(map(float, line.split()[:3])) for line in open(tmp_path / "last.xyz")
+              if not line.startswith(("#", "/"))]
+    assert len(points) == summary["points"]["valid"] > 10000
+    for axis in range(3):
+        mean = sum(point[axis] for point in points) / len(points)
+        assert summary["points"]["mean"][axis] * 1000 == pytest.approx(mean, abs=1e-3)
+
+
+needs_chromium = pytest.mark.skipif(not CHROMIUM, reason="Debian's chromium is not there")
+
+
+@needs_chromium
+@pytest.mark.parametrize("look", [(1280, 800, "light", False), (1280, 800, "dark", False),
+                                  (390, 844, "dark", True)], ids=["light", "dark", "phone"])
+def test_the_page_shows_the_cloud(live, tmp_path, look):
+    pictures = pathlib.Path(os.environ.get("SLIPSTREAM_SCREENSHOTS", tmp_path))
+    with Chromium() as browser:
+        browser.look_like(*look)
+        browser.ask("Page.navigate", url=live.address)
+        wait_for(lambda: browser.value("typeof cloud !== 'undefined' && !!cloud && !!pivot"))
+        assert browser.value("cloud.count") > 1000
+        shown = "(draw(), (() => { const some = new Uint8Array(4 * canvas.width * canvas.height);" \
+                "gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, some);" \
+                "const ground = some.slice(0, 3).join(); let count = 0;" \
+                "for (let i = 0; i < some.length; i += 4)" \
+                " count += some.slice(i, i + 3).join() !== ground;" \
+                "return count / (some.length / 4); })())"
+        assert browser.value(shown) > 0.1
+        wait_for(lambda: "frames captured" in browser.value("document.body.innerText"))
+        browser.screenshot(pictures / f"{look[2]}-{look[0]}.png")
+        browser.value("at('pause').click()")
+        paused = browser.value("new Promise(done => setTimeout(() => done(seen.length), 500))")
+        assert browser.value("new Promise(done => setTimeout(() => done(seen.length), 700))") <= paused
+        browser.value("at('pause').click()")
+        wait_for(lambda: browser.value("seen.length") > 0)
+        browser.value("at('picture').click()")
+        assert browser.value(shown) > 0.1
+        browser.value("at('picture').click(); at('depth').click(); view.turn = 0.5; redraw()")
+        assert browser.value(shown) > 0.05
+        browser.screenshot(pictures / f"{look[2]}-{look[0]}-depth.png")
+        assert not [told for told in browser.told if "exceptionDetails" in told]
+        assert browser.value("document.documentElement.scrollWidth <= innerWidth")

@@ -13,16 +13,18 @@
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/live_session.h"
-#include "app/publish.h"
+#include "app/save_folder.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
+#include "slipstream/check/checked_scan.h"
 #include "slipstream/cycle/window_frames.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/publisher.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/picture_report.h"
 
@@ -106,6 +108,15 @@ nlohmann::json json_of(const ModelStatistics& model) {
           {"points", model.points}, {"rms_mm", model.rms},        {"view_ms", model.milliseconds}};
 }
 
+nlohmann::json json_of(const std::vector<SinkStatistics>& sinks) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& [name, published, dropped, error] : sinks) {
+    list.push_back(
+        {{"name", name}, {"published", published}, {"dropped", dropped}, {"error", error}});
+  }
+  return list;
+}
+
 nlohmann::json json_of(const LiveStatistics& statistics) {
   nlohmann::json stages = nlohmann::json::array();
   for (const StageStatistics& stage : statistics.stages) {
@@ -132,6 +143,11 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"latency_ms", json_of(statistics.latency)},
           {"screen_latency_ms", json_of(statistics.screen_latency)},
           {"stages", std::move(stages)}};
+}
+
+void tell_news(Publisher& publisher, Output& output) {
+  publisher.tell([&](const std::string& line) { output.say("{}", line); },
+                 [&](const std::string& line) { output.warn(line); });
 }
 
 /// Tells meanwhile whatever the source and the check have to say, once.
@@ -222,7 +238,7 @@ nlohmann::json document_of(const LiveSession& session, const Publisher& publishe
   if (statistics.track) document["track"] = json_of(*statistics.track);
   if (statistics.model) document["model"] = json_of(*statistics.model);
   document["findings"] = app::json_of(session.pipeline.findings());
-  document["sinks"] = app::json_of(publisher.statistics());
+  document["sinks"] = json_of(publisher.statistics());
   document["source"] = session.source;
   return document;
 }
@@ -250,6 +266,42 @@ void write_results(LiveSession& session, const LiveFlags& flags, const Publisher
 #ifdef SLIPSTREAM_VIEW
   draw_newest(session, flags.headless, output);
 #endif
+}
+
+std::string trouble_of(const LivePipeline& pipeline) {
+  if (const auto failure = pipeline.failure()) return "the pipeline has failed";
+  const std::string state = pipeline.statistics().source_state;
+  if (!state.empty()) return state;
+  return pipeline.running() ? "" : "the source has ended";
+}
+
+std::string save_newest(LiveSession& session) {
+  const Pooled<LiveCloud> newest = session.pipeline.newest();
+  if (!newest) throw Error("no cloud has come that could be saved");
+  EngineSetup setup;
+  {
+    const std::lock_guard lock(session.mutex);
+    setup = session.setup;
+  }
+  return save_in_new_folder(views_of(newest->frames), setup, session.view.save_to,
+                            doubts(session.pipeline.statistics().findings));
+}
+
+/// Opens the sinks of these names for a session that has not begun; `document`: what --json would
+/// say now, called from any thread.
+void open_sinks(const std::vector<std::string>& names, LiveSession& session,
+                const std::function<nlohmann::json()>& document, Publisher& publisher) {
+  const Scanner& scanner = session.setup.scanner;
+  for (const std::string& name : names) {
+    PublishedRun run{
+        .camera = scanner.camera,
+        .has_points = has_geometry(scanner),
+        .statistics = [document] { return document().dump(); },
+        .trouble = [&pipeline = session.pipeline] { return trouble_of(pipeline); },
+        .save = [&session] { return save_newest(session); },
+    };
+    publisher.add(name, open_sink(name, std::move(run)));
+  }
 }
 
 void live(const LiveFlags& flags, Output& output) {

@@ -11,12 +11,12 @@
 namespace slipstream {
 static_assert(std::endian::native == std::endian::little);
 
-/// Adds a number's bytes to a list of bytes, or to a text that holds bytes.
-template <class Bytes, class Number>
+/// Adds a number's bytes.
+template <class Number>
 requires std::is_arithmetic_v<Number>
-void append(Bytes& bytes, Number number) {
+void append(std::vector<std::uint8_t>& bytes, Number number) {
   for (const std::uint8_t byte : std::bit_cast<std::array<std::uint8_t, sizeof number>>(number)) {
-    bytes.push_back(static_cast<typename Bytes::value_type>(byte));
+    bytes.push_back(byte);
   }
 }
 

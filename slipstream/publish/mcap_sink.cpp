@@ -23,7 +23,6 @@ class McapSink final : public CloudSink {
     image_ = add(image_type(), "/image");
     if (!run_.has_points) return;
     points_ = add(point_cloud_type(), "/points");
-    camera_info_ = add(camera_info_type(), "/camera_info");
   }
 
   bool wants(const LiveCloud& cloud) override {
@@ -39,8 +38,6 @@ class McapSink final : public CloudSink {
     write_image(*cloud, time, message_);
     writer_.write(image_, time, message_);
     if (run_.has_points) {
-      write_camera_info(run_.camera, time, message_);
-      writer_.write(camera_info_, time, message_);
       write_point_cloud(cloud->cloud, time, message_);
       writer_.write(points_, time, message_);
     }
@@ -56,7 +53,7 @@ class McapSink final : public CloudSink {
 
   PublishedRun run_;
   McapWriter writer_;
-  std::uint16_t image_ = 0, points_ = 0, camera_info_ = 0;
+  std::uint16_t image_ = 0, points_ = 0;
   RosMessage message_;
   bool gives_way_ = false;             ///< its thread
   std::optional<std::uint64_t> last_;  ///< sequence of the newest frame of what was wanted last

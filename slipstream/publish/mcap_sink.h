@@ -10,8 +10,8 @@ namespace slipstream {
 /// Throws Error where the file's ending is not .mcap.
 void require_mcap_file(const std::string& path);
 
-/// Writes clouds, pictures and the camera as messages of ROS 2 into an MCAP file: /points, /image
-/// and /camera_info, of clouds that share no frame. Throws as require_mcap_file, and WorldError
+/// Writes clouds and pictures as messages of ROS 2 into an MCAP file: /points and /image, of clouds
+/// that share no frame. Throws as require_mcap_file, and WorldError
 /// where it cannot be written.
 std::unique_ptr<CloudSink> open_mcap_sink(const std::string& path, PublishedRun run);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 
 #include <zstd.h>
@@ -74,27 +73,30 @@ void McapWriter::put(std::span<const std::uint8_t> bytes) {
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
                                       const std::string& text) {
-  const std::uint16_t number = ++channels_;  // of its schema too; 0 is none
+  const std::uint16_t number = ++channel_count_;  // of its schema too; 0 is none
   Bytes content;
   append(content, number);
   append(content, schema_name);
   append(content, std::string_view("ros2msg"));
   append(content, text);
-  append_record(definitions_, schema, content);
+  append_record(schemas_, schema, content);
   content.clear();
   append(content, number);
   append(content, number);
   append(content, topic);
   append(content, std::string_view("cdr"));
   append(content, std::uint32_t{0});  // no more is told of it
-  append_record(definitions_, channel, content);
+  append_record(channels_, channel, content);
   statistics_.of_channel[number] = 0;
   return number;
 }
 
 void McapWriter::write(std::uint16_t number, std::uint64_t time,
                        std::span<const std::uint8_t> content) {
-  if (chunks_.empty() && chunk_.empty()) chunk_ = definitions_;
+  if (chunks_.empty() && chunk_.empty()) {
+    append(chunk_, schemas_);
+    append(chunk_, channels_);
+  }
   if (index_.empty()) now_.start = now_.end = time;
   now_.start = std::min(now_.start, time);
   now_.end = std::max(now_.end, time);
@@ -169,24 +171,15 @@ void McapWriter::finish() {
     append(offsets, summary + begin);
     append(offsets, static_cast<std::uint64_t>(records.size() - begin));
   };
-  for (const Opcode kind : {schema, channel}) {
-    const std::size_t begin = records.size();
-    for (std::size_t at = 0; at < definitions_.size();) {
-      std::uint64_t length = 0;
-      std::memcpy(&length, definitions_.data() + at + 1, sizeof length);
-      length += 9;
-      if (definitions_[at] == kind) {
-        append(records, std::span(definitions_).subspan(at, length));
-      }
-      at += length;
-    }
-    group(kind, begin);
-  }
+  append(records, schemas_);
+  group(schema, 0);
+  append(records, channels_);
+  group(channel, schemas_.size());
   std::size_t begin = records.size();
   content.clear();
   append(content, statistics_.messages);
-  append(content, channels_);  // schemas
-  append(content, std::uint32_t{channels_});
+  append(content, channel_count_);  // of schemas
+  append(content, std::uint32_t{channel_count_});
   append(content, std::uint32_t{0});  // attachments
   append(content, std::uint32_t{0});  // metadata
   append(content, static_cast<std::uint32_t>(chunks_.size()));

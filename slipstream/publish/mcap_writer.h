@@ -51,8 +51,8 @@ class McapWriter {
 
   OutputFile file_;
   std::uint64_t offset_ = 0;
-  Bytes definitions_, chunk_, packed_;
-  std::uint16_t channels_ = 0;
+  Bytes schemas_, channels_, chunk_, packed_;
+  std::uint16_t channel_count_ = 0;
   Chunk now_;
   std::map<std::uint16_t, std::vector<Index>> index_;
   std::vector<Chunk> chunks_;

@@ -10,6 +10,17 @@
 #include "slipstream/live/cloud_follower.h"
 
 namespace slipstream {
+namespace {
+
+std::string text_of(const std::exception_ptr& failure) {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+}
+
+}  // namespace
 
 struct Publisher::Outlet {
   Outlet(std::string called, std::unique_ptr<CloudSink> opened)
@@ -20,18 +31,11 @@ struct Publisher::Outlet {
               sink->put(cloud);
               ++published;
             },
-            [this](std::exception_ptr failure) { fail(std::move(failure)); }, waiting_clouds) {}
+            [this](const std::exception_ptr& failure) { fail(failure); }, waiting_clouds) {}
 
-  void fail(std::exception_ptr failure) {
-    std::string words = "it failed";
-    try {
-      std::rethrow_exception(std::move(failure));
-    } catch (const std::exception& thrown) {
-      words = thrown.what();
-    } catch (...) {
-    }
+  void fail(const std::exception_ptr& failure) {
     const std::lock_guard lock(mutex);
-    if (error.empty()) error = std::move(words);
+    if (error.empty()) error = text_of(failure);
   }
 
   void finish() {

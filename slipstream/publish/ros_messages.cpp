@@ -21,10 +21,6 @@ constexpr const char* header_definition =
 constexpr const char* field_definition =
     "\n{0:=>80}\nMSG: sensor_msgs/PointField\nstring name\nuint32 offset\nuint8 datatype\n"
     "uint32 count\n";
-constexpr const char* region_definition =
-    "\n{0:=>80}\nMSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\n"
-    "uint32 height\nuint32 width\nbool do_rectify\n";
-
 constexpr std::uint8_t float32 = 7;  // PointField's number of it
 constexpr std::size_t point_bytes = 16;
 
@@ -99,15 +95,6 @@ RosType image_type() {
               fmt::format(fmt::runtime(header_definition), "")};
 }
 
-RosType camera_info_type() {
-  return {"sensor_msgs/msg/CameraInfo",
-          "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
-          "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
-          "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
-              fmt::format(fmt::runtime(header_definition), "") +
-              fmt::format(fmt::runtime(region_definition), "")};
-}
-
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
   constexpr std::array<std::string_view, 4> fields{"x", "y", "z", "intensity"};
   const auto width = static_cast<std::uint32_t>(cloud.size().width);
@@ -138,30 +125,6 @@ void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message
                     [](Pixel pixel) { return pixel; });
       },
       cloud.frames.front()->pixels);
-}
-
-void write_camera_info(const Lens& camera, std::uint64_t time, RosMessage& message) {
-  const auto& all = camera.distortion.coefficients;
-  const bool five = std::all_of(all.begin() + 5, all.end(), [](double c) { return c == 0; });
-  const std::size_t count = five ? 5 : all.size();
-  Cdr cdr(message);
-  cdr.add_header(time).add(static_cast<std::uint32_t>(camera.size.height));
-  cdr.add(static_cast<std::uint32_t>(camera.size.width));
-  cdr.add_text(five ? "plumb_bob" : "rational_polynomial");
-  cdr.add(static_cast<std::uint32_t>(count));
-  for (std::size_t i = 0; i < count; ++i) cdr.add(all[i]);
-  const auto add_matrix = [&](const Eigen::Matrix3d& matrix, int columns) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < columns; ++column) {
-        cdr.add(column < 3 ? matrix(row, column) : 0.0);
-      }
-    }
-  };
-  add_matrix(camera.intrinsic, 3);
-  add_matrix(Eigen::Matrix3d::Identity(), 3);
-  add_matrix(camera.intrinsic, 4);
-  for (int i = 0; i < 6; ++i) cdr.add(std::uint32_t{0});  // binning, region: all of the sensor
-  cdr.add(std::uint8_t{0});
 }
 
 }  // namespace slipstream

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
@@ -19,7 +18,6 @@ struct RosType {
 };
 RosType point_cloud_type();
 RosType image_type();
-RosType camera_info_type();
 
 /// Each into `message`, whose memory is used; `time`: nanoseconds of the world's clock since 1970.
 
@@ -30,7 +28,5 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
 /// sensor_msgs/msg/Image: the cloud's intensity as mono8; without a scanner the window's first
 /// frame, mono8 or mono16.
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message);
-/// sensor_msgs/msg/CameraInfo: the camera as OpenCV describes it.
-void write_camera_info(const Lens& camera, std::uint64_t time, RosMessage& message);
 
 }  // namespace slipstream

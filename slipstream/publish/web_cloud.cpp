@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <variant>
+#include <vector>
 
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/publish/little_endian.h"
 
 namespace slipstream {
 namespace {
@@ -37,15 +38,16 @@ DepthRange range_of(const Image<float>& depth) {
   return range.nearest <= range.farthest ? range : DepthRange{};
 }
 
-void append_grey(std::string& bytes, const Frame& frame) {
-  std::visit(
-      [&](const auto& pixels) {
-        each_sent(pixels.size(), [&](int column, int row) {
-          append(bytes, static_cast<std::uint8_t>(pixels(column, row) >> (frame.bits - 8)));
-        });
-      },
-      frame.pixels);
-}
+/// Writes values one after the other.
+struct Places {
+  char* at;
+
+  template <class Value>
+  void put(Value value) {
+    std::memcpy(at, &value, sizeof value);
+    at += sizeof value;
+  }
+};
 
 }  // namespace
 
@@ -59,13 +61,12 @@ int web_step(Size camera) {
 }
 
 std::string web_rays(const Lens& camera) {
-  std::string bytes;
+  std::vector<float> rays;
   each_sent(camera.size, [&](int column, int row) {
     const Eigen::Vector3d ray = ray_through(camera, {column, row});
-    append(bytes, static_cast<float>(ray.x()));
-    append(bytes, static_cast<float>(ray.y()));
+    rays.insert(rays.end(), {static_cast<float>(ray.x()), static_cast<float>(ray.y())});
   });
-  return bytes;
+  return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
 }
 
 std::string web_cloud(const LiveCloud& live) {
@@ -73,34 +74,38 @@ std::string web_cloud(const LiveCloud& live) {
   const Frame& frame = *live.frames.front();
   const bool has_depth = !cloud.z.empty();
   const Size size = frame.format().size;
-  const int step = web_step(size);
-  const DepthRange range = has_depth ? range_of(cloud.z) : DepthRange{};
-  const auto depth_step =
-      std::max(static_cast<float>((range.farthest - range.nearest) / most_steps),
-               std::numeric_limits<float>::min());
-  std::string bytes;
-  bytes.reserve(24 + 3 * static_cast<std::size_t>(most_web_pixels));
-  append(bytes, thinned(size.width, step));
-  append(bytes, thinned(size.height, step));
-  append(bytes, std::int32_t{has_depth});
-  append(bytes, static_cast<std::int32_t>(has_depth ? point_count(cloud) : 0));
-  append(bytes, static_cast<float>(range.nearest));
-  append(bytes, depth_step);
-  if (!has_depth) {
-    bytes.append(2 * static_cast<std::size_t>(thinned(size.width, step)) *
-                     static_cast<std::size_t>(thinned(size.height, step)),
-                 '\0');
-    append_grey(bytes, frame);
-    return bytes;
-  }
+  const int width = thinned(size.width, web_step(size));
+  const int height = thinned(size.height, web_step(size));
+  const DepthRange range = range_of(cloud.z);
   const auto nearest = static_cast<float>(range.nearest);
-  each_sent(size, [&](int column, int row) {
-    const float z = cloud.z(column, row);
-    const float steps = std::min(std::round((z - nearest) / depth_step), float{most_steps});
-    append(bytes, static_cast<std::uint16_t>(std::isnan(z) ? 0 : static_cast<int>(steps) + 1));
-  });
-  each_sent(size,
-            [&](int column, int row) { append(bytes, grey_level(cloud.intensity(column, row))); });
+  const float step = std::max(static_cast<float>((range.farthest - range.nearest) / most_steps),
+                              std::numeric_limits<float>::min());
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  std::string bytes(24 + 3 * pixels, '\0');
+  Places head{bytes.data()};
+  for (const int number :
+       {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
+    head.put(number);
+  }
+  head.put(nearest);
+  head.put(step);
+  Places greys{head.at + 2 * pixels};
+  if (has_depth) {
+    each_sent(size, [&](int column, int row) {
+      const float z = cloud.z(column, row);
+      const float steps = std::min((z - nearest) / step + 1.5F, float{most_steps + 1});
+      head.put(static_cast<std::uint16_t>(std::isnan(z) ? 0.0F : steps));
+      greys.put(grey_level(cloud.intensity(column, row)));
+    });
+  } else {
+    std::visit(
+        [&](const auto& pictured) {
+          each_sent(size, [&](int column, int row) {
+            greys.put(static_cast<std::uint8_t>(pictured(column, row) >> (frame.bits - 8)));
+          });
+        },
+        frame.pixels);
+  }
   return bytes;
 }
 

@@ -2,11 +2,15 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
+
+/// page.html, as it was when this was built.
+std::string_view web_page();
 
 /// Pixels that a page is sent at most: of larger pictures every second row and column, or third...
 inline constexpr std::int64_t most_web_pixels = 1 << 20;

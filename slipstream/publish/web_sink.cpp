@@ -24,7 +24,6 @@
 #include "slipstream/publish/metrics.h"
 #include "slipstream/publish/thread_priority.h"
 #include "slipstream/publish/web_cloud.h"
-#include "slipstream/publish/web_page.h"
 
 namespace slipstream {
 namespace {
@@ -41,7 +40,7 @@ using Bytes = std::shared_ptr<const std::string>;
 constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_message = 64;
 /// How long a client may take for a request or an answer, and a page for a cloud.
 constexpr auto patience = 10s, cloud_patience = 30s;
-constexpr auto between_saves = 1s;
+constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{33};
 /// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
 constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
@@ -114,7 +113,7 @@ class WebSink final : public CloudSink {
   std::atomic<bool> anybody_waits_ = false;
   Bytes sent_;  ///< the cloud of that count
   std::uint64_t sent_count_ = 0;
-  std::chrono::steady_clock::time_point saved_{};
+  std::chrono::steady_clock::time_point saved_{}, sent_at_{};
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer pause_{io_};
@@ -293,20 +292,17 @@ void WebSink::serve_waiting() {
 }
 
 std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen) {
-  Pooled<LiveCloud> cloud;
-  std::uint64_t count = 0;
-  {
-    const std::lock_guard lock(mutex_);
-    if (count_ == seen) return {};
-    count = count_;
-    cloud = newest_;
-  }
-  if (!cloud) return {};
-  if (count != sent_count_) {
+  const auto now = std::chrono::steady_clock::now();
+  std::unique_lock lock(mutex_);
+  if (newest_ && count_ != sent_count_ && now - sent_at_ >= between_clouds) {
+    const Pooled<LiveCloud> cloud = newest_;
+    sent_count_ = count_;
+    sent_at_ = now;
+    lock.unlock();
     sent_ = std::make_shared<const std::string>(web_cloud(*cloud));
-    sent_count_ = count;
   }
-  return {sent_, count};
+  if (sent_count_ == seen) return {};
+  return {sent_, sent_count_};
 }
 
 void WebSink::tell(const std::string& line) {

@@ -30,4 +30,12 @@ inline void append(std::vector<std::uint8_t>& bytes, std::string_view text) {
   bytes.insert(bytes.end(), text.begin(), text.end());
 }
 
+/// Adds each of them.
+template <class First, class Second, class... More>
+void append(std::vector<std::uint8_t>& bytes, const First& first, const Second& second,
+            const More&... more) {
+  append(bytes, first);
+  append(bytes, second, more...);
+}
+
 }  // namespace slipstream

@@ -1,10 +1,9 @@
-#include "slipstream/publish/mcap_sink.h"
-
 #include <chrono>
 #include <optional>
 #include <utility>
 
 #include "slipstream/publish/mcap_writer.h"
+#include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/ros_messages.h"
 #include "slipstream/publish/thread_priority.h"
 
@@ -61,13 +60,11 @@ class McapSink final : public CloudSink {
 
 }  // namespace
 
-void require_mcap_file(const std::string& path) {
-  require_ending(path, "MCAP file", {".mcap"});
-}
-
-std::unique_ptr<CloudSink> open_mcap_sink(const std::string& path, PublishedRun run) {
-  require_mcap_file(path);
-  return std::make_unique<McapSink>(path, std::move(run));
-}
+const SinkKind mcap_sink{
+    "mcap", "mcap:FILE",
+    [](const std::string& path) { require_ending(path, "MCAP file", {".mcap"}); },
+    [](const std::string& path, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      return std::make_unique<McapSink>(path, std::move(run));
+    }};
 
 }  // namespace slipstream

@@ -12,6 +12,7 @@
 
 namespace slipstream {
 namespace {
+using namespace std::string_view_literals;
 using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
@@ -36,8 +37,7 @@ enum Opcode : std::uint8_t {
 
 /// What tells what a record is, and how long its content.
 void append_head(Bytes& bytes, Opcode opcode, std::uint64_t length) {
-  append(bytes, static_cast<std::uint8_t>(opcode));
-  append(bytes, length);
+  append(bytes, static_cast<std::uint8_t>(opcode), length);
 }
 
 void append_record(Bytes& bytes, Opcode opcode, std::span<const std::uint8_t> content) {
@@ -48,10 +48,7 @@ void append_record(Bytes& bytes, Opcode opcode, std::span<const std::uint8_t> co
 Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
   Bytes bytes;
   append(bytes, static_cast<std::uint32_t>(values.size() * 10));
-  for (const auto& [key, value] : values) {
-    append(bytes, key);
-    append(bytes, value);
-  }
+  for (const auto& [key, value] : values) append(bytes, key, value);
   return bytes;
 }
 
@@ -60,8 +57,7 @@ Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
 McapWriter::McapWriter(const std::filesystem::path& path)
     : file_(path, OutputFile::Writing::over_time) {
   Bytes begin(magic.begin(), magic.end()), content;
-  append(content, std::string_view("ros2"));
-  append(content, std::string_view("slipstream"));
+  append(content, "ros2"sv, "slipstream"sv);
   append_record(begin, header, content);
   put(begin);
 }
@@ -75,17 +71,10 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
                                       const std::string& text) {
   const std::uint16_t number = ++channel_count_;  // of its schema too; 0 is none
   Bytes content;
-  append(content, number);
-  append(content, schema_name);
-  append(content, std::string_view("ros2msg"));
-  append(content, text);
+  append(content, number, schema_name, "ros2msg"sv, text);
   append_record(schemas_, schema, content);
   content.clear();
-  append(content, number);
-  append(content, number);
-  append(content, topic);
-  append(content, std::string_view("cdr"));
-  append(content, std::uint32_t{0});  // no more is told of it
+  append(content, number, number, topic, "cdr"sv, std::uint32_t{0});  // no more is told of it
   append_record(channels_, channel, content);
   statistics_.of_channel[number] = 0;
   return number;
@@ -93,21 +82,14 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
 
 void McapWriter::write(std::uint16_t number, std::uint64_t time,
                        std::span<const std::uint8_t> content) {
-  if (chunks_.empty() && chunk_.empty()) {
-    append(chunk_, schemas_);
-    append(chunk_, channels_);
-  }
+  if (chunks_.empty() && chunk_.empty()) append(chunk_, schemas_, channels_);
   if (index_.empty()) now_.start = now_.end = time;
   now_.start = std::min(now_.start, time);
   now_.end = std::max(now_.end, time);
   index_[number].push_back({time, chunk_.size()});
-  const std::uint64_t count = statistics_.of_channel[number]++;
+  const auto count = static_cast<std::uint32_t>(statistics_.of_channel[number]++);
   append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
-  append(chunk_, number);
-  append(chunk_, static_cast<std::uint32_t>(count));
-  append(chunk_, time);  // when it was logged, and when published
-  append(chunk_, time);
-  append(chunk_, content);
+  append(chunk_, number, count, time, time, content);  // when it was logged, and published
   ++statistics_.messages;
 }
 
@@ -126,24 +108,15 @@ void McapWriter::end_chunk() {
   now_.unpacked = chunk_.size();
   Bytes head, indices;
   append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
-  append(head, now_.start);
-  append(head, now_.end);
-  append(head, now_.unpacked);
-  append(head, checksum(chunk_));
-  append(head, std::string_view("zstd"));
-  append(head, now_.packed);
+  append(head, now_.start, now_.end, now_.unpacked, checksum(chunk_), "zstd"sv, now_.packed);
   put(head);
   put({packed_.data(), size});
   now_.length = offset_ - now_.offset;
   for (const auto& [number, places] : index_) {
     now_.indices[number] = offset_ + indices.size();
     append_head(indices, message_index, 2 + 4 + 16 * places.size());
-    append(indices, number);
-    append(indices, static_cast<std::uint32_t>(16 * places.size()));
-    for (const auto& [time, place] : places) {
-      append(indices, time);
-      append(indices, place);
-    }
+    append(indices, number, static_cast<std::uint32_t>(16 * places.size()));
+    for (const auto& [time, place] : places) append(indices, time, place);
   }
   put(indices);
   now_.index_length = indices.size();
@@ -167,9 +140,8 @@ void McapWriter::finish() {
   const auto group = [&](Opcode opcode, std::size_t begin) {
     if (records.size() == begin) return;
     append_head(offsets, summary_offset, 1 + 8 + 8);
-    append(offsets, static_cast<std::uint8_t>(opcode));
-    append(offsets, summary + begin);
-    append(offsets, static_cast<std::uint64_t>(records.size() - begin));
+    append(offsets, static_cast<std::uint8_t>(opcode), summary + begin,
+           std::uint64_t{records.size() - begin});
   };
   append(records, schemas_);
   group(schema, 0);
@@ -177,28 +149,17 @@ void McapWriter::finish() {
   group(channel, schemas_.size());
   std::size_t begin = records.size();
   content.clear();
-  append(content, statistics_.messages);
-  append(content, channel_count_);  // of schemas
-  append(content, std::uint32_t{channel_count_});
-  append(content, std::uint32_t{0});  // attachments
-  append(content, std::uint32_t{0});  // metadata
-  append(content, static_cast<std::uint32_t>(chunks_.size()));
-  append(content, statistics_.start);
-  append(content, statistics_.end);
-  append(content, map_of(statistics_.of_channel));
+  constexpr std::uint32_t attachments = 0, metadata = 0;
+  append(content, statistics_.messages, channel_count_, std::uint32_t{channel_count_}, attachments,
+         metadata, static_cast<std::uint32_t>(chunks_.size()), statistics_.start, statistics_.end,
+         map_of(statistics_.of_channel));
   append_record(records, statistics, content);
   group(statistics, begin);
   begin = records.size();
   for (const Chunk& one : chunks_) {
     content.clear();
-    for (const std::uint64_t value : {one.start, one.end, one.offset, one.length}) {
-      append(content, value);
-    }
-    append(content, map_of(one.indices));
-    append(content, one.index_length);
-    append(content, std::string_view("zstd"));
-    append(content, one.packed);
-    append(content, one.unpacked);
+    append(content, one.start, one.end, one.offset, one.length, map_of(one.indices),
+           one.index_length, "zstd"sv, one.packed, one.unpacked);
     append_record(records, chunk_index, content);
   }
   group(chunk_index, begin);
@@ -206,10 +167,8 @@ void McapWriter::finish() {
   const std::uint64_t offsets_at = summary + records.size();
   append(records, offsets);
   append_head(records, footer, 8 + 8 + 4);
-  append(records, summary);
-  append(records, offsets_at);
-  append(records, checksum(records));
-  append(records, magic);
+  append(records, summary, offsets_at);
+  append(records, checksum(records), magic);
   put(records);
   file_.keep();
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -11,58 +10,46 @@
 
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
-#include "slipstream/publish/mcap_sink.h"
-#include "slipstream/publish/web_sink.h"
 
 namespace slipstream {
 namespace {
 
-struct Kind {
-  std::string_view name, form;
-  void (*require)(const std::string& where);
-  std::unique_ptr<CloudSink> (*open)(const std::string& where, PublishedRun run);
-};
+constexpr std::array kinds{&web_sink, &mcap_sink};
 
-constexpr std::array kinds{
-    Kind{"web", "web:[ADDRESS:]PORT",
-         [](const std::string& where) { static_cast<void>(web_address_from(where)); },
-         open_web_sink},
-    Kind{"mcap", "mcap:FILE", require_mcap_file, open_mcap_sink},
-};
+std::vector<std::string> each(const char* SinkKind::*what) {
+  std::vector<std::string> all;
+  for (const SinkKind* const kind : kinds) all.emplace_back(kind->*what);
+  return all;
+}
 
 /// The kind, and what stands after it.
-std::pair<const Kind*, std::string> kind_of(const std::string& name) {
-  const std::size_t colon = name.find(':');
-  const std::string called = name.substr(0, colon);
+std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
+  const std::size_t colon = std::min(name.find(':'), name.size());
+  const std::string called = name.substr(0, colon), what = name.substr(colon);
   const auto kind = std::find_if(kinds.begin(), kinds.end(),
-                                 [&](const Kind& known) { return known.name == called; });
+                                 [&](const SinkKind* known) { return known->name == called; });
   if (kind == kinds.end()) {
-    std::vector<std::string_view> names;
-    for (const Kind& known : kinds) names.push_back(known.name);
     throw Error(fmt::format("--publish {}: there is no such kind of sink{}; {}", name,
-                            did_you_mean(called, names), sink_forms()));
+                            did_you_mean(called, each(&SinkKind::name)), sink_forms()));
   }
-  const std::string where = colon == std::string::npos ? "" : name.substr(colon + 1);
-  if (where.empty()) throw Error(fmt::format("--publish {}: {} is wanted", name, kind->form));
-  return {&*kind, where};
+  if (what.size() < 2) throw Error(fmt::format("--publish {}: {} is wanted", name, (*kind)->form));
+  return {**kind, what.substr(1)};
 }
 
 }  // namespace
 
 std::string sink_forms() {
-  std::vector<std::string_view> forms;
-  for (const Kind& kind : kinds) forms.push_back(kind.form);
-  return fmt::format("{}", fmt::join(forms, ", "));
+  return fmt::format("{}", fmt::join(each(&SinkKind::form), ", "));
 }
 
 void require_sink(const std::string& name) {
-  const auto [kind, where] = kind_of(name);
-  kind->require(where);
+  const auto& [kind, what] = kind_of(name);
+  kind.require(what);
 }
 
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run) {
-  const auto [kind, where] = kind_of(name);
-  return kind->open(where, std::move(run));
+  const auto& [kind, what] = kind_of(name);
+  return kind.open(what, std::move(run));
 }
 
 }  // namespace slipstream

@@ -17,4 +17,21 @@ void require_sink(const std::string& name);
 /// written.
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run);
 
+/// One kind of sink: a file that defines one of these.
+struct SinkKind {
+  const char* name;
+  const char* form;                          ///< "NAME:WHAT"
+  void (*require)(const std::string& what);  ///< throws Error where that cannot be meant
+  std::unique_ptr<CloudSink> (*open)(const std::string& what, PublishedRun run);
+};
+
+/// Serves a page with the newest cloud, its picture and the run's statistics over HTTP and
+/// WebSocket; /statistics as JSON, /metrics as Prometheus reads it, /health. Where other machines
+/// reach it, those who know a random token are answered, which the news tell as part of the page's
+/// address. Clients get a cloud when they ask for one.
+extern const SinkKind web_sink;
+/// Writes clouds and pictures as messages of ROS 2 into an MCAP file: /points and /image, of clouds
+/// that share no frame.
+extern const SinkKind mcap_sink;
+
 }  // namespace slipstream

@@ -1,5 +1,3 @@
-#include "slipstream/publish/web_sink.h"
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -22,6 +20,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/publish/metrics.h"
+#include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/thread_priority.h"
 #include "slipstream/publish/web_cloud.h"
 
@@ -45,6 +44,12 @@ constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{33};
 constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+struct WebAddress {
+  std::string host = "127.0.0.1";  ///< as a number
+  std::uint16_t port = 0;          ///< 0: one that is free
+  bool loopback = true;            ///< nobody but this machine reaches it
+};
 
 std::string random_token() {
   std::random_device device;  // of the system
@@ -105,7 +110,7 @@ class WebSink final : public CloudSink {
   const PublishedRun run_;
   const std::string token_;
   const std::string rays_;
-  std::mutex mutex_;  ///< of the three that follow
+  std::mutex mutex_;  ///< of the four that follow
   std::vector<std::string> news_;
   Pooled<LiveCloud> newest_;
   std::uint64_t count_ = 0;
@@ -385,8 +390,7 @@ http::response<http::string_body> WebSink::answer(const Request& request) {
   return response;
 }
 
-}  // namespace
-
+/// From "PORT" or "ADDRESS:PORT", as "8080", "0.0.0.0:8080", "[::1]:8080".
 WebAddress web_address_from(const std::string& where) {
   WebAddress address;
   const std::size_t colon = where.rfind(':');
@@ -408,8 +412,13 @@ WebAddress web_address_from(const std::string& where) {
   return address;
 }
 
-std::unique_ptr<CloudSink> open_web_sink(const std::string& where, PublishedRun run) {
-  return std::make_unique<WebSink>(web_address_from(where), std::move(run));
-}
+}  // namespace
+
+const SinkKind web_sink{
+    "web", "web:[ADDRESS:]PORT",
+    [](const std::string& where) { static_cast<void>(web_address_from(where)); },
+    [](const std::string& where, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      return std::make_unique<WebSink>(web_address_from(where), std::move(run));
+    }};
 
 }  // namespace slipstream

@@ -14,8 +14,8 @@
 
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
-#include "slipstream/publish/mcap_sink.h"
 #include "slipstream/publish/metrics.h"
+#include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/web_cloud.h"
 #include "tests/io/temporary_folder.h"
 
@@ -190,7 +190,7 @@ void expect_points(const Bytes& message, const Cloud& cloud) {
 TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_written) {
   const TemporaryFolder folder;
   const auto path = folder.path() / "clouds.mcap";
-  const auto sink = open_mcap_sink(path.string(), {.camera = camera()});
+  const auto sink = open_sink("mcap:" + path.string(), {.camera = camera()});
   constexpr int count = 150;  // of 46 KB each: some chunks
   for (std::uint64_t i = 0; i < count; ++i) sink->put(any_cloud(i));
   const McapFile interrupted = read_mcap(path);
@@ -213,7 +213,7 @@ TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_writt
 
 TEST(Mcap, is_given_clouds_that_share_no_frame) {
   const TemporaryFolder folder;
-  const auto sink = open_mcap_sink((folder.path() / "a.mcap").string(), {.camera = camera()});
+  const auto sink = open_sink("mcap:" + (folder.path() / "a.mcap").string(), {.camera = camera()});
   std::vector<std::uint64_t> wanted;
   for (const std::uint64_t i : {3, 4, 5, 6, 7, 8, 13, 14, 16, 17, 2, 3}) {
     if (sink->wants(*any_cloud(i))) wanted.push_back(i);

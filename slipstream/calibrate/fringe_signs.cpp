@@ -8,6 +8,7 @@
 #include <Eigen/QR>
 
 #include "slipstream/calibrate/capture_signs.h"
+#include "slipstream/calibrate/projector_corners.h"
 #include "slipstream/image/quantile.h"
 #include "slipstream/noise/robust.h"
 #include "slipstream/phase/equations.h"
@@ -28,14 +29,6 @@ struct Samples {
 
 constexpr int wanted_samples = 3000;  // by which a ripple of a hundredth of a radian stands out
 constexpr Eigen::Index fewest_samples = 200;
-
-double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i) {
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t j = 0; j < corners.size(); ++j) {
-    if (j != i) least = std::min(least, (corners[i] - corners[j]).norm());
-  }
-  return least;
-}
 
 /// Pixels evenly spread about each corner, as far as half way to the next.
 std::vector<std::pair<int, int>> pixels_about(const std::vector<Eigen::Vector2d>& corners,

@@ -133,6 +133,8 @@ ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
   return {at(h, Eigen::Vector2d::Zero()) + about.middle, slope_at_corner(h) / radius};
 }
 
+}  // namespace
+
 double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < corners.size(); ++j) {
@@ -140,8 +142,6 @@ double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t
   }
   return least;
 }
-
-}  // namespace
 
 ProjectorMap projector_map(const FrameViews& frames_x, const BasicMaps<double>& along_x,
                            const FrameViews& frames_y, const BasicMaps<double>& along_y,

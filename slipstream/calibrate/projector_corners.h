@@ -37,4 +37,7 @@ std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map,
                                                const std::vector<Eigen::Vector2d>& corners,
                                                double share);
 
+/// From a corner to the nearest other, pixels.
+double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i);
+
 }  // namespace slipstream

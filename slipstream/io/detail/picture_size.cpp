@@ -35,18 +35,9 @@ std::uint64_t bmp_pixels(const Header& header) {
   return header.number(18, 4) * static_cast<std::uint64_t>(std::abs(std::int64_t{height}));
 }
 
-/// Two numbers between blanks and comments.
 std::uint64_t pgm_pixels(std::string_view text) {
-  std::uint64_t pixels = 1;
-  for (int side = 0; side < 2; ++side) {
-    while (!text.empty() && !std::isdigit(static_cast<unsigned char>(text[0]))) {
-      text.remove_prefix(text[0] == '#' ? std::min(text.find('\n'), text.size()) : 1);
-    }
-    const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-    pixels *= number_in<std::uint32_t>(text.substr(0, digits)).value_or(0);
-    text.remove_prefix(digits);
-  }
-  return pixels;
+  const std::uint64_t columns = next_number(text).value_or(0);
+  return columns * next_number(text).value_or(0);
 }
 
 /// Of the first directory: the widths and heights of picture and tiles.
@@ -72,6 +63,16 @@ std::uint64_t tiff_pixels(const Header& header) {
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> next_number(std::string_view& text) {
+  while (!text.empty() && !std::isdigit(static_cast<unsigned char>(text[0]))) {
+    text.remove_prefix(text[0] == '#' ? std::min(text.find('\n'), text.size()) : 1);
+  }
+  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
+  const auto number = number_in<std::uint32_t>(text.substr(0, digits));
+  text.remove_prefix(digits);
+  return number;
+}
 
 std::optional<std::uint64_t> stated_pixels(Bytes bytes) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -1,9 +1,7 @@
 #include "slipstream/io/detail/plain_pictures.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdlib>
-#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,7 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/io/detail/picture_size.h"
 
 namespace slipstream {
 namespace {
@@ -45,17 +43,6 @@ std::vector<cv::Vec3b> palette_of(Bytes entries) {
   }
   if (grey) colours.clear();
   return colours;
-}
-
-/// The next number of a PGM file's text, past blanks and comments.
-std::optional<std::uint32_t> next_number(std::string_view& text) {
-  while (!text.empty() && !std::isdigit(static_cast<unsigned char>(text[0]))) {
-    text.remove_prefix(text[0] == '#' ? std::min(text.find('\n'), text.size()) : 1);
-  }
-  const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
-  const auto number = number_in<std::uint32_t>(text.substr(0, digits));
-  text.remove_prefix(digits);
-  return number;
 }
 
 }  // namespace

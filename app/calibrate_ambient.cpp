@@ -3,8 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "app/calibration_files.h"
 #include "app/commands.h"
 #include "slipstream/io/photometric_file.h"

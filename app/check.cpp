@@ -1,8 +1,6 @@
 #include <string>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/progress.h"

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,7 +8,6 @@
 #include "app/progress.h"
 #include "app/virtual_flags.h"
 #include "slipstream/compare/comparison.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/plot_file.h"
 #include "slipstream/io/preview.h"

@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cmath>
 #include <string>
 #include <vector>
 
@@ -111,8 +109,8 @@ void add_calibrate_height(CLI::App& calibrate, Command& chosen) {
       add_command(calibrate, chosen, calibrate_height, "height",
                   "heights over a reference plane, from scans of it moved by known heights");
   command
-      .add("planes", flags.planes,
-           "scans of a plane, three or more, or maps of its absolute phase: .tiff or .npy")
+      .add_file("planes", flags.planes,
+                "scans of a plane, three or more, or maps of its absolute phase: .tiff or .npy")
       ->required();
   command.add("--heights", flags.heights, "of each plane, mm, the reference at 0: 0,10,20")
       ->required();

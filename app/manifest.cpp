@@ -1,7 +1,5 @@
 #include "app/manifest.h"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"

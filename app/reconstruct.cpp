@@ -1,11 +1,9 @@
 #include <algorithm>
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <future>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "app/scan_flags.h"
 
 #include <algorithm>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>

@@ -1,8 +1,5 @@
 #include <filesystem>
-#include <optional>
 #include <string>
-
-#include <fmt/format.h>
 
 #include "app/commands.h"
 #include "app/scan_flags.h"

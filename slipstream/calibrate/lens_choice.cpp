@@ -1,6 +1,5 @@
 #include "slipstream/calibrate/lens_choice.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 

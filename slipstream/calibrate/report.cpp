@@ -1,14 +1,12 @@
 #include "slipstream/calibrate/report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
 
 #include "slipstream/calibrate/residual_plots.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/page.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <string>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>

@@ -1,7 +1,5 @@
 #include "slipstream/calibrate/ruler.h"
 
-#include <cmath>
-
 #include <Eigen/Core>
 #include <fmt/format.h>
 

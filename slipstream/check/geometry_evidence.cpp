@@ -1,6 +1,5 @@
 #include "slipstream/check/geometry_evidence.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>

@@ -1,6 +1,4 @@
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include <fmt/format.h>
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
-#include <utility>
 #include <variant>
 
 #include "slipstream/reconstruct/engine.h"

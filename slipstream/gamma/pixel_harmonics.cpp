@@ -1,6 +1,5 @@
 #include "slipstream/gamma/pixel_harmonics.h"
 
-#include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <vector>

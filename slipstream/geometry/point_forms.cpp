@@ -1,7 +1,5 @@
 #include "slipstream/geometry/point_forms.h"
 
-#include <cmath>
-
 #include <Eigen/LU>
 
 namespace slipstream {

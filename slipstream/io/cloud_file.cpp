@@ -1,6 +1,5 @@
 #include "slipstream/io/cloud_file.h"
 
-#include <algorithm>
 #include <iterator>
 #include <string>
 #include <string_view>

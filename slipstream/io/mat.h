@@ -1,7 +1,5 @@
 #pragma once
 
-#include <type_traits>
-
 #include <opencv2/core.hpp>
 
 #include "slipstream/image/image.h"

@@ -1,6 +1,5 @@
 #include "slipstream/io/mesh_file.h"
 
-#include <string>
 #include <utility>
 
 #include <fmt/format.h>

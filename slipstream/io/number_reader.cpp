@@ -60,25 +60,13 @@ double NumberReader::ascii_number() {
 
 double NumberReader::number(NumberType type) {
   if (ascii_) return ascii_number();
-  switch (type) {
-    case NumberType::int8:
-      return binary_number<std::int8_t>();
-    case NumberType::uint8:
-      return binary_number<std::uint8_t>();
-    case NumberType::int16:
-      return binary_number<std::int16_t>();
-    case NumberType::uint16:
-      return binary_number<std::uint16_t>();
-    case NumberType::int32:
-      return binary_number<std::int32_t>();
-    case NumberType::uint32:
-      return binary_number<std::uint32_t>();
-    case NumberType::float32:
-      return binary_number<float>();
-    case NumberType::float64:
-      return binary_number<double>();
-  }
-  return 0;
+  using R = NumberReader;  // in the order of NumberType
+  static constexpr std::array<double (R::*)(), 8> by_type{
+      &R::binary_number<std::int8_t>,  &R::binary_number<std::uint8_t>,
+      &R::binary_number<std::int16_t>, &R::binary_number<std::uint16_t>,
+      &R::binary_number<std::int32_t>, &R::binary_number<std::uint32_t>,
+      &R::binary_number<float>,        &R::binary_number<double>};
+  return (this->*by_type[static_cast<std::size_t>(type)])();
 }
 
 void NumberReader::set_format(NumberFormat format) {

@@ -1,6 +1,5 @@
 #include "slipstream/io/opencv_storage.h"
 
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <sstream>

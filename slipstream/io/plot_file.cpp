@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <limits>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>

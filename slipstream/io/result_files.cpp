@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
 #include "slipstream/io/distinct_files.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"

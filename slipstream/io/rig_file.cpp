@@ -1,7 +1,6 @@
 #include "slipstream/io/rig_file.h"
 
 #include <algorithm>
-#include <cstdint>
 
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/maps.h"

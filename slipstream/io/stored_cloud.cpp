@@ -1,8 +1,6 @@
 #include "slipstream/io/stored_cloud.h"
 
 #include <cmath>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 

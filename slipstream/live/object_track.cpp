@@ -1,6 +1,5 @@
 #include "slipstream/live/object_track.h"
 
-#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "slipstream/error/error.h"
 #include "slipstream/phase/phase_decoder.h"

@@ -1,6 +1,5 @@
 #include "slipstream/project/projection.h"
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <thread>

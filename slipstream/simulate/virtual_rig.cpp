@@ -1,11 +1,7 @@
 #include "slipstream/simulate/virtual_rig.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "slipstream/error/error.h"
 #include "slipstream/simulate/projected_light.h"

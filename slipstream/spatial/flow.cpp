@@ -1,7 +1,6 @@
 // The least change of the steps that makes every way around close, a flow of least cost between
 // residues: Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include <lemon/network_simplex.h>

@@ -12,7 +12,6 @@
 #include <unsupported/Eigen/FFT>
 
 #include "slipstream/image/parallel_rows.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/spatial/detail/edge_steps.h"
 #include "slipstream/spatial/detail/roughness.h"
 

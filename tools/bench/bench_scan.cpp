@@ -1,6 +1,5 @@
 #include "tools/bench/bench_scan.h"
 
-#include <cstddef>
 #include <utility>
 
 #include "slipstream/simulate/named_scenes.h"

@@ -1,6 +1,5 @@
 #include <cstddef>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include <fmt/format.h>

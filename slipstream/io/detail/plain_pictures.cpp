@@ -1,6 +1,5 @@
 #include "slipstream/io/detail/plain_pictures.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <string_view>

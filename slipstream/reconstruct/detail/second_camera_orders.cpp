@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <vector>
 
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"

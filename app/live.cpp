@@ -353,10 +353,10 @@ void live(const LiveFlags& flags, Output& output) {
                       flags.source.source,
                       scheme != "virtual" && scheme != "replay",
                       flags.view};
-  open_sinks(
-      flags.publish, session, [&] { return document_of(session, publisher); }, publisher);
   const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
       &publisher, [](Publisher* ending) { ending->finish(); });
+  open_sinks(
+      flags.publish, session, [&] { return document_of(session, publisher); }, publisher);
   tell_news(publisher, output);
   if (!flags.record.empty()) recorder.record_to(flags.record);
   pipeline.start();

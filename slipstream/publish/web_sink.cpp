@@ -37,8 +37,8 @@ using Request = http::request<http::empty_body>;
 using Bytes = std::shared_ptr<const std::string>;
 
 constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_message = 64;
-/// How long a client may take for a request or an answer, and a page for a cloud.
-constexpr auto patience = 10s, cloud_patience = 30s;
+/// How long a client may take to ask for something, and to take it.
+constexpr auto patience = 10s, answer_patience = 30s;
 constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{33};
 /// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
 constexpr const char* page_rules =
@@ -174,7 +174,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
       return;
     }
     response_ = sink_.answer(request);
-    stream_.expires_after(patience);
+    stream_.expires_after(answer_patience);
     http::async_write(stream_, response_,
                       [self = shared_from_this()](Failure failure, std::size_t) {
                         if (!failure && self->response_.keep_alive()) self->read_request();
@@ -184,7 +184,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void open_page(const Request& request) {
     stream_.expires_never();
     page_.emplace(std::move(stream_));
-    page_->set_option(websocket::stream_base::timeout{patience, cloud_patience, true});
+    page_->set_option(websocket::stream_base::timeout{patience, answer_patience, true});
     page_->read_message_max(largest_message);
     page_->auto_fragment(false);
     page_->binary(true);
@@ -342,10 +342,10 @@ std::string WebSink::refusal(const Request& request) const {
 }
 
 std::string WebSink::save() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - saved_ < between_saves) return "saved a moment ago";
-  saved_ = now;
-  return run_.save();
+  if (std::chrono::steady_clock::now() - saved_ < between_saves) return "saved a moment ago";
+  std::string folder = run_.save();
+  saved_ = std::chrono::steady_clock::now();
+  return folder;
 }
 
 http::response<http::string_body> WebSink::answer(const Request& request) {

@@ -30,11 +30,16 @@ class Live:
             [PROGRAM, "live", "--source", "virtual", "--world", "ideal", "--camera", size, "--rate",
              str(rate), "--strategy", "pmp", "--steps", "4", "--headless", "--json", *sinks, *flags],
             cwd=folder, stdout=subprocess.PIPE, stderr=self.words.open("w"), text=True)
-        if web:
-            wait_for(lambda: re.search(r"http://\S+", self.words.read_text()))
+        if not web:
+            return
+        try:
+            wait_for(lambda: re.search(r"http://\S+", self.words.read_text()), 300)
             self.address = re.search(r"http://\S+", self.words.read_text())[0]
             self.port = int(re.search(r":(\d+)/", self.address)[1])
             wait_for(lambda: self.statistics()["clouds"] > 0)
+        except BaseException:
+            self.__exit__()
+            raise
 
     def __enter__(self):
         return self
@@ -185,8 +190,6 @@ def test_save_writes_a_scan(live):
     assert status == 200
     assert (live.words.parent / folder / "cloud.ply").exists()
     assert (live.words.parent / folder / "scan.yaml").exists()
-    assert "moment ago" in live.get("/save", method="POST",
-                                    Origin=f"http://127.0.0.1:{live.port}")[1]
 
 
 def test_others_need_the_token(tmp_path):
@@ -274,7 +277,7 @@ def test_a_run_that_ends_tells_the_page(tmp_path):
         client, _ = ask_for_page(live.port, origin=f"http://127.0.0.1:{live.port}")
         code, told = live.finish()
         assert code == 0 and told["sinks"][0]["error"] == ""
-        assert client.recv(100) == b"" or True
+        assert client.recv(100) == b""
         client.close()
 
 

@@ -58,10 +58,10 @@ struct Engine::Tables {
     noise = depth_noise(complete);
     const Band& band = measuring_band(complete.sequence.strategy.layout());
     if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
-    if (setup.settings.engine != EngineKind::reference && !unwraps_by_depth(complete)) {
+    if (setup.settings.engine != EngineKind::reference) {
       fused = FusedEngine::make(complete, corrections);
     }
-    if (!fused) static_cast<void>(reference());
+    if (!fused || fused->wants_coarse()) static_cast<void>(reference());
   }
 
   /// Its tables take long to build: they are when they are first wanted.
@@ -110,6 +110,7 @@ struct Engine::Memory {
   MergedFrames merged;
   std::optional<Demodulator> demodulate;
   Image<float> modulation;
+  Image<float> coarse;  ///< coordinates whose orders the picture gives
   FrameMotion motion;
   Cleaner clean;
 };
@@ -155,8 +156,7 @@ ValidityCounts Engine::cloud(const FrameViews& given, Cloud& cloud) {
   Image<float>& modulation = memory_->modulation;
   if (tables_->is_fused(frames)) {
     const bool wanted = memory_->clean.wants_modulation();
-    (*tables_->fused)(frames, {.cloud = &cloud, .modulation = wanted ? &modulation : nullptr},
-                      memory_->fused);
+    run_fused(frames, {.cloud = &cloud, .modulation = wanted ? &modulation : nullptr});
   } else {
     const ReferenceResult result = tables_->reference()(frames);
     convert(result.cloud, cloud);
@@ -171,7 +171,7 @@ void Engine::depth(const FrameViews& given, Depth& depth) {
   tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
-    (*tables_->fused)(frames, {.depth = &depth}, memory_->fused);
+    run_fused(frames, {.depth = &depth});
   } else {
     const BasicCloud<double> cloud = tables_->reference()(frames).cloud;
     convert(cloud.z, depth.z);
@@ -186,7 +186,7 @@ void Engine::depth(const FrameViews& given, Depth& depth) {
 void Engine::maps(const FrameViews& given, Maps& maps) {
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
-    (*tables_->fused)(frames, {.maps = &maps}, memory_->fused);
+    run_fused(frames, {.maps = &maps});
   } else {
     convert(tables_->reference().maps(frames), maps);
   }
@@ -199,7 +199,7 @@ ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Map
   tables_->require_geometry();
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
-    (*tables_->fused)(frames, {.cloud = &cloud, .maps = &maps}, memory_->fused);
+    run_fused(frames, {.cloud = &cloud, .maps = &maps});
   } else {
     const ReferenceResult result = tables_->reference()(frames);
     convert(result.cloud, cloud);
@@ -209,6 +209,24 @@ ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Map
   if (tables_->measure_motion) std::swap(maps.motion, memory_->motion.speed);
   divide_by_gain(frames, cloud.intensity);
   return memory_->clean(cloud, maps.modulation, tables_->noise_for(frames));
+}
+
+void Engine::run_fused(const FrameViews& frames, const FusedOutput& output) {
+  const FusedEngine& fused = *tables_->fused;
+  if (!fused.wants_coarse()) return fused(frames, output, memory_->fused);
+  Image<Validity> order;
+  convert(tables_->reference().maps(frames, order).coordinate, memory_->coarse);
+  fused(frames, output, memory_->fused, &memory_->coarse);
+  const auto say_why = [&](Image<Validity>& validity) {
+    for (std::size_t i = 0; i < validity.pixel_count(); ++i) {
+      Validity& pixel = validity.begin()[i];
+      const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
+      if (unmeasured || !std::isnan(memory_->coarse.begin()[i])) continue;
+      pixel = order.empty() ? Validity::doubtful_order : order.begin()[i];
+    }
+  };
+  if (output.cloud != nullptr) say_why(output.cloud->validity);
+  if (output.depth != nullptr) say_why(output.depth->validity);
 }
 
 template <class LeaveOut>

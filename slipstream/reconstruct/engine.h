@@ -12,6 +12,8 @@
 
 namespace slipstream {
 
+struct FusedOutput;
+
 /// Frames to cloud and maps, for one scanner and one sequence: the one way there is. Tables are
 /// built once and memory is reused, so that from the second call on nothing is allocated where the
 /// same outputs are handed in. Phases are corrected for the scanner's response where it is known,
@@ -66,6 +68,7 @@ class Engine {
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
 
  private:
+  void run_fused(const FrameViews& frames, const FusedOutput& output);
   template <class LeaveOut>
   void leave_out_moved(const FrameViews& frames, const Image<Validity>& validity,
                        const LeaveOut& leave_out);

@@ -67,6 +67,11 @@ bool unwraps_by_depth(const EngineSetup& setup) {
          setup.settings.farthest;
 }
 
+bool unwraps_by_picture(const EngineSetup& setup) {
+  return unwraps_by_depth(setup) ||
+         setup.sequence.strategy.layout().unwrapping == Unwrapping::surfaces;
+}
+
 void require_valid(const EngineSetup& setup) {
   const auto& [scanner, sequence, settings] = setup;
   require_valid(scanner);

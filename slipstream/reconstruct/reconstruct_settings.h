@@ -68,6 +68,9 @@ DepthRange depth_range(const EngineSetup& setup);
 /// alone, and both ends of the range named.
 bool unwraps_by_depth(const EngineSetup& setup);
 
+/// Whether it comes from the whole picture rather than from a pixel's frames: that, or surfaces.
+bool unwraps_by_picture(const EngineSetup& setup);
+
 /// Throws Error where the scanner or the settings are not valid or see no depth along that axis, or
 /// where the strategy is too fine for the projector. An ambient light that is not known is taken
 /// for none: see needs_ambient_light.

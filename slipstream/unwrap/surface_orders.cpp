@@ -15,6 +15,8 @@
 namespace slipstream {
 namespace {
 
+using std::numbers::pi;
+
 /// Flooded from one of its pixels, whose order is 0.
 class Surfaces {
  public:
@@ -43,16 +45,13 @@ class Surfaces {
   }
 
   void reach(SurfacePixel from, int column, int row) {
-    constexpr double steepest = 0.25;  // periods per pixel
+    constexpr double steepest = 0.5 * pi;  // per pixel
     const auto [width, height] = reached_.size();
     if (column < 0 || row < 0 || column >= width || row >= height) return;
     if (reached_(column, row) != 0) return;
-    const double step = (wrapped_phase_(column, row) - wrapped_phase_(from.column, from.row)) /
-                        (2 * std::numbers::pi);
-    const double whole = std::rint(step);
-    if (std::abs(step - whole) < steepest) {
-      add({column, row, from.order - static_cast<int>(whole)});
-    }
+    const double step = wrapped_phase_(column, row) - wrapped_phase_(from.column, from.row);
+    const int whole = step > pi ? 1 : step < -pi ? -1 : 0;
+    if (std::abs(step - 2 * pi * whole) < steepest) add({column, row, from.order - whole});
   }
 
   const Image<double>& wrapped_phase_;
@@ -115,8 +114,8 @@ Image<double> coordinate_by_surfaces(const Image<double>& wrapped_phase, double 
   return coordinate;
 }
 
-SurfaceChoice by_possible_orders(std::function<OrderRange(int column, int row)> possible) {
-  return [possible = std::move(possible)](const std::vector<SurfacePixel>& surface) {
+SurfaceChoice by_possible_orders(const Image<OrderRange>& possible) {
+  return [&possible](const std::vector<SurfacePixel>& surface) {
     Votes votes;
     for (const auto& [column, row, order] : surface) {
       const auto [first, last] = possible(column, row);

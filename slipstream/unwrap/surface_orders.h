@@ -29,7 +29,7 @@ struct OrderRange {
 };
 
 /// The order under which 99.5 % of the pixels have one that they may have, where under any other
-/// one in a hundred less do.
-SurfaceChoice by_possible_orders(std::function<OrderRange(int column, int row)> possible);
+/// one in a hundred less do. `possible` must outlive it.
+SurfaceChoice by_possible_orders(const Image<OrderRange>& possible);
 
 }  // namespace slipstream

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -146,6 +147,43 @@ INSTANTIATE_TEST_SUITE_P(
         OneFrameScan{CompositePattern{}, "statue", 0, 0.2, 0.1},
         OneFrameScan{CompositePattern{}, "sphere", 0, 0.2, 0.1},
         OneFrameScan{CompositePattern{}, "board", 0.7, 0.05, 0.06}));
+
+/// Where the picture gives the order, in float as in double: the same points, and for the others
+/// the same reason.
+TEST(OneFrame, IsFusedAsItIsByTheEquations) {
+  const Scanner scanner = example_scanner({320, 240});
+  const ReconstructSettings range{.nearest = 490, .farthest = 770};
+  const std::vector<std::pair<Strategy, ReconstructSettings>> cases = {
+      {FourierProfilometry{.frequency = 48}, range},
+      {CompositePattern{}, {}},
+      {PhaseMeasuring{.frequency = 4}, {.nearest = 490, .farthest = 610}}};
+  for (const auto& [strategy, settings] : cases) {
+    const VirtualScan scan = take_scan(scanner, scene_named("board", scanner),
+                                       pattern_set(strategy, Axis::x), {.noise_variance = 1});
+    ReconstructSettings of_reference = settings;
+    of_reference.engine = EngineKind::reference;
+    Engine fused(scanner, {.strategy = strategy}, settings),
+        reference(scanner, {.strategy = strategy}, of_reference);
+    EXPECT_EQ(fused.backend_for(fused.merged(scan.frames)), "fused");
+    Cloud in_float, in_double;
+    Depth depth;
+    fused.depth(scan.frames, depth);
+    fused.cloud(scan.frames, in_float);
+    reference.cloud(scan.frames, in_double);
+    std::size_t points = 0, differing = 0;
+    for (std::size_t i = 0; i < in_double.z.pixel_count(); ++i) {
+      const Validity why = in_double.validity.begin()[i];
+      differing += in_float.validity.begin()[i] != why ? 1U : 0U;
+      if (why != Validity::valid || in_float.validity.begin()[i] != why) continue;
+      ++points;
+      ASSERT_NEAR(in_float.z.begin()[i], in_double.z.begin()[i], 1e-4 * in_double.z.begin()[i]);
+      ASSERT_EQ(depth.z.begin()[i], in_float.z.begin()[i]);
+    }
+    std::cout << label_of(strategy) << ": " << points << " points, " << differing << " differ\n";
+    EXPECT_GT(points, 10000U);
+    EXPECT_LE(differing, 8U);
+  }
+}
 
 TEST(OneFrame, OfBothAxesAndAnotherOriginIsTheSameSurface) {
   const Scanner scanner = example_scanner({320, 240});

@@ -5,7 +5,6 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -40,8 +39,14 @@ struct TwoSurfaces {
   [[nodiscard]] int order(int column, int row) const {
     return static_cast<int>(std::floor(periods * coordinate(column, row)));
   }
-  [[nodiscard]] Image<double> found(std::function<OrderRange(int, int)> possible) const {
-    return coordinate_by_surfaces(phase, periods, by_possible_orders(std::move(possible)));
+  [[nodiscard]] Image<double> found(const std::function<OrderRange(int, int)>& possible) const {
+    Image<OrderRange> orders(phase.size());
+    for (int row = 0; row < phase.height(); ++row) {
+      for (int column = 0; column < phase.width(); ++column) {
+        orders(column, row) = possible(column, row);
+      }
+    }
+    return coordinate_by_surfaces(phase, periods, by_possible_orders(orders));
   }
 };
 

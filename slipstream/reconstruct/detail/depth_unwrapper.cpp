@@ -96,17 +96,21 @@ OrderRange DepthUnwrapper::possible(double phi, double modulation, const Bounds&
 DepthUnwrapper::Result DepthUnwrapper::operator()(const BasicMaps<double>& maps,
                                                   double full_scale) const {
   const double grey_level = full_scale / 255;
-  const auto orders = [&](int column, int row) {
-    return possible(maps.wrapped_phase(column, row), maps.modulation(column, row) / grey_level,
-                    bounds_(column, row));
-  };
   const Size size = bounds_.size();
+  Image<OrderRange> orders(size);
+  Image<double> phase = maps.wrapped_phase;
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      const double B = maps.modulation(column, row) / grey_level;
+      if (by_surfaces_ && B < least_modulation_) {
+        phase(column, row) = nan;
+      } else {
+        orders(column, row) = possible(phase(column, row), B, bounds_(column, row));
+      }
+    }
+  });
   Result result{Image<double>(size, nan), Image<Validity>(size, Validity::doubtful_order)};
   if (by_surfaces_) {
-    Image<double> phase = maps.wrapped_phase;
-    std::transform(
-        phase.begin(), phase.end(), maps.modulation.begin(), phase.begin(),
-        [&](double phi, double B) { return B < least_modulation_ * grey_level ? nan : phi; });
     result.coordinate = coordinate_by_surfaces(phase, periods_, by_possible_orders(orders));
   }
   for_each_row(size.height, [&](int row) {
@@ -116,7 +120,7 @@ DepthUnwrapper::Result DepthUnwrapper::operator()(const BasicMaps<double>& maps,
       if (known && first > last) result.validity(column, row) = Validity::out_of_range;
       double& coordinate = result.coordinate(column, row);
       if (!by_surfaces_ && first == last) {
-        coordinate = unwrapped_coordinate(maps.wrapped_phase(column, row), first, periods_);
+        coordinate = unwrapped_coordinate(phase(column, row), first, periods_);
       }
       if (!std::isnan(coordinate)) result.validity(column, row) = Validity::valid;
     }

@@ -85,6 +85,7 @@ struct Pass {
   const std::vector<SinusoidLimits>& limits;  ///< of each band
   CueLimits cue_limits;
   bool past_cache;
+  const Image<float>* coarse;  ///< where it is given
 
   [[nodiscard]] int width() const { return frames.front().width(); }
   [[nodiscard]] int height() const { return frames.front().height(); }
@@ -204,6 +205,7 @@ void confirmed_row(const Pass<Pixel>& pass, int row, const std::int32_t* flags,
 template <class Pixel>
 const float* coarse_row(const Pass<Pixel>& pass, int row, const float* mean,
                         FusedScratch& scratch) {
+  if (pass.coarse != nullptr) return pass.coarse->row(row);
   if (!pass.stages.code) return first_of_chain(pass.stages, pass.width(), scratch);
   const float to_frames = 1 / (pass.limits.front().mean_scale *
                                static_cast<float>(pass.stages.bands.front().sinusoid.steps));
@@ -443,7 +445,10 @@ std::optional<FusedEngine> FusedEngine::make(const EngineSetup& setup,
 }
 
 void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output,
-                             FusedMemory& memory) const {
+                             FusedMemory& memory, const Image<float>* coarse) const {
+  if ((coarse != nullptr) != stages_.coarse_given) {
+    throw Error("a coordinate is given where, and only where, the picture gives the fringe order");
+  }
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
       const Size size = stages_.rays.E_x.size();
@@ -464,7 +469,8 @@ void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output
           .limits = memory.limits,
           .cue_limits = stages_.cue ? cue_limits(stages_, settings_, full_scale) : CueLimits{},
           .past_cache =
-              output.cloud != nullptr && output.maps == nullptr && written_past_cache(size)};
+              output.cloud != nullptr && output.maps == nullptr && written_past_cache(size),
+          .coarse = coarse};
       run_bands(pass, memory.scratch);
     } else {
       throw Error("frames are not quantised; the fused pass takes 8 to 16 bits");

@@ -59,9 +59,13 @@ class FusedEngine {
   static std::optional<FusedEngine> make(const EngineSetup& setup,
                                          const PhaseCorrections& corrections);
 
-  /// Throws Error where the frames are not quantised, not as many as the strategy's or not of the
-  /// camera's size.
-  void operator()(const FrameViews& frames, const FusedOutput& output, FusedMemory& memory) const;
+  /// `coarse`: the coordinate of each pixel, right to half a period, where unwraps_by_picture; NaN
+  /// where there is none. Throws Error where the frames are not quantised, not as many as the
+  /// strategy's or not of the camera's size.
+  void operator()(const FrameViews& frames, const FusedOutput& output, FusedMemory& memory,
+                  const Image<float>* coarse = nullptr) const;
+
+  [[nodiscard]] bool wants_coarse() const { return stages_.coarse_given; }
 
  private:
   FusedEngine(FusedStages stages, ReconstructSettings settings);

@@ -271,6 +271,21 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   last.coordinate = places ? stages.coordinate : unplaced(chain.back().periods);
 }
 
+/// The measuring band, whose coordinate is known but for rounding.
+void add_known_band(FusedStages& stages, const EngineSetup& setup,
+                    const PhaseCorrections& corrections) {
+  const Band& band = measuring_band(setup.sequence.strategy.layout());
+  stages.bands.push_back(band_stage(band, corrections));
+  stages.bands.back().weight = 1;
+  stages.coarse_given = true;
+  stages.chain.push_back(
+      {.of = {1},
+       .unwrap = {.ratio = static_cast<float>(band.periods),
+                  .largest_doubt = static_cast<float>(setup.settings.fringe_order.largest_doubt),
+                  .coordinate = unplaced(band.periods)}});
+  if (unwraps_by_depth(setup)) stages.consensus.fewest_neighbours = 0;
+}
+
 /// N of the frames in whose channels the kernels find a cue; none for others.
 std::optional<int> cue_steps(const Layout& layout) {
   const auto run = step_run(layout.bands.front());
@@ -432,8 +447,7 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   const bool votes = layout.unwrapping == Unwrapping::vote;
   const bool by_reference =
       layout.unwrapping == Unwrapping::likelihood || layout.unwrapping == Unwrapping::code_alone ||
-      layout.unwrapping == Unwrapping::single_frames || layout.unwrapping == Unwrapping::surfaces ||
-      carrier_periods(layout) > 0;
+      layout.unwrapping == Unwrapping::single_frames || carrier_periods(layout) > 0;
   if (by_reference || (votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;
@@ -460,6 +474,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   if (votes) {
     stages.bands.push_back(band_stage(layout.bands.front(), corrections));
     stages.cue = fused_cue(layout, setup);
+  } else if (unwraps_by_picture(setup)) {
+    add_known_band(stages, setup, corrections);
   } else {
     add_bands(stages, layout, setup, corrections);
     if (stages.chain.empty()) keep_before_cut(stages);

@@ -54,6 +54,7 @@ struct FusedStages {
   std::vector<BandStage> bands;
   std::vector<int> coarse;  ///< what the chain begins with, a factor for each band; or empty:
   std::optional<CodeBits> code;
+  bool coarse_given = false;       ///< the coordinate itself, see unwraps_by_picture
   bool coarse_in_field = false;    ///< it is brought into the field, for the chain is no circle,
   CoordinateStage coarse_stage{};  ///< by this
   std::vector<Link> chain;         ///< empty: one band of at most one period, or a cue

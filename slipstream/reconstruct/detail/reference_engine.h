@@ -30,6 +30,8 @@ class ReferenceEngine {
   /// Throws Error when the frames are not of the camera's size or not as many as the strategy's.
   [[nodiscard]] ReferenceResult operator()(const FrameViews& frames) const;
   [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames) const;
+  /// `validity`: of the fringe order, where the range of depth gives it; else empty.
+  [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames, Image<Validity>& validity) const;
 
   /// See Engine::uncertainty.
   [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
@@ -40,8 +42,6 @@ class ReferenceEngine {
   }
 
  private:
-  /// `validity`: of the fringe order, where the range of depth gives it; else empty.
-  [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames, Image<Validity>& validity) const;
   /// Why a pixel is left out before it is triangulated, and `valid` where it is not.
   [[nodiscard]] Image<Validity> measured(const BasicMaps<double>& maps, const FrameViews& frames,
                                          const Image<Validity>& order) const;

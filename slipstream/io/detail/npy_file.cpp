@@ -1,8 +1,9 @@
 #include "slipstream/io/detail/npy_file.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
-#include <regex>
 #include <string>
 #include <string_view>
 
@@ -29,22 +30,35 @@ struct Shape {
   }
 };
 
-Shape shape_in(const std::string& header) {
-  static const std::regex known(
-      R"(\{'descr': '<f([48])', 'fortran_order': False, 'shape': \((\d{1,9}), (\d{1,9})\), \} *\n)");
-  std::smatch match;
-  if (!std::regex_match(header, match, known)) {
+/// What stands between the two, which are taken off the text's front with it; empty where they do
+/// not stand there.
+std::string_view take_between(std::string_view& text, std::string_view before,
+                              std::string_view after) {
+  const std::size_t end = text.find(after, before.size());
+  if (!text.starts_with(before) || end == std::string_view::npos) return {};
+  const std::string_view between = text.substr(before.size(), end - before.size());
+  text.remove_prefix(end + after.size());
+  return between;
+}
+
+Shape shape_in(std::string_view header) {
+  const std::string_view size = take_between(header, "{'descr': '<f", "'");
+  const auto rows =
+      number_in<int>(take_between(header, ", 'fortran_order': False, 'shape': (", ", "));
+  const auto columns = number_in<int>(take_between(header, "", "), }"));
+  const bool ends = header.find_first_not_of(' ') == header.size() - 1 && header.ends_with('\n');
+  if ((size != "4" && size != "8") || !rows || !columns || !ends) {
     throw Error(
         "not rows x columns of little-endian float32 or float64; numpy.ascontiguousarray(map, "
         "dtype='<f4') is");
   }
-  const auto side = [&](std::size_t i) { return number_in<int>(match[i].str()).value_or(0); };
-  const auto pixels = static_cast<std::uint64_t>(side(2)) * static_cast<std::uint64_t>(side(3));
-  if (pixels == 0 || pixels > largest_picture) {
+  const std::int64_t pixels =
+      *rows < 0 || *columns < 0 ? 0 : static_cast<std::int64_t>(*rows) * *columns;
+  if (pixels == 0 || pixels > static_cast<std::int64_t>(largest_picture)) {
     throw Error(
         fmt::format("says that it has {} pixels; 1 to {} are read", pixels, largest_picture));
   }
-  return {side(2), side(3), match[1] == "4" ? CV_32F : CV_64F};
+  return {*rows, *columns, size == "4" ? CV_32F : CV_64F};
 }
 
 }  // namespace
@@ -57,7 +71,7 @@ cv::Mat read_npy(std::span<const std::uint8_t> bytes) {
   const std::size_t length = bytes[magic.size()] + 256U * bytes[magic.size() + 1];
   if (length > longest_header || text.size() < preamble + length)
     throw Error("not a whole NumPy file");
-  const Shape shape = shape_in(std::string(text.substr(preamble, length)));
+  const Shape shape = shape_in(text.substr(preamble, length));
   const std::string_view numbers = text.substr(preamble + length);
   if (numbers.size() != shape.bytes()) {
     throw Error(

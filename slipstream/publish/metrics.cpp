@@ -36,7 +36,8 @@ void add(const json& value, const std::string& name, const std::string& labels, 
       std::string word = key;
       std::replace_if(
           word.begin(), word.end(), [](char c) { return !std::isalnum(c); }, '_');
-      add(inner, name + "_" + word + (count && inner.is_number() ? "_total" : ""), labels, metrics);
+      const char* const ending = count && inner.is_number() ? "_total" : "";
+      add(inner, fmt::format("{}_{}{}", name, word, ending), labels, metrics);
     }
   } else if (value.is_array()) {
     const bool objects = std::all_of(value.begin(), value.end(), [](const json& one) {

@@ -17,8 +17,9 @@ namespace {
 constexpr std::array kinds{&web_sink, &mcap_sink};
 
 std::vector<std::string> each(const char* SinkKind::*what) {
-  std::vector<std::string> all;
-  for (const SinkKind* const kind : kinds) all.emplace_back(kind->*what);
+  std::vector<std::string> all(kinds.size());
+  std::transform(kinds.begin(), kinds.end(), all.begin(),
+                 [&](const SinkKind* kind) { return kind->*what; });
   return all;
 }
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "slipstream/pattern/layout.h"
+#include "slipstream/phase/phase_correction.h"
+#include "slipstream/reconstruct/detail/fused_stages.h"
+
+namespace slipstream {
+
+/// Frames to the turns of a band, corrected for the response where that is known.
+FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections);
+
+}  // namespace slipstream

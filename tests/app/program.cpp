@@ -87,7 +87,8 @@ ProgramRun run_program(const std::vector<std::string>& arguments, long largest_f
 }
 
 bool wait_until(const std::function<bool()>& come) {
-  for (int tries = 0; tries < 6000 && !come(); ++tries) std::this_thread::sleep_for(10ms);
+  constexpr int most_tries = 30'000;  // five minutes, against hanging
+  for (int tries = 0; tries < most_tries && !come(); ++tries) std::this_thread::sleep_for(10ms);
   return come();
 }
 

@@ -38,10 +38,9 @@ struct VirtualFlags {
 };
 
 /// Adds --scene, --mesh, --mesh-size, --reflectivity, --shift, --move, --turn, --vibrate,
-/// --breathe,
-/// --camera, --world, --camera-bits, --seed, --rays, and --virtual-ambient, --virtual-gamma and
-/// --virtual-noise: what is simulated, where --ambient, --gamma and --noise-variance are what is
-/// reckoned with.
+/// --breathe, --camera, --world, --camera-bits, --seed, --rays, and --virtual-ambient,
+/// --virtual-gamma and --virtual-noise: what is simulated, where --ambient, --gamma and
+/// --noise-variance are what is reckoned with.
 void add_virtual_flags(CLI::App& command, VirtualFlags& flags);
 
 /// Of the scanner that --scanner names, else the example with a camera of that size, with the

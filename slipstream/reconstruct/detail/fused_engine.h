@@ -60,11 +60,12 @@ class FusedEngine {
                                          const PhaseCorrections& corrections);
 
   /// `coarse`: the coordinate of each pixel, right to half a period, where unwraps_by_picture; NaN
-  /// where there is none. Throws Error where the frames are not quantised, not as many as the
-  /// strategy's or not of the camera's size.
+  /// where there is none. Throws Error where it is missing then or given else, and where the frames
+  /// are not quantised, not as many as the strategy's or not of the camera's size.
   void operator()(const FrameViews& frames, const FusedOutput& output, FusedMemory& memory,
                   const Image<float>* coarse = nullptr) const;
 
+  /// Whether that coordinate must be given.
   [[nodiscard]] bool wants_coarse() const { return stages_.coarse_given; }
 
  private:

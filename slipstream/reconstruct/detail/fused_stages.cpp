@@ -105,7 +105,6 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
                     const PhaseCorrections& corrections) {
   const Band& band = measuring_band(setup.sequence.strategy.layout());
   stages.bands.push_back(band_stage(band, corrections));
-  stages.bands.back().weight = 1;
   stages.coarse_given = true;
   stages.chain.push_back(
       {.of = {1},

@@ -13,6 +13,7 @@
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/live_session.h"
+#include "app/live_settings.h"
 #include "app/save_folder.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
@@ -74,15 +75,6 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
   return setup;
-}
-
-/// Whether windows of more than a cycle may do for things that move: the patterns are one sinusoid
-/// shown over and over, and are read by the fused pass.
-bool takes_motion(const Sequence& sequence) {
-  const Layout& layout = sequence.strategy.layout();
-  const auto run = step_run(measuring_band(layout));
-  return layout.bands.size() == 1 && !layout.cue && run && run->steps == layout.frames &&
-         sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
 }
 
 nlohmann::json json_of(const Latency& latency) {
@@ -278,12 +270,7 @@ std::string trouble_of(const LivePipeline& pipeline) {
 std::string save_newest(LiveSession& session) {
   const Pooled<LiveCloud> newest = session.pipeline.newest();
   if (!newest) throw Error("no cloud has come that could be saved");
-  EngineSetup setup;
-  {
-    const std::lock_guard lock(session.mutex);
-    setup = session.setup;
-  }
-  return save_in_new_folder(views_of(newest->frames), setup, session.view.save_to,
+  return save_in_new_folder(views_of(newest->frames), setup_of(session), session.view.save_to,
                             doubts(session.pipeline.statistics().findings));
 }
 
@@ -299,6 +286,9 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
         .statistics = [document] { return document().dump(); },
         .trouble = [&pipeline = session.pipeline] { return trouble_of(pipeline); },
         .save = [&session] { return save_newest(session); },
+        .settings = [&session] { return settings_of(session); },
+        .change = [&session](const std::string& setting,
+                             const std::string& value) { change_setting(session, setting, value); },
     };
     publisher.add(name, open_sink(name, std::move(run)));
   }
@@ -352,6 +342,8 @@ void live(const LiveFlags& flags, Output& output) {
                       },
                       flags.source.source,
                       scheme != "virtual" && scheme != "replay",
+                      motion_when_seen,
+                      setup.sequence.strategy,
                       flags.view};
   const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
       &publisher, [](Publisher* ending) { ending->finish(); });
@@ -359,7 +351,10 @@ void live(const LiveFlags& flags, Output& output) {
       flags.publish, session, [&] { return document_of(session, publisher); }, publisher);
   tell_news(publisher, output);
   if (!flags.record.empty()) recorder.record_to(flags.record);
-  pipeline.start();
+  {
+    const std::lock_guard lock(session.mutex);  // sinks may change it already
+    pipeline.start();
+  }
   output.document["files"] = nlohmann::json::object();
   std::vector<LiveFinding> findings;
   run_session(session, flags.headless, findings, output);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <cstdint>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -15,13 +17,16 @@ namespace slipstream::app {
 struct LiveSession {
   LivePipeline& pipeline;
   RecordedSource& recorder;
-  EngineSetup setup;  ///< what is looked for in the frames now; this thread alone changes it
+  EngineSetup setup;  ///< what is looked for in the frames now; see live_settings.h
   /// Whether it is to end: asked for, all frames there, time over, or failed.
   std::function<bool()> is_over;
   std::string source;        ///< as it was asked for
   bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
+  bool motion_when_seen;     ///< as LiveSettings has it
+  Strategy strategy;         ///< at the start
   ViewFlags view;
-  std::mutex mutex{};  ///< of the setup, where it is changed and in other threads
+  std::mutex mutex{};                     ///< of the setup and of what changes the pipeline
+  std::atomic<std::uint64_t> changes{0};  ///< of setup and camera, but for the viewer's of that
 };
 
 /// Shows it in a window until that is closed or the session is over; then writes the screenshot

@@ -1,53 +1,42 @@
-#include <filesystem>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "app/live_session.h"
+#include "app/live_settings.h"
 #include "app/save_folder.h"
 #include "app/scan_findings.h"
 #include "app/view_files.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/saved_scan.h"
 #include "slipstream/view/live_source.h"
 #include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
-
-fs::path new_recording(const std::string& folder) {
-  make_folder(folder);
-  return path_named_by_time(folder, "recording", ".slip");
-}
 
 /// Borrows the session.
 view::ViewSource view_source_of(LiveSession& session) {
   view::ViewSource source =
-      view::live_source(session.pipeline, session.setup, session.patterns_can_change);
+      view::live_source(session.pipeline, setup_of(session), session.patterns_can_change);
   source.title = fmt::format("slipstream live: {}", session.source);
   source.waits_for = fmt::format("waiting for the first {} frames of {}",
-                                 cycle_length(session.setup.sequence), session.source);
+                                 cycle_length(source.setup->sequence), session.source);
   source.camera = session.recorder.controls();
   source.camera_region = fmt::format("{} pixels; --region at the start changes that",
                                      text_of(session.recorder.format().size));
-  source.change = [&session](const EngineSetup& setup) {
-    session.pipeline.change(setup);
-    const std::lock_guard lock(session.mutex);
-    session.setup = setup;
-    session.recorder.set_strategy(setup.sequence.strategy);
+  source.change = [&session](const EngineSetup& setup) { change_setup(session, setup); };
+  source.changed = [&session, seen = session.changes.load()]() mutable {
+    const std::uint64_t changes = session.changes;
+    const bool same = std::exchange(seen, changes) == changes;
+    return same ? std::nullopt : std::optional(setup_of(session));
   };
   source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
     return save_in_new_folder(cloud.frames, setup, session.view.save_to,
                               doubts(session.pipeline.statistics().findings));
   };
-  source.record = [&session](bool on) {
-    if (on) {
-      session.recorder.record_to(new_recording(session.view.save_to));
-    } else {
-      session.recorder.finish_recording();
-    }
-  };
+  source.record = [&session](bool on) { record(session, on); };
   source.recording = [&session] {
     const auto recording = session.recorder.recording();
     return recording ? text_of(*recording) : std::string();

@@ -7,6 +7,7 @@
 #include "slipstream/capture/pool.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
+#include "slipstream/publish/run_setting.h"
 
 namespace slipstream {
 
@@ -17,6 +18,11 @@ struct PublishedRun {
   std::function<std::string()> statistics{};  ///< what the run has counted until now, as JSON
   std::function<std::string()> trouble{};     ///< one line; empty where all is well
   std::function<std::string()> save{};        ///< writes the newest cloud; returns where
+  /// What can be changed now, in an order that stays; a camera that is gone has no settings. All
+  /// sinks and the viewer see what any of them has changed.
+  std::function<std::vector<RunSetting>()> settings{};
+  /// Sets the one of that name to a value that it can have: throws Error as require_settable.
+  std::function<void(const std::string& name, const std::string& value)> change{};
 };
 
 /// Where clouds go: a file, other programs, a browser. A Publisher gives each its thread.

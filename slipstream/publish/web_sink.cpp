@@ -16,6 +16,7 @@
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
@@ -33,13 +34,14 @@ namespace websocket = beast::websocket;
 using asio::ip::tcp;
 using namespace std::chrono_literals;
 using Failure = boost::system::error_code;
-using Request = http::request<http::empty_body>;
+using Request = http::request<http::string_body>;
 using Bytes = std::shared_ptr<const std::string>;
 
-constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_message = 64;
+constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body = 256,
+                      largest_message = 64;
 /// How long a client may take to ask for something, and to take it.
 constexpr auto patience = 10s, answer_patience = 30s;
-constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{33};
+constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{33}, between_looks{200};
 /// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
 constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
@@ -105,6 +107,8 @@ class WebSink final : public CloudSink {
   void serve_waiting();
   void serve();
   std::string save();
+  const std::string& settings();
+  void change(const std::string& wish);
 
   const WebAddress address_;
   const PublishedRun run_;
@@ -118,7 +122,8 @@ class WebSink final : public CloudSink {
   std::atomic<bool> anybody_waits_ = false;
   Bytes sent_;  ///< the cloud of that count
   std::uint64_t sent_count_ = 0;
-  std::chrono::steady_clock::time_point saved_{}, sent_at_{};
+  std::chrono::steady_clock::time_point saved_{}, sent_at_{}, looked_at_{};
+  std::string settings_;  ///< of that time
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
   asio::steady_timer pause_{io_};
@@ -138,7 +143,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void read_request() {
     parser_.emplace();
     parser_->header_limit(largest_header);
-    parser_->body_limit(0);
+    parser_->body_limit(largest_body);
     stream_.expires_after(patience);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](Failure failure, std::size_t) {
@@ -214,7 +219,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   beast::tcp_stream stream_;
   WebSink& sink_;
   beast::flat_buffer buffer_{2 * largest_header};
-  std::optional<http::request_parser<http::empty_body>> parser_;
+  std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::string_body> response_;
   std::optional<websocket::stream<beast::tcp_stream>> page_;
   bool asked_ = false;
@@ -348,6 +353,33 @@ std::string WebSink::save() {
   return folder;
 }
 
+/// A camera is not asked for each page.
+const std::string& WebSink::settings() {
+  const auto now = std::chrono::steady_clock::now();
+  if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
+  nlohmann::json list = nlohmann::json::array();
+  for (const auto& [name, help, unit, value, choices, least, most, state] : run_.settings()) {
+    list.push_back({{"name", name},
+                    {"help", help},
+                    {"unit", unit},
+                    {"value", value},
+                    {"choices", choices},
+                    {"least", least},
+                    {"most", most},
+                    {"state", state}});
+  }
+  looked_at_ = now;
+  return settings_ = list.dump();
+}
+
+/// As "min-modulation=20".
+void WebSink::change(const std::string& wish) {
+  const std::size_t mark = std::min(wish.find('='), wish.size());
+  if (mark == wish.size()) throw Error("NAME=VALUE is wanted");
+  settings_.clear();
+  run_.change(wish.substr(0, mark), wish.substr(mark + 1));
+}
+
 http::response<http::string_body> WebSink::answer(const Request& request) {
   http::response<http::string_body> response(http::status::ok, request.version());
   response.keep_alive(request.keep_alive());
@@ -378,11 +410,18 @@ http::response<http::string_body> WebSink::answer(const Request& request) {
       const std::string trouble = run_.trouble();
       say(trouble.empty() ? http::status::ok : http::status::service_unavailable,
           (trouble.empty() ? "ok" : trouble) + "\n");
+    } else if (get && path == "/settings") {
+      say(http::status::ok, settings(), "application/json");
+    } else if (request.method() == http::verb::post && path == "/settings") {
+      change(request.body());
+      say(http::status::ok, settings(), "application/json");
     } else if (request.method() == http::verb::post && path == "/save") {
       say(http::status::ok, save());
     } else {
       say(http::status::not_found, "there is no such page\n");
     }
+  } catch (const Error& error) {
+    say(http::status::bad_request, error.what());
   } catch (const std::exception& error) {
     say(http::status::internal_server_error, error.what());
   }

@@ -177,6 +177,7 @@ void CloudScreen::draw(const Screen& screen) {
   PanelRequests requests;
   gui_.begin_frame(screen);
   hear_of_saving();
+  hear_of_changes();
   const LiveStatistics statistics = source_.statistics ? source_.statistics() : LiveStatistics{};
   const Area area = area_between(widths, screen);
   draw_over(area, screen);
@@ -309,6 +310,20 @@ void CloudScreen::change_setup() {
     state_.setup = engine_->setup();
     state_.strategy = accepted_strategy_;
     state_.gamma = accepted_gamma_;
+  }
+}
+
+void CloudScreen::hear_of_changes() {
+  const auto setup = source_.changed ? source_.changed() : std::nullopt;
+  if (!setup) return;
+  ask_camera();
+  if (!engine_ || *setup == state_.setup) return;
+  engine_.emplace(*setup);
+  state_.setup = *setup;
+  for (std::size_t i = 0; i < source_.strategies.size(); ++i) {
+    if (source_.strategies[i].second == setup->sequence.strategy) {
+      state_.strategy = accepted_strategy_ = i;
+    }
   }
 }
 

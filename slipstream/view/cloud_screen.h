@@ -67,6 +67,7 @@ class CloudScreen {
   void take_key(int key, PanelRequests& requests);
   void answer(const PanelRequests& requests);
   void change_setup();
+  void hear_of_changes();
   void set_control(const ShownControl& asked);
   void ask_camera();
   void save();

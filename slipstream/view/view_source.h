@@ -37,6 +37,9 @@ struct ViewSource {
   /// Makes clouds with another setup from now on. May throw: the viewer then shows the reason and
   /// keeps the old setup.
   std::function<void(const EngineSetup&)> change{};
+  /// The setup that clouds are made with now, where it or the camera was changed since this was
+  /// asked last; by others too.
+  std::function<std::optional<EngineSetup>()> changed{};
   std::vector<std::pair<std::string, Strategy>> strategies{};  ///< to choose from, by label
   /// Responses to choose from, by label: phases are corrected for the one chosen, and are not
   /// corrected where it is none.

@@ -1,5 +1,6 @@
 #include "slipstream/publish/publisher.h"
 
+#include <array>
 #include <atomic>
 #include <future>
 #include <memory>
@@ -100,6 +101,28 @@ TEST(NamedSink, says_which_kinds_there_are) {
   for (const char* good :
        {"web:0", "web:8080", "web:0.0.0.0:8080", "web:[::1]:80", "mcap:a.mcap"}) {
     EXPECT_EQ(refusal(good), "");
+  }
+}
+
+TEST(RunSetting, takes_what_it_can_be_and_says_what_that_is) {
+  const std::vector<RunSetting> settings{
+      {.name = "exposure", .help = "", .unit = "ms", .least = 0.1, .most = 50},
+      {.name = "record", .help = "", .choices = {"off", "on"}}};
+  EXPECT_NO_THROW(require_settable(settings, "exposure", "12.5"));
+  EXPECT_NO_THROW(require_settable(settings, "record", "on"));
+  for (const auto& [name, value, part] :
+       std::vector<std::array<const char*, 3>>{{"exposre", "1", "did you mean exposure?"},
+                                               {"exposure", "51", "from 0.1 to 50 ms"},
+                                               {"exposure", "nan", "a number"},
+                                               {"exposure", "1 ", "a number"},
+                                               {"exposure", "", "a number"},
+                                               {"record", "om", "off; on"}}) {
+    try {
+      require_settable(settings, name, value);
+      ADD_FAILURE() << name << " " << value;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
   }
 }
 

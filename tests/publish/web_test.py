@@ -51,15 +51,21 @@ class Live:
     def token(self):
         return self.address.partition("/?")[2]
 
-    def get(self, path, method="GET", **headers):
+    def get(self, path, method="GET", body=None, **headers):
         connection = http.client.HTTPConnection("127.0.0.1", self.port, timeout=20)
-        connection.request(method, path + ("?" + self.token() if self.token() else ""),
-                           headers=headers)
+        connection.request(method, path + ("?" + self.token() if self.token() else ""), body,
+                           headers)
         answer = connection.getresponse()
         return answer.status, answer.read().decode("utf-8", "replace")
 
     def statistics(self):
         return json.loads(self.get("/statistics")[1])
+
+    def change(self, wish):
+        return self.get("/settings", "POST", wish, Origin=f"http://127.0.0.1:{self.port}")
+
+    def settings(self):
+        return {setting["name"]: setting for setting in json.loads(self.get("/settings")[1])}
 
     def memory(self):
         status = pathlib.Path(f"/proc/{self.process.pid}/status").read_text()
@@ -121,6 +127,13 @@ def take_message(client):
     elif length == 127:
         length, = struct.unpack(">Q", receive(client, 8))
     return head[0] & 15, receive(client, length)
+
+
+def newest(live):
+    client, _ = ask_for_page(live.port, origin=f"http://127.0.0.1:{live.port}")
+    with client:
+        say(client, b"next")
+        return take_message(client)[1]
 
 
 @pytest.fixture(scope="module")
@@ -190,6 +203,39 @@ def test_save_writes_a_scan(live):
     assert status == 200
     assert (live.words.parent / folder / "cloud.ply").exists()
     assert (live.words.parent / folder / "scan.yaml").exists()
+
+
+def test_settings_are_changed_or_refused_with_why(live):
+    told = live.settings()
+    assert "exposure" not in told, "the virtual source is no camera"
+    assert told["min-modulation"]["value"] == "15"
+    assert told["strategy"]["choices"] == [told["strategy"]["value"]]
+    points = struct.unpack_from("<4i", newest(live))[3]
+    status, text = live.change("min-modulation=60")
+    assert status == 200, text
+    assert live.settings()["min-modulation"]["value"] == "60"
+    wait_for(lambda: struct.unpack_from("<4i", newest(live))[3] < 0.9 * points)
+    for wish, why in (("min-modulation=128", "from 0 to 127 grey levels"),
+                      ("min-modulation=bright", "a number"), ("min-modulaton=20", "did you mean"),
+                      ("record=perhaps", "off; on"), ("exposure=5", "no setting 'exposure'"),
+                      ("nonsense", "NAME=VALUE"), ("", "NAME=VALUE"), ("\0=\xff", "no setting")):
+        status, text = live.change(wish)
+        assert status == 400 and why in text and "\n" not in text.strip(), (wish, text)
+    with pytest.raises((ConnectionError, http.client.BadStatusLine)):
+        live.change("x" * 10000)
+    assert live.get("/settings", "POST", "min-modulation=20")[0] == 403
+    assert live.get("/settings", "POST", "min-modulation=20", Origin="http://evil.example")[0] == 403
+    assert live.settings()["min-modulation"]["value"] == "60"
+    assert live.change("min-modulation=15")[0] == 200
+
+
+def test_recording_is_begun_and_ended(live):
+    assert live.change("record=on")[0] == 200
+    wait_for(lambda: re.search(r"[1-9]\d frames", live.settings()["record"]["state"]))
+    assert live.change("record=off")[0] == 200
+    assert live.settings()["record"]["value"] == "off"
+    recording, = live.words.parent.glob("recording-*.slip")
+    assert subprocess.run([PROGRAM, "check", recording]).returncode == 0
 
 
 def test_others_need_the_token(tmp_path):

@@ -23,6 +23,7 @@ set(slipstream_libraries
   "PkgConfig::lemon              lemon"
   "PkgConfig::zstd               libzstd"
   "Boost::headers                -lpthread       Boost"
+  "CycloneDDS::ddsc              CycloneDDS      CycloneDDS"
   "Ceres::ceres                  -lceres         Ceres"
   "PkgConfig::aravis             aravis-0.8"
   "glfw                          glfw3           glfw3"

@@ -1,7 +1,6 @@
-#include <chrono>
-#include <optional>
 #include <utility>
 
+#include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/mcap_writer.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/ros_messages.h"
@@ -9,12 +8,6 @@
 
 namespace slipstream {
 namespace {
-
-std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
-  const auto age = std::chrono::steady_clock::now() - time;
-  const auto since_1970 = (std::chrono::system_clock::now() - age).time_since_epoch();
-  return static_cast<std::uint64_t>(std::chrono::nanoseconds(since_1970).count());
-}
 
 class McapSink final : public CloudSink {
  public:
@@ -24,12 +17,7 @@ class McapSink final : public CloudSink {
     points_ = add(point_cloud_type(), "/points");
   }
 
-  bool wants(const LiveCloud& cloud) override {
-    const std::uint64_t newest = cloud.newest.sequence, frames = cloud.frames.size();
-    const bool wanted = !last_ || newest < *last_ || newest - *last_ >= frames;
-    if (wanted) last_ = newest;
-    return wanted;
-  }
+  bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
   void put(const Pooled<LiveCloud>& cloud) override {
     if (!std::exchange(gives_way_, true)) let_others_go_first();
@@ -54,8 +42,8 @@ class McapSink final : public CloudSink {
   McapWriter writer_;
   std::uint16_t image_ = 0, points_ = 0;
   RosMessage message_;
-  bool gives_way_ = false;             ///< its thread
-  std::optional<std::uint64_t> last_;  ///< sequence of the newest frame of what was wanted last
+  bool gives_way_ = false;  ///< its thread
+  DisjointClouds clouds_;
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 namespace slipstream {
 
-/// What can be asked for: "web:[ADDRESS:]PORT, mcap:FILE".
+/// What can be asked for: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE".
 std::string sink_forms();
 
 /// Throws Error, which names the forms, for what is none of them.
@@ -33,5 +33,7 @@ extern const SinkKind web_sink;
 /// Writes clouds and pictures as messages of ROS 2 into an MCAP file: /points and /image, of clouds
 /// that share no frame.
 extern const SinkKind mcap_sink;
+/// Clouds, pictures and services of ROS 2 over Cyclone DDS, in the domain of ROS_DOMAIN_ID.
+extern const SinkKind ros2_sink;
 
 }  // namespace slipstream

@@ -115,6 +115,12 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
   cdr.add(std::uint8_t{0});  // some points are NaN
 }
 
+std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
+  const auto age = std::chrono::steady_clock::now() - time;
+  const auto since_1970 = (std::chrono::system_clock::now() - age).time_since_epoch();
+  return static_cast<std::uint64_t>(std::chrono::nanoseconds(since_1970).count());
+}
+
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message) {
   Cdr cdr(message);
   cdr.add_header(time);
@@ -125,6 +131,55 @@ void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message
                     [](Pixel pixel) { return pixel; });
       },
       cloud.frames.front()->pixels);
+}
+
+void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
+  Cdr cdr(message);
+  cdr.add_header(time);
+  add_picture(cdr, cloud.z, "32FC1", [](float z) { return z / 1000; });
+}
+
+void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message) {
+  const auto& D = lens.distortion.coefficients;
+  const auto any_from = [&](std::size_t first) {
+    return std::any_of(D.begin() + static_cast<std::ptrdiff_t>(first), D.end(),
+                       [](double d) { return d != 0; });
+  };
+  // Of ROS's models the first has five coefficients, the second eight; OpenCV, which reads them,
+  // takes 12 and 14 as well.
+  const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
+  Cdr cdr(message);
+  cdr.add_header(time).add(static_cast<std::uint32_t>(size.height));
+  cdr.add(static_cast<std::uint32_t>(size.width));
+  cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial");
+  cdr.add(static_cast<std::uint32_t>(count));
+  for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
+  const auto add_rows = [&](const auto& matrix) {
+    for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+      for (Eigen::Index column = 0; column < matrix.cols(); ++column) cdr.add(matrix(row, column));
+    }
+  };
+  Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
+  projection.leftCols<3>() = lens.intrinsic;
+  add_rows(lens.intrinsic);
+  add_rows(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));  // rectified is not turned
+  add_rows(projection);
+  for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, all of the sensor
+  cdr.add(std::uint8_t{0});
+}
+
+std::optional<RosRequest> request_in(const RosMessage& message) {
+  RosRequest request;
+  if (message.size() < 4 + sizeof request || message[0] != 0 || message[1] != 1) return {};
+  std::memcpy(&request, message.data() + 4, sizeof request);
+  return request;
+}
+
+void write_trigger_answer(const RosRequest& request, bool success, std::string_view text,
+                          RosMessage& message) {
+  Cdr cdr(message);
+  cdr.add(request.client).add(request.number);
+  cdr.add(static_cast<std::uint8_t>(success)).add_text(text);
 }
 
 }  // namespace slipstream

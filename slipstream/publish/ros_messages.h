@@ -1,9 +1,13 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
@@ -19,7 +23,10 @@ struct RosType {
 RosType point_cloud_type();
 RosType image_type();
 
-/// Each into `message`, whose memory is used; `time`: nanoseconds of the world's clock since 1970.
+/// Nanoseconds of the world's clock since 1970 at that time of this machine's.
+std::uint64_t world_time(std::chrono::steady_clock::time_point time);
+
+/// Each into `message`, whose memory is used; `time`: world_time.
 
 /// sensor_msgs/msg/PointCloud2, organised as the camera's pixels: x, y, z in metres (each the
 /// cloud's millimetres divided by 1000, rounded to float), NaN where there is no point, and
@@ -28,5 +35,20 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
 /// sensor_msgs/msg/Image: the cloud's intensity as mono8; without a scanner the window's first
 /// frame, mono8 or mono16.
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message);
+/// sensor_msgs/msg/Image: the cloud's depth as 32FC1, metres, as write_point_cloud has them.
+void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message);
+/// sensor_msgs/msg/CameraInfo of a camera whose pictures have this size.
+void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message);
+
+/// What stands before a service's request, and before the answer to it, over Cyclone DDS.
+struct RosRequest {
+  std::uint64_t client = 0;
+  std::int64_t number = 0;
+};
+/// Empty where the message is none.
+std::optional<RosRequest> request_in(const RosMessage& message);
+/// std_srvs/srv/Trigger's answer.
+void write_trigger_answer(const RosRequest& request, bool success, std::string_view text,
+                          RosMessage& message);
 
 }  // namespace slipstream

@@ -1,0 +1,333 @@
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <chrono>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
+#include "slipstream/publish/dds_messages.h"
+#include "slipstream/publish/disjoint_clouds.h"
+#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/thread_priority.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+
+constexpr auto between_saves = 1s;
+constexpr std::size_t most_news = 64;
+
+std::string variable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+dds_entity_t made(dds_entity_t entity, std::string_view what) {
+  if (entity < 0) {
+    throw WorldError(fmt::format("--publish ros2: {}: {}", what, dds_strretcode(-entity)));
+  }
+  return entity;
+}
+
+using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
+
+Qos quality(dds_reliability_kind_t reliability, int kept) {
+  Qos qos(dds_create_qos(), &dds_delete_qos);
+  dds_qset_reliability(qos.get(), reliability, DDS_SECS(1));
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kept);
+  return qos;
+}
+
+/// The domain that ROS 2's variables name, by Cyclone DDS as its own variable sets it up. What it
+/// has to say goes to people by the sink, not to stderr.
+class Domain {
+ public:
+  Domain() {
+    const std::string asked = variable("ROS_DOMAIN_ID");
+    const auto id = number_in<std::uint32_t>(asked.empty() ? "0" : asked);
+    if (!id || *id > 232) {
+      throw Error(fmt::format("ROS_DOMAIN_ID is '{}'; a number from 0 to 232 is wanted", asked));
+    }
+    dds_set_log_sink(
+        [](void* self, const dds_log_data_t* said) {
+          static_cast<Domain*>(self)->hear(
+              {said->message + said->hdrsize, said->size - said->hdrsize});
+        },
+        this);
+    // These messages are not made for memory that processes share.
+    std::string config = "<SharedMemory><Enable>false</Enable></SharedMemory>";
+    if (variable("ROS_LOCALHOST_ONLY") == "1") {
+      config +=
+          "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>";
+    }
+    const std::string own = variable("CYCLONEDDS_URI");
+    config = fmt::format("{}{}<CycloneDDS><Domain>{}</Domain></CycloneDDS>", own,
+                         own.empty() ? "" : ",", config);
+    domain_ = dds_create_domain(*id, config.c_str());
+    participant_ = domain_ < 0 ? domain_ : dds_create_participant(*id, nullptr, nullptr);
+    if (participant_ < 0) {
+      const std::vector<std::string> why = news();
+      leave();
+      if (domain_ == DDS_RETCODE_PRECONDITION_NOT_MET) {
+        throw Error("a program publishes to one namespace of ROS 2");
+      }
+      throw WorldError(fmt::format("cannot join ROS 2's domain {}: {}", *id,
+                                   why.empty() ? dds_strretcode(-participant_) : why.back()));
+    }
+  }
+  ~Domain() { leave(); }
+  Domain(const Domain&) = delete;
+  Domain& operator=(const Domain&) = delete;
+
+  [[nodiscard]] dds_entity_t participant() const { return participant_; }
+  void hear(std::string line) {
+    line.erase(line.find_last_not_of('\n') + 1);
+    const std::lock_guard lock(mutex_);
+    if (heard_++ < most_news) news_.push_back(std::move(line));
+  }
+  std::vector<std::string> news() {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(news_, {});
+  }
+
+ private:
+  void leave() {
+    if (domain_ >= 0) dds_delete(domain_);  // with all that was made in it
+    dds_set_log_sink(nullptr, nullptr);
+  }
+
+  std::mutex mutex_;  ///< of the two that follow
+  std::vector<std::string> news_;
+  std::size_t heard_ = 0;
+  dds_entity_t domain_ = 0, participant_ = 0;
+};
+
+/// Messages of one type under one name, made where somebody listens.
+class MessageWriter {
+ public:
+  MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type) {
+    const Qos qos = quality(DDS_RELIABILITY_BEST_EFFORT, 5);  // ROS 2's for data of sensors
+    const dds_entity_t topic = made(
+        create_message_topic(participant, "rt/" + name, "sensor_msgs::msg::dds_::" + type + "_"),
+        name);
+    writer_ = made(dds_create_writer(participant, topic, qos.get(), nullptr), name);
+  }
+
+  template <class Write>
+  void write(Write write_message) {
+    dds_publication_matched_status_t listeners;
+    dds_get_publication_matched_status(writer_, &listeners);
+    if (listeners.current_count == 0) return;
+    if (message_.use_count() != 1) message_ = std::make_shared<RosMessage>();  // DDS has it still
+    write_message(*message_);
+    pad(*message_);
+    const SharedMessage message = message_;
+    made(dds_write(writer_, &message), "a cloud");
+  }
+
+ private:
+  dds_entity_t writer_;
+  std::shared_ptr<RosMessage> message_;
+};
+
+struct TriggerAnswer {
+  bool success;
+  std::string text;
+};
+
+/// A service std_srvs/srv/Trigger.
+class TriggerService {
+ public:
+  TriggerService(dds_entity_t participant, const std::string& name,
+                 std::function<TriggerAnswer()> answer)
+      : answer_(std::move(answer)) {
+    const Qos qos = quality(DDS_RELIABILITY_RELIABLE, 10);
+    const auto topic = [&](const char* prefix, const char* ending, const char* type) {
+      return made(create_message_topic(participant, prefix + name + ending,
+                                       fmt::format("std_srvs::srv::dds_::Trigger_{}_", type)),
+                  name);
+    };
+    const dds_entity_t requests = topic("rq/", "Request", "Request"),
+                       answers = topic("rr/", "Reply", "Response");
+    dds_guid_t participant_id;
+    dds_instance_handle_t number = 0;
+    made(dds_get_guid(participant, &participant_id), name);
+    made(dds_get_instance_handle(requests, &number), name);
+    // By this ROS 2 sees that reader and writer are one service's.
+    const std::string id =
+        fmt::format("serviceid={:02x}.{:x};", fmt::join(participant_id.v, "."), number);
+    dds_qset_userdata(qos.get(), id.data(), id.size());
+    reader_ = made(dds_create_reader(participant, requests, qos.get(), nullptr), name);
+    writer_ = made(dds_create_writer(participant, answers, qos.get(), nullptr), name);
+  }
+
+  [[nodiscard]] dds_entity_t reader() const { return reader_; }
+
+  /// Answers all requests that have come, until `stop`.
+  void answer_requests(const std::atomic<bool>& stop) {
+    SharedMessage request;
+    void* sample = &request;
+    dds_sample_info_t info;
+    while (!stop && dds_take(reader_, &sample, &info, 1, 1) == 1) {
+      const auto from = info.valid_data && request ? request_in(*request) : std::nullopt;
+      if (!from) continue;
+      const TriggerAnswer answer = answer_();
+      const auto message = std::make_shared<RosMessage>();
+      write_trigger_answer(*from, answer.success, answer.text, *message);
+      pad(*message);
+      const SharedMessage written = message;
+      dds_write(writer_, &written);  // who does not listen any more gets none
+    }
+  }
+
+ private:
+  std::function<TriggerAnswer()> answer_;
+  dds_entity_t reader_, writer_;
+};
+
+class Ros2Sink final : public CloudSink {
+ public:
+  Ros2Sink(const std::string& name, PublishedRun run)
+      : run_(std::move(run)), image_(participant_, name + "/image", "Image") {
+    if (run_.has_points) {
+      points_.emplace(participant_, name + "/points", "PointCloud2");
+      depth_.emplace(participant_, name + "/depth", "Image");
+      camera_.emplace(participant_, name + "/camera_info", "CameraInfo");
+    }
+    services_.emplace_back(participant_, name + "/capture", [this] { return capture(); });
+    services_.emplace_back(participant_, name + "/check", [this] { return check(); });
+    waiting_ = made(dds_create_waitset(participant_), name);
+    wake_ = made(dds_create_guardcondition(participant_), name);
+    made(dds_waitset_attach(waiting_, wake_, 0), name);
+    for (const TriggerService& service : services_) {
+      const dds_entity_t any =
+          made(dds_create_readcondition(service.reader(), DDS_ANY_STATE), name);
+      made(dds_waitset_attach(waiting_, any, 0), name);
+    }
+    thread_ = std::thread([this] { serve(); });
+  }
+  ~Ros2Sink() override { stop(); }
+
+  bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
+
+  void put(const Pooled<LiveCloud>& cloud) override {
+    if (!std::exchange(gives_way_, true)) let_others_go_first();
+    const std::uint64_t time = world_time(cloud->newest.host_time);
+    image_.write([&](RosMessage& message) { write_image(*cloud, time, message); });
+    if (!points_) return;
+    const Cloud& points = cloud->cloud;
+    camera_->write(
+        [&](RosMessage& message) { write_camera_info(run_.camera, points.size(), time, message); });
+    depth_->write([&](RosMessage& message) { write_depth(points, time, message); });
+    points_->write([&](RosMessage& message) { write_point_cloud(points, time, message); });
+  }
+
+  void finish() override { stop(); }
+  std::vector<std::string> news() override { return domain_.news(); }
+
+ private:
+  void stop() {
+    stopping_ = true;
+    dds_set_guardcondition(wake_, true);
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void serve() {
+    let_others_go_first();
+    try {
+      while (!stopping_ && dds_waitset_wait(waiting_, nullptr, 0, DDS_INFINITY) >= 0) {
+        for (TriggerService& service : services_) service.answer_requests(stopping_);
+      }
+    } catch (const std::exception& error) {
+      domain_.hear(fmt::format("no request is answered any more: {}", error.what()));
+    }
+  }
+
+  TriggerAnswer capture() {
+    const auto now = std::chrono::steady_clock::now();
+    if (saved_ && now - *saved_ < between_saves) return {false, "saved a moment ago"};
+    try {
+      TriggerAnswer answer{true, run_.save()};
+      saved_ = std::chrono::steady_clock::now();
+      return answer;
+    } catch (const std::exception& error) {
+      return {false, error.what()};
+    }
+  }
+
+  TriggerAnswer check() {
+    try {
+      std::vector<std::string> amiss;
+      if (std::string trouble = run_.trouble(); !trouble.empty()) amiss.push_back(trouble);
+      const auto document = nlohmann::json::parse(run_.statistics());
+      for (const auto& finding : document.value("findings", nlohmann::json::array())) {
+        if (finding.at("end").is_null()) amiss.push_back(finding.at("what").get<std::string>());
+      }
+      if (amiss.empty()) return {true, "nothing is amiss"};
+      return {false, fmt::format("{}", fmt::join(amiss, "; "))};
+    } catch (const std::exception& error) {
+      return {false, error.what()};
+    }
+  }
+
+  const PublishedRun run_;
+  Domain domain_;
+  const dds_entity_t participant_ = domain_.participant();
+  MessageWriter image_;
+  std::optional<MessageWriter> points_, depth_, camera_;
+  std::vector<TriggerService> services_;
+  dds_entity_t waiting_ = 0, wake_ = 0;
+  DisjointClouds clouds_;
+  bool gives_way_ = false;                                      ///< its thread
+  std::optional<std::chrono::steady_clock::time_point> saved_;  ///< of the serving thread
+  std::atomic<bool> stopping_ = false;
+  std::thread thread_;
+};
+
+bool is_name(std::string_view part) {
+  const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  return !part.empty() && std::isdigit(static_cast<unsigned char>(part.front())) == 0 &&
+         part.find("__") == part.npos && std::all_of(part.begin(), part.end(), fits);
+}
+
+/// "scanner" of "scanner" and "/scanner"; throws Error where ROS 2 would not take it.
+std::string ros_namespace(const std::string& given) {
+  const std::string name = given.substr(given.starts_with('/') ? 1 : 0);
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t end = std::min(name.find('/', begin), name.size());
+    if (!is_name(std::string_view(name).substr(begin, end - begin))) {
+      throw Error(fmt::format(
+          "--publish ros2:{}: a namespace of ROS 2 is wanted, as ros2:scanner or ros2:cell/left: "
+          "letters, digits and single _, no digit first",
+          given));
+    }
+    if (end == name.size()) return name;
+    begin = end + 1;
+  }
+}
+
+}  // namespace
+
+const SinkKind ros2_sink{
+    "ros2", "ros2:NAMESPACE", [](const std::string& name) { (void)ros_namespace(name); },
+    [](const std::string& name, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      return std::make_unique<Ros2Sink>(ros_namespace(name), std::move(run));
+    }};
+
+}  // namespace slipstream

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "slipstream/geometry/lens.h"
+#include "slipstream/live/live_cloud.h"
+
+namespace slipstream {
+
+inline const Size size{61, 43};
+
+inline Lens camera() {
+  Lens lens{.size = size};
+  lens.intrinsic << 80, 0, 30, 0, 82, 20, 0, 0, 1;
+  lens.distortion = make_distortion(std::vector<double>{-0.1, 0.05, 0.001, -0.002, 0.01});
+  return lens;
+}
+
+/// Any points, one in eight missing.
+inline Pooled<LiveCloud> any_cloud(std::uint64_t sequence) {
+  std::mt19937 random(static_cast<unsigned>(sequence));
+  Pool<LiveCloud> pool(1, [] { return LiveCloud{.cloud = Cloud(size)}; });
+  Pooled<LiveCloud> pooled = pool.take();
+  LiveCloud& live = pooled.fill();
+  Pool<Frame> frames(1, [] { return Frame(FrameFormat{size}); });
+  live.frames.assign(4, frames.take());
+  live.newest = {.sequence = sequence, .host_time = std::chrono::steady_clock::now()};
+  std::uniform_real_distribution<float> any(0, 1);
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      live.cloud.intensity(column, row) = 300 * any(random) - 20;
+      if (any(random) < 0.125F) continue;
+      const Eigen::Vector3d ray = ray_through(camera(), {column, row});
+      const float z = 500 + 300 * any(random);
+      live.cloud.x(column, row) = static_cast<float>(ray.x()) * z;
+      live.cloud.y(column, row) = static_cast<float>(ray.y()) * z;
+      live.cloud.z(column, row) = z;
+      live.cloud.validity(column, row) = Validity::valid;
+    }
+  }
+  return pooled;
+}
+
+}  // namespace slipstream

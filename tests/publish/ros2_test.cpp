@@ -1,0 +1,389 @@
+// The sink for ROS 2 as a program sees it that reads by the public definitions of the messages: in
+// a process of its own, over the network of this machine.
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <dds/dds.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "ros2_messages.h"
+#include "slipstream/error/error.h"
+#include "slipstream/publish/dds_messages.h"
+#include "slipstream/publish/named_sink.h"
+#include "tests/app/program.h"
+#include "tests/publish/any_cloud.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+
+/// A domain that no other test uses at the same time, on this machine alone and without multicast.
+void choose_domain() {
+  ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 200).c_str(), 1);
+  ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
+  ::setenv("CYCLONEDDS_URI",
+           "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General>"
+           "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+           "<Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery>"
+           "<Internal><SocketReceiveBufferSize min=\"4MB\"/></Internal></Domain></CycloneDDS>",
+           1);
+}
+
+/// Another process that does something, and is killed if it has not ended.
+class Child {
+ public:
+  explicit Child(const std::function<void()>& work) : process_(::fork()) {
+    if (process_ != 0) return;
+    work();
+    ::_exit(0);
+  }
+  ~Child() {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  [[nodiscard]] pid_t process() const { return process_; }
+
+  [[nodiscard]] long resident_pages() const {
+    std::ifstream file(fmt::format("/proc/{}/statm", process_));
+    long all = 0, resident = 0;
+    file >> all >> resident;
+    return resident;
+  }
+
+ private:
+  pid_t process_;
+};
+
+/// What publisher and test both see.
+struct Shared {
+  std::atomic<std::uint64_t> published = 0, saves = 0;
+  std::atomic<bool> ill = false;
+  static Shared* make() {
+    void* memory =
+        ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    return new (memory) Shared;
+  }
+};
+
+/// Clouds without end, each with its number as the first pixel's intensity.
+Pooled<LiveCloud> numbered_cloud(std::uint64_t number) {
+  Pooled<LiveCloud> cloud = any_cloud(number);
+  cloud.fill().cloud.intensity(0, 0) = static_cast<float>(number % 250);
+  return cloud;
+}
+
+void publish_clouds(Shared& shared) {
+  const auto sink = open_sink("ros2:/cell/scanner",
+                              {.camera = camera(),
+                               .statistics =
+                                   [] {
+                                     return R"({"findings":[{"what":"too dark","end":null},
+                                                 {"what":"too bright","end":7}]})";
+                                   },
+                               .trouble = [&] { return shared.ill ? "the camera is gone" : ""; },
+                               .save = [&] { return fmt::format("folder-{}", ++shared.saves); }});
+  for (std::uint64_t number = 0;; ++number) {
+    sink->put(numbered_cloud(number % 250));
+    ++shared.published;
+    std::this_thread::sleep_for(5ms);
+  }
+}
+
+/// A program of ROS 2.
+struct Client {
+  Client() {
+    choose_domain();
+    const auto id = static_cast<dds_domainid_t>(std::atoi(std::getenv("ROS_DOMAIN_ID")));
+    participant = dds_create_participant(id, nullptr, nullptr);
+  }
+  ~Client() { dds_delete(participant); }
+
+  [[nodiscard]] dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& name,
+                                    bool reliable = false) const {
+    dds_qos_t* const qos = dds_create_qos();
+    dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                         DDS_SECS(1));
+    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 5);
+    const auto topic = dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr);
+    const auto made = dds_create_reader(participant, topic, qos, nullptr);
+    dds_delete_qos(qos);
+    return made;
+  }
+
+  dds_entity_t participant;
+};
+
+/// Whether it saw one; `see` is called for each that has come.
+template <class Message>
+bool take(dds_entity_t reader, const std::function<void(const Message&)>& see) {
+  void* sample = nullptr;
+  dds_sample_info_t info;
+  bool saw = false;
+  while (dds_take(reader, &sample, &info, 1, 1) == 1) {
+    if (info.valid_data) {
+      see(*static_cast<const Message*>(sample));
+      saw = true;
+    }
+    dds_return_loan(reader, &sample, 1);
+    sample = nullptr;
+  }
+  return saw;
+}
+
+using PointCloud = sensor_msgs_msg_dds__PointCloud2_;
+using Picture = sensor_msgs_msg_dds__Image_;
+using Info = sensor_msgs_msg_dds__CameraInfo_;
+using Request = std_srvs_srv_dds__Trigger_Request_;
+using Response = std_srvs_srv_dds__Trigger_Response_;
+
+bool equal_bits(float a, const std::uint8_t* b) {
+  return std::memcmp(&a, b, sizeof a) == 0;
+}
+
+/// The cloud's number.
+std::uint64_t expect_points(const PointCloud& message) {
+  EXPECT_STREQ(message.header.frame_id, "camera");
+  EXPECT_GT(message.header.stamp.sec, 1'700'000'000);
+  EXPECT_EQ(message.height, 43U);
+  EXPECT_EQ(message.width, 61U);
+  EXPECT_EQ(message.point_step, 16U);
+  EXPECT_EQ(message.row_step, 16U * 61);
+  EXPECT_FALSE(message.is_bigendian);
+  EXPECT_FALSE(message.is_dense);
+  EXPECT_EQ(message.fields._length, 4U);
+  constexpr std::array names{"x", "y", "z", "intensity"};
+  for (std::uint32_t i = 0; i < message.fields._length; ++i) {
+    EXPECT_STREQ(message.fields._buffer[i].name, names.at(i));
+    EXPECT_EQ(message.fields._buffer[i].offset, 4 * i);
+    EXPECT_EQ(message.fields._buffer[i].datatype, 7);
+    EXPECT_EQ(message.fields._buffer[i].count, 1U);
+  }
+  EXPECT_EQ(message.data._length, 16U * 61 * 43);
+  float number = 0;
+  std::memcpy(&number, message.data._buffer + 12, sizeof number);
+  const Pooled<LiveCloud> live = numbered_cloud(static_cast<std::uint64_t>(number));
+  int different = 0;
+  const std::uint8_t* at = message.data._buffer;
+  for (std::size_t i = 0; i < live->cloud.z.pixel_count(); ++i, at += 16) {
+    different += !equal_bits(live->cloud.x.begin()[i] / 1000, at) ||
+                 !equal_bits(live->cloud.y.begin()[i] / 1000, at + 4) ||
+                 !equal_bits(live->cloud.z.begin()[i] / 1000, at + 8) ||
+                 !equal_bits(live->cloud.intensity.begin()[i], at + 12);
+  }
+  EXPECT_EQ(different, 0);
+  return static_cast<std::uint64_t>(number);
+}
+
+void expect_camera(const Info& message) {
+  EXPECT_EQ(message.width, 61U);
+  EXPECT_EQ(message.height, 43U);
+  EXPECT_STREQ(message.distortion_model, "plumb_bob");
+  const std::vector<double> d(message.d._buffer, message.d._buffer + message.d._length);
+  EXPECT_EQ(d, (std::vector<double>{-0.1, 0.05, 0.001, -0.002, 0.01}));
+  EXPECT_EQ(std::vector<double>(message.k, message.k + 9),
+            (std::vector<double>{80, 0, 30, 0, 82, 20, 0, 0, 1}));
+  EXPECT_EQ(std::vector<double>(message.r, message.r + 9),
+            (std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(std::vector<double>(message.p, message.p + 12),
+            (std::vector<double>{80, 0, 30, 0, 0, 82, 20, 0, 0, 0, 1, 0}));
+}
+
+TEST(Ros2, a_subscriber_by_the_public_definitions_gets_every_point_bit_for_bit) {
+  choose_domain();
+  Shared& shared = *Shared::make();
+  const Child publisher([&] { publish_clouds(shared); });
+  const Client client;
+  const auto points =
+      client.reader(sensor_msgs_msg_dds__PointCloud2__desc, "rt/cell/scanner/points");
+  const auto image = client.reader(sensor_msgs_msg_dds__Image__desc, "rt/cell/scanner/image");
+  const auto depth = client.reader(sensor_msgs_msg_dds__Image__desc, "rt/cell/scanner/depth");
+  const auto camera_info =
+      client.reader(sensor_msgs_msg_dds__CameraInfo__desc, "rt/cell/scanner/camera_info");
+  std::set<std::uint64_t> numbers;
+  std::map<std::int64_t, std::array<int, 2>> stamps;  // of pictures, of depths
+  int cameras = 0;
+  const bool all = wait_until([&] {
+    take<PointCloud>(points, [&](const PointCloud& one) { numbers.insert(expect_points(one)); });
+    take<Info>(camera_info, [&](const Info& one) {
+      expect_camera(one);
+      ++cameras;
+    });
+    take<Picture>(image, [&](const Picture& one) {
+      EXPECT_STREQ(one.encoding, "mono8");
+      EXPECT_EQ(one.step, 61U);
+      ASSERT_EQ(one.data._length, 61U * 43);
+      const Pooled<LiveCloud> live = numbered_cloud(one.data._buffer[0]);
+      EXPECT_EQ(one.data._buffer[61 * 43 - 1], grey_level(live->cloud.intensity(60, 42)));
+      ++stamps[one.header.stamp.sec * 1'000'000'000LL + one.header.stamp.nanosec][0];
+    });
+    take<Picture>(depth, [&](const Picture& one) {
+      EXPECT_STREQ(one.encoding, "32FC1");
+      EXPECT_EQ(one.step, 4U * 61);
+      ASSERT_EQ(one.data._length, 4U * 61 * 43);
+      ++stamps[one.header.stamp.sec * 1'000'000'000LL + one.header.stamp.nanosec][1];
+    });
+    std::this_thread::sleep_for(1ms);
+    return numbers.size() >= 20 && cameras >= 20 && stamps.size() >= 20;
+  });
+  EXPECT_TRUE(all) << numbers.size() << " clouds";
+  EXPECT_GE(std::count_if(stamps.begin(), stamps.end(),
+                          [](const auto& one) {
+                            return one.second == std::array{1, 1};
+                          }),
+            10)
+      << "picture and depth of one cloud have one time";
+}
+
+/// Calls a service until it answers, as a client of ROS 2 over Cyclone DDS does.
+struct Caller {
+  Caller(const Client& client, const std::string& name) {
+    const auto topic =
+        dds_create_topic(client.participant, &std_srvs_srv_dds__Trigger_Request__desc,
+                         ("rq/" + name + "Request").c_str(), nullptr, nullptr);
+    writer = dds_create_writer(client.participant, topic, nullptr, nullptr);
+    reader = client.reader(std_srvs_srv_dds__Trigger_Response__desc, "rr/" + name + "Reply", true);
+    wait_until([&] {
+      std::this_thread::sleep_for(5ms);
+      dds_publication_matched_status_t to{};
+      dds_subscription_matched_status_t from{};
+      dds_get_publication_matched_status(writer, &to);
+      dds_get_subscription_matched_status(reader, &from);
+      return to.current_count > 0 && from.current_count > 0;
+    });
+  }
+  std::pair<bool, std::string> call() {
+    const Request request{0xfedcba9876543210U, ++number, 0};
+    dds_write(writer, &request);
+    std::pair<bool, std::string> answer{false, "none came"};
+    bool came = false;
+    wait_until([&] {
+      std::this_thread::sleep_for(1ms);
+      came = came || take<Response>(reader, [&](const Response& told) {
+               EXPECT_EQ(told.guid, request.guid);
+               EXPECT_EQ(told.seq, number);
+               answer = {told.success, told.message};
+             });
+      return came;
+    });
+    return answer;
+  }
+  std::pair<bool, std::string> call_until_true() {
+    std::pair<bool, std::string> answer;
+    wait_until([&] {
+      if (!answer.first) answer = call();
+      return answer.first;
+    });
+    return answer;
+  }
+
+  dds_entity_t writer, reader;
+  std::int64_t number = 0;
+};
+
+using Answer = std::pair<bool, std::string>;
+
+TEST(Ros2, services_save_a_cloud_and_say_what_is_amiss) {
+  choose_domain();
+  Shared& shared = *Shared::make();
+  const Child publisher([&] { publish_clouds(shared); });
+  const Client client;
+  Caller capture(client, "cell/scanner/capture"), check(client, "cell/scanner/check");
+  EXPECT_EQ(capture.call(), Answer(true, "folder-1"));
+  EXPECT_EQ(check.call(), Answer(false, "too dark"));
+  shared.ill = true;
+  EXPECT_EQ(check.call(), Answer(false, "the camera is gone; too dark"));
+  EXPECT_EQ(capture.call_until_true(), Answer(true, "folder-2"));
+}
+
+TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothing) {
+  choose_domain();
+  Shared& shared = *Shared::make();
+  const Child publisher([&] { publish_clouds(shared); });
+  const auto wait_for_more = [&](std::uint64_t more) {
+    const std::uint64_t until = shared.published + more;
+    return wait_until([&] {
+      std::this_thread::sleep_for(1ms);
+      return shared.published >= until;
+    });
+  };
+  const auto listen = [] {
+    const Client client;
+    const auto reader =
+        client.reader(sensor_msgs_msg_dds__PointCloud2__desc, "rt/cell/scanner/points");
+    while (true) {
+      take<PointCloud>(reader, [](const PointCloud&) {});
+      std::this_thread::sleep_for(1ms);
+    }
+  };
+  ASSERT_TRUE(wait_for_more(100));
+  long before = 0;
+  for (int round = 0; round < 4; ++round) {
+    const Child stops(listen), goes(listen);
+    ASSERT_TRUE(wait_for_more(200));
+    ::kill(stops.process(), SIGSTOP);
+    ASSERT_TRUE(wait_for_more(200));
+    if (round == 0) before = publisher.resident_pages();
+  }  // and are killed
+  EXPECT_LT(publisher.resident_pages(), before + 4000) << "pages";
+
+  const Client client;
+  const auto topic = create_message_topic(client.participant, "rq/cell/scanner/captureRequest",
+                                          "std_srvs::srv::dds_::Trigger_Request_");
+  const auto writer = dds_create_writer(client.participant, topic, nullptr, nullptr);
+  std::this_thread::sleep_for(300ms);
+  for (const std::size_t size : {4, 8, 16, 20, 4096, 8192, 100'000}) {
+    for (const std::uint8_t byte : {0, 1, 255}) {
+      const SharedMessage garbage = std::make_shared<RosMessage>(size, byte);
+      EXPECT_EQ(dds_write(writer, &garbage), 0);
+    }
+  }
+  EXPECT_EQ(Caller(client, "cell/scanner/check").call(), Answer(false, "too dark"));
+  ASSERT_TRUE(wait_for_more(100));
+}
+
+TEST(Ros2, the_program_saves_the_newest_cloud_when_asked_by_service) {
+  choose_domain();
+  const TemporaryFolder folder;
+  RunningProgram program({"live", "--source", "virtual", "--world", "ideal", "--camera", "160x120",
+                          "--rate", "60", "--strategy", "pmp", "--steps", "4", "--headless",
+                          "--save-to", folder.path().string(), "--publish", "ros2:scanner"});
+  const Client client;
+  Caller capture(client, "scanner/capture"), check(client, "scanner/check");
+  const Answer saved = capture.call_until_true();
+  ASSERT_TRUE(saved.first) << saved.second;
+  EXPECT_TRUE(std::filesystem::exists(std::filesystem::path(saved.second) / "cloud.ply"));
+  EXPECT_EQ(check.call(), Answer(true, "nothing is amiss"));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait(), 0) << program.err();
+}
+
+TEST(Ros2, names_that_ROS_2_does_not_take_are_refused) {
+  for (const char* name :
+       {"ros2:/", "ros2:a/", "ros2:a//b", "ros2:1a", "ros2:a__b", "ros2:a-b", "ros2:a b"}) {
+    EXPECT_THROW(require_sink(name), Error) << name;
+  }
+  require_sink("ros2:/cell_1/scanner");
+  ::setenv("ROS_DOMAIN_ID", "233", 1);
+  EXPECT_THROW(open_sink("ros2:scanner", {}), Error);
+}
+
+}  // namespace
+}  // namespace slipstream

@@ -83,10 +83,10 @@ struct Shared {
   }
 };
 
-/// Clouds without end, each with its number as the first pixel's intensity.
+/// A cloud with its number as the first pixel's intensity.
 Pooled<LiveCloud> numbered_cloud(std::uint64_t number) {
   Pooled<LiveCloud> cloud = any_cloud(number);
-  cloud.fill().cloud.intensity(0, 0) = static_cast<float>(number % 250);
+  cloud.fill().cloud.intensity(0, 0) = static_cast<float>(number);
   return cloud;
 }
 
@@ -100,9 +100,10 @@ void publish_clouds(Shared& shared) {
                                    },
                                .trouble = [&] { return shared.ill ? "the camera is gone" : ""; },
                                .save = [&] { return fmt::format("folder-{}", ++shared.saves); }});
-  for (std::uint64_t number = 0;; ++number) {
-    sink->put(numbered_cloud(number % 250));
-    ++shared.published;
+  std::vector<Pooled<LiveCloud>> clouds;
+  for (std::uint64_t number = 0; number < 250; ++number) clouds.push_back(numbered_cloud(number));
+  while (true) {
+    sink->put(clouds[shared.published++ % clouds.size()]);
     std::this_thread::sleep_for(5ms);
   }
 }

@@ -21,6 +21,7 @@ def test_versions_are_one():
         "CHANGELOG.md": said("CHANGELOG.md", r"^## ([\d.]+)"),
         "debian": said("debian/changelog", r"^slipstream \((.*)\)"),
         "vcpkg": json.loads((SOURCES / "packaging/vcpkg/vcpkg.json").read_text())["version"],
+        "ros": said("ros/package.xml", r"<version>(.*)</version>"),
         "conan": said("packaging/conan/conanfile.py", r'^    version = "(.*)"'),
     }
     assert len(set(versions.values())) == 1, versions

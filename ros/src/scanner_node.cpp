@@ -1,0 +1,197 @@
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <rclcpp/rclcpp.hpp>
+#include <rclcpp_components/register_node_macro.hpp>
+#include <rclcpp_lifecycle/lifecycle_node.hpp>
+#include <slipstream/error/error.h>
+#include <slipstream/io/cloud_file.h>
+#include <slipstream/io/saved_scan.h>
+#include <slipstream/live/live_pipeline.h>
+#include <slipstream/publish/disjoint_clouds.h>
+#include <slipstream/publish/publisher.h>
+#include <slipstream/publish/ros_messages.h>
+#include <slipstream/sources/named_source.h>
+#include <slipstream/strategy/registry.h>
+#include <std_srvs/srv/trigger.hpp>
+
+namespace slipstream_ros {
+namespace {
+
+/// Clouds as messages of a node, which are CDR already.
+class NodeSink final : public slipstream::CloudSink {
+ public:
+  NodeSink(rclcpp_lifecycle::LifecycleNode& node, slipstream::Lens camera)
+      : camera_(std::move(camera)),
+        points_(publisher(node, "points", "PointCloud2")),
+        image_(publisher(node, "image", "Image")),
+        depth_(publisher(node, "depth", "Image")),
+        info_(publisher(node, "camera_info", "CameraInfo")) {}
+
+  bool wants(const slipstream::LiveCloud& cloud) override { return clouds_.is_next(cloud); }
+
+  void put(const slipstream::Pooled<slipstream::LiveCloud>& live) override {
+    const slipstream::Cloud& cloud = live->cloud;
+    const auto time = slipstream::world_time(live->newest.host_time);
+    publish(*info_, [&](auto& to) { write_camera_info(camera_, cloud.size(), time, to); });
+    publish(*image_, [&](auto& to) { write_image(*live, time, to); });
+    publish(*depth_, [&](auto& to) { write_depth(cloud, time, to); });
+    publish(*points_, [&](auto& to) { write_point_cloud(cloud, time, to); });
+  }
+
+ private:
+  using Topic = rclcpp::GenericPublisher;
+
+  static Topic::SharedPtr publisher(rclcpp_lifecycle::LifecycleNode& node, const std::string& name,
+                                    const std::string& type) {
+    return rclcpp::create_generic_publisher(node.get_node_topics_interface(), "~/" + name,
+                                            "sensor_msgs/msg/" + type, rclcpp::SensorDataQoS());
+  }
+
+  template <class Write>
+  void publish(Topic& topic, Write write) {
+    if (topic.get_subscription_count() == 0) return;
+    write(message_);
+    rclcpp::SerializedMessage serialized(message_.size());
+    auto& raw = serialized.get_rcl_serialized_message();
+    std::memcpy(raw.buffer, message_.data(), message_.size());
+    raw.buffer_length = message_.size();
+    topic.publish(serialized);
+  }
+
+  const slipstream::Lens camera_;
+  Topic::SharedPtr points_, image_, depth_, info_;
+  slipstream::RosMessage message_;
+  slipstream::DisjointClouds clouds_;
+};
+
+}  // namespace
+
+/// A scanner: configured it has its camera, active it publishes clouds.
+class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
+ public:
+  explicit ScannerNode(const rclcpp::NodeOptions& options) : LifecycleNode("scanner", options) {
+    declare_parameter<std::string>("source", "aravis:");  // what slipstream live calls --source
+    declare_parameter<std::string>("scanner", "");        // its file; else the source's own
+    declare_parameter<std::string>("strategy", "");       // as "dual-frequency, high 16, steps 3"
+    declare_parameter<double>("exposure", 0.0);           // ms; 0: as the camera has it
+    declare_parameter<bool>("loop", false);               // a recording begins again
+    declare_parameter<std::string>("save_to", ".");       // where capture writes
+  }
+  ~ScannerNode() override { forget(); }
+
+  CallbackReturn on_configure(const rclcpp_lifecycle::State&) override {
+    return succeeds([this] { configure(); });
+  }
+  CallbackReturn on_activate(const rclcpp_lifecycle::State&) override {
+    return succeeds([this] { pipeline_->start(); });
+  }
+  CallbackReturn on_deactivate(const rclcpp_lifecycle::State&) override {
+    return succeeds([this] { pipeline_->stop(); });  // may be started again
+  }
+  CallbackReturn on_cleanup(const rclcpp_lifecycle::State&) override {
+    return succeeds([this] { forget(); });
+  }
+  CallbackReturn on_shutdown(const rclcpp_lifecycle::State&) override {
+    return succeeds([this] { forget(); });
+  }
+
+ private:
+  using Trigger = std_srvs::srv::Trigger;
+
+  template <class Work>
+  CallbackReturn succeeds(Work work) {
+    try {
+      work();
+      return CallbackReturn::SUCCESS;
+    } catch (const std::exception& error) {
+      RCLCPP_ERROR(get_logger(), "%s", error.what());
+      return CallbackReturn::FAILURE;
+    }
+  }
+
+  [[nodiscard]] std::string text(const char* name) const { return get_parameter(name).as_string(); }
+
+  void configure() {
+    slipstream::SourceRequest request;
+    request.source = text("source");
+    request.loop = get_parameter("loop").as_bool();
+    if (const std::string file = text("scanner"); !file.empty()) request.scanner = file;
+    if (const std::string label = text("strategy"); !label.empty()) {
+      request.sequence.known.emplace().strategy = slipstream::strategy_labelled(label);
+    }
+    const double exposure = get_parameter("exposure").as_double();
+    if (exposure > 0) request.camera.exposure = exposure / 1000;
+    slipstream::NamedSource source = slipstream::open_source(request);
+    if (!source.warning.empty()) RCLCPP_WARN(get_logger(), "%s", source.warning.c_str());
+    if (!source.scanner) throw slipstream::Error("no scanner is known: set the parameter scanner");
+    const slipstream::EngineSetup setup{
+        slipstream::completed(*source.scanner, source.scanner_name, source.frames->format().size,
+                              source.sequence.projector),
+        source.sequence};
+    slipstream::require_ambient_known(setup, source.scanner_name);
+
+    publisher_ = std::make_unique<slipstream::Publisher>();
+    publisher_->add("ROS", std::make_unique<NodeSink>(*this, setup.scanner.camera));
+    slipstream::LiveSettings settings;
+    settings.held_clouds += slipstream::Publisher::held_clouds;
+    settings.on_cloud = [this](const auto& cloud) { publisher_->publish(cloud); };
+    pipeline_ =
+        std::make_unique<slipstream::LivePipeline>(std::move(source.frames), setup, settings);
+    capture_ = service("capture", &ScannerNode::capture);
+    check_ = service("check", &ScannerNode::check);
+  }
+
+  void forget() {
+    capture_.reset();
+    check_.reset();
+    if (pipeline_) pipeline_->stop();
+    publisher_.reset();
+    pipeline_.reset();
+  }
+
+  rclcpp::Service<Trigger>::SharedPtr service(const std::string& name,
+                                              std::string (ScannerNode::*answer)(bool&)) {
+    return create_service<Trigger>("~/" + name,
+                                   [this, answer](const std::shared_ptr<Trigger::Request>,
+                                                  std::shared_ptr<Trigger::Response> response) {
+                                     try {
+                                       bool success = true;
+                                       response->message = (this->*answer)(success);
+                                       response->success = success;
+                                     } catch (const std::exception& error) {
+                                       response->success = false;
+                                       response->message = error.what();
+                                     }
+                                   });
+  }
+
+  /// Writes the newest cloud; returns where.
+  std::string capture(bool&) {
+    const auto newest = pipeline_->newest();
+    if (!newest) throw slipstream::Error("no cloud has come that could be saved");
+    const auto file = slipstream::path_named_by_time(text("save_to"), "cloud", ".ply");
+    slipstream::write_cloud(file, newest->cloud);
+    return file.string();
+  }
+
+  std::string check(bool& success) {
+    const slipstream::LiveStatistics now = pipeline_->statistics();
+    std::string amiss = now.source_state;
+    for (const auto& finding : now.findings) amiss += (amiss.empty() ? "" : "; ") + finding.what;
+    success = amiss.empty();
+    return success ? "nothing is amiss" : amiss;
+  }
+
+  std::unique_ptr<slipstream::Publisher> publisher_;
+  std::unique_ptr<slipstream::LivePipeline> pipeline_;
+  rclcpp::Service<Trigger>::SharedPtr capture_, check_;
+};
+
+}  // namespace slipstream_ros
+
+RCLCPP_COMPONENTS_REGISTER_NODE(slipstream_ros::ScannerNode)

@@ -1,0 +1,71 @@
+// Takes the node of ros/ through its life: main RECORDING FOLDER.
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <thread>
+
+#include "rclcpp_lifecycle/lifecycle_node.hpp"
+
+std::unique_ptr<rclcpp_lifecycle::LifecycleNode> make_node(const rclcpp::NodeOptions& options);
+
+namespace {
+using CallbackReturn = rclcpp_lifecycle::LifecycleNode::CallbackReturn;
+constexpr rclcpp_lifecycle::State state;
+
+int failures = 0;
+void expect(bool right, const std::string& what) {
+  if (right) return;
+  std::cerr << "not so: " << what << '\n';
+  ++failures;
+}
+
+std_srvs::srv::Trigger::Response call(rclcpp_lifecycle::LifecycleNode& node,
+                                      const std::string& name) {
+  const auto response = std::make_shared<std_srvs::srv::Trigger::Response>();
+  node.services.at(name).lock()->callback(nullptr, response);
+  return *response;
+}
+
+int clouds(const rclcpp_lifecycle::LifecycleNode& node) {
+  return node.topics->topics.at("~/points")->seen().first;
+}
+
+void wait_for_clouds(const rclcpp_lifecycle::LifecycleNode& node, int count) {
+  for (int i = 0; i < 30'000 && clouds(node) < count; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace
+
+int main(int, char** arguments) {
+  const std::string recording = arguments[1], folder = arguments[2];
+  const auto wrong = make_node({{{"source", std::string("replay:nothing.slip")}}});
+  expect(wrong->on_configure(state) == CallbackReturn::FAILURE, "a recording that is not there");
+
+  const auto node =
+      make_node({{{"source", "replay:" + recording}, {"loop", true}, {"save_to", folder}}});
+  for (int round = 0; round < 2; ++round) {
+    expect(node->on_configure(state) == CallbackReturn::SUCCESS, "configure");
+    expect(!call(*node, "~/capture").success, "nothing to capture yet");
+    for (int activations = 0; activations < 2; ++activations) {
+      const int before = clouds(*node);
+      expect(node->on_activate(state) == CallbackReturn::SUCCESS, "activate");
+      wait_for_clouds(*node, before + 3);
+      expect(clouds(*node) >= before + 3, "clouds come");
+      expect(call(*node, "~/check").success, "nothing is amiss");
+      const auto saved = call(*node, "~/capture");
+      expect(saved.success && std::filesystem::exists(saved.message), saved.message);
+      expect(node->on_deactivate(state) == CallbackReturn::SUCCESS, "deactivate");
+    }
+    for (const auto& [name, topic] : node->topics->topics) {
+      const auto [count, bytes] = topic->seen();
+      expect(count >= 3 && bytes.size() > 100 && bytes[1] == 1, name + " of " + topic->type());
+    }
+    expect(node->on_cleanup(state) == CallbackReturn::SUCCESS, "clean up");
+    expect(node->services.at("~/check").expired(), "services end");
+  }
+  expect(node->on_shutdown(state) == CallbackReturn::SUCCESS, "shut down");
+  return failures;
+}

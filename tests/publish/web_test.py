@@ -389,3 +389,40 @@ def test_the_page_shows_the_cloud(live, tmp_path, look):
         browser.screenshot(pictures / f"{look[2]}-{look[0]}-depth.png")
         assert not [told for told in browser.told if "exceptionDetails" in told]
         assert browser.value("document.documentElement.scrollWidth <= innerWidth")
+
+
+@needs_chromium
+def test_pages_change_settings_and_show_what_others_changed(live):
+    def shown(browser, name):
+        return browser.value(f"at('set {name}') && at('set {name}').value")
+
+    def put(browser, name, value):
+        browser.value(f"at('set {name}').focus(); at('set {name}').value = '{value}';"
+                      f"at('set {name}').onchange()")
+
+    with Chromium() as one, Chromium() as other:
+        for browser in (one, other):
+            browser.look_like(900, 700)
+            browser.ask("Page.navigate", url=live.address)
+            wait_for(lambda: shown(browser, "min-modulation") == "15")
+        assert shown(one, "exposure") is None and shown(one, "strategy") is None
+        put(one, "min-modulation", 40)
+        wait_for(lambda: shown(other, "min-modulation") == "40")
+        put(other, "keep-saturated", "on")
+        wait_for(lambda: shown(one, "keep-saturated") == "on")
+        put(one, "min-modulation", 500)
+        wait_for(lambda: "from 0 to 127" in one.value("at('answer').textContent"))
+        wait_for(lambda: shown(one, "min-modulation") == "40")
+        assert "127" not in other.value("at('answer').textContent")
+        one.value("at('record').click()")
+        wait_for(lambda: other.value("pressed('record')"))
+        wait_for(lambda: ".slip" in other.value("at('answer').textContent"))
+        other.value("at('record').click()")
+        wait_for(lambda: not one.value("pressed('record')"))
+        live.change("min-modulation=15")
+        one.value("at('set min-modulation').blur()")
+        wait_for(lambda: shown(one, "min-modulation") == "15")
+        one.value("at('save').click()")
+        wait_for(lambda: "saved: " in one.value("at('answer').textContent"))
+        for browser in (one, other):
+            assert not [told for told in browser.told if "exceptionDetails" in told]

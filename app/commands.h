@@ -50,6 +50,7 @@ void add_compare(CLI::App& program, Command& chosen);
 void add_verify(CLI::App& program, Command& chosen);
 void add_project(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_live(CLI::App& program, Command& chosen);
+void add_serve(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_reproduce(CLI::App& program, Command& chosen);
 void add_bench(CLI::App& program, Command& chosen);

@@ -15,7 +15,7 @@ inline constexpr const char* file_type = "FILE";
 inline constexpr const char* output_type = "OUTPUT";
 
 /// Why the text is no number that a flag takes; empty where it is one. Nothing wants NaN.
-std::string why_no_number(const std::string& text, bool is_unsigned);
+std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
 
 /// The type of the numbers that go into a flag's value.
 template <class Value>
@@ -44,7 +44,9 @@ struct FlagGroup {
       if constexpr (std::is_arithmetic_v<Number>) {
         option->check([option](const std::string& text) {
           const bool left_out = option->get_expected_min() == 0 && text.empty();
-          return left_out ? "" : why_no_number(text, std::is_unsigned_v<Number>);
+          return left_out
+                     ? ""
+                     : why_no_number(text, std::is_unsigned_v<Number>, std::is_integral_v<Number>);
         });
       }
       constexpr bool has_default =

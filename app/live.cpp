@@ -1,3 +1,5 @@
+#include "app/live.h"
+
 #include <array>
 #include <chrono>
 #include <memory>
@@ -9,7 +11,6 @@
 
 #include <fmt/format.h>
 
-#include "app/clean_flags.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/live_session.h"
@@ -17,7 +18,7 @@
 #include "app/save_folder.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
-#include "app/source_flags.h"
+#include "app/service_manager.h"
 #include "app/stop_signal.h"
 #include "slipstream/check/checked_scan.h"
 #include "slipstream/cycle/window_frames.h"
@@ -31,22 +32,6 @@
 
 namespace slipstream::app {
 namespace {
-
-struct LiveFlags {
-  SourceFlags source;
-  std::optional<double> duration;
-  std::optional<std::uint64_t> frames;
-  bool headless = false;
-  std::string indexing = "told";
-  std::string gamma = "scanner";
-  ReconstructSettings settings;
-  CleanFlags clean;
-  std::string track, model;
-  std::string output;
-  std::string record;
-  std::vector<std::string> publish;
-  ViewFlags view;
-};
 
 /// What the engine is made of: the source's scanner, corrected for the gamma that the flags choose.
 /// Where none is known the pictures alone are shown.
@@ -150,6 +135,7 @@ void wait_until_over(LiveSession& session, std::vector<LiveFinding>& findings, O
     tell_news(session.pipeline.findings(), findings, output);
     const std::string state = session.recorder.state();
     if (state == told) continue;
+    tell_service_manager("STATUS=" + state);
     if (state.empty()) {
       output.say("the source is well again");
     } else {
@@ -260,10 +246,13 @@ void write_results(LiveSession& session, const LiveFlags& flags, const Publisher
 #endif
 }
 
-std::string trouble_of(const LivePipeline& pipeline) {
+std::string trouble_of(const LivePipeline& pipeline, const Publisher& publisher) {
   if (const auto failure = pipeline.failure()) return "the pipeline has failed";
   const std::string state = pipeline.statistics().source_state;
   if (!state.empty()) return state;
+  for (const SinkStatistics& sink : publisher.statistics()) {
+    if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
+  }
   return pipeline.running() ? "" : "the source has ended";
 }
 
@@ -284,7 +273,7 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
         .camera = scanner.camera,
         .has_points = has_geometry(scanner),
         .statistics = [document] { return document().dump(); },
-        .trouble = [&pipeline = session.pipeline] { return trouble_of(pipeline); },
+        .trouble = [&] { return trouble_of(session.pipeline, publisher); },
         .save = [&session] { return save_newest(session); },
         .settings = [&session] { return settings_of(session); },
         .change = [&session](const std::string& setting,
@@ -293,6 +282,8 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
     publisher.add(name, open_sink(name, std::move(run)));
   }
 }
+
+}  // namespace
 
 void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
@@ -355,6 +346,7 @@ void live(const LiveFlags& flags, Output& output) {
     const std::lock_guard lock(session.mutex);  // sinks may change it already
     pipeline.start();
   }
+  tell_service_manager("READY=1");
   output.document["files"] = nlohmann::json::object();
   std::vector<LiveFinding> findings;
   run_session(session, flags.headless, findings, output);
@@ -368,12 +360,7 @@ void live(const LiveFlags& flags, Output& output) {
   if (!flags.record.empty()) output.object("files")["recording"] = flags.record;
 }
 
-}  // namespace
-
-void add_live(CLI::App& program, Command& chosen) {
-  const auto [command, flags] =
-      add_command(program, chosen, live, "live",
-                  "cameras, virtual scanner or recording to clouds, as frames come");
+void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   flags.source.virtual_scanner.idle_motion = {0.5, 0, 0};
   command.add("--source", flags.source.source, source_forms());
   command.add("--rate", flags.source.rate,
@@ -381,7 +368,6 @@ void add_live(CLI::App& program, Command& chosen) {
   command.add("--loop", flags.source.loop, "a recording begins again at its end");
   command.add("--duration", flags.duration, "seconds, then it ends");
   command.add("--frames", flags.frames, "so many frames, then it ends");
-  command.add("--headless", flags.headless, "no window");
   command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
   command.add(
       "--track", flags.track,
@@ -411,6 +397,14 @@ void add_live(CLI::App& program, Command& chosen) {
   add_pattern_flags(command.app, flags.source.scan);
   add_virtual_flags(command.app, flags.source.virtual_scanner);
   add_camera_flags(command.app, flags.source.camera);
+}
+
+void add_live(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, live, "live",
+                  "cameras, virtual scanner or recording to clouds, as frames come");
+  add_live_flags(command, flags);
+  command.add("--headless", flags.headless, "no window");
   command.app.footer(
       "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "
       "slipstream live --source replay:scan.slip --headless --json\n  slipstream live --source "

@@ -32,6 +32,7 @@ constexpr int bad_input = 2;
 struct SharedFlags {
   bool json = false;  ///< seen by main
   int threads = 0;    ///< 0: as many as the machine has cores
+  RigSaid rig{};
 };
 
 /// Adds them, and --rig, to each subcommand of `app` that does work.
@@ -39,7 +40,7 @@ void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& share
   for (CLI::App* const command : app.get_subcommands(nullptr)) {
     add_shared_flags(*command, program, shared);
     if (!command->get_subcommands(nullptr).empty()) continue;
-    add_rig_flag(*command, program);
+    add_rig_flag(*command, program, shared.rig);
     const FlagGroup group{*command};
     group.add("--json", shared.json, "one JSON document on stdout, words to stderr");
     group.add("--threads", shared.threads, "at most so many; 0: one for each core");
@@ -135,6 +136,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_compare(program, chosen);
   add_assist(program, chosen);
   add_live(program, chosen);
+  add_serve(program, chosen);
 #ifdef SLIPSTREAM_VIEW
   add_project(program, chosen);
   add_view(program, chosen);
@@ -162,8 +164,14 @@ int run_program(int argc, char** argv, Output& output) {
     help.finish();
     return 0;
   }
-  require_distinct_files(chosen_command(program));
-  return run(chosen, shared, output);
+  try {
+    require_distinct_files(chosen_command(program));
+    return run(chosen, shared, output);
+  } catch (const Error& error) {
+    throw Error(located(shared.rig, error.what()));
+  } catch (const WorldError& error) {
+    throw WorldError(located(shared.rig, error.what()));
+  }
 }
 
 }  // namespace

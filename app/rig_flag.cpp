@@ -1,6 +1,7 @@
 #include "app/rig_flag.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -10,7 +11,6 @@
 #include "app/flag_group.h"
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
-#include "slipstream/io/rig_file.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
@@ -51,15 +51,17 @@ std::string resolved(const CLI::Option& option, const std::string& value, const 
   return value;
 }
 
-void apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
-  if (option.count() > 0 || is_ruled_out(option)) return;
+bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
+  if (option.count() > 0 || is_ruled_out(option)) return false;
   for (const std::string& value : setting.values) {
     option.add_result(resolved(option, value, folder));
   }
   option.run_callback();
+  return true;
 }
 
-void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program) {
+void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
+  said.file = file.string();
   std::set<std::string> known;
   collect_settings(program, known);
   for (const RigSetting& setting : read_rig(file)) {
@@ -73,21 +75,61 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program) 
     CLI::Option* const option = subcommand.get_option_no_throw("--" + setting.name);
     if (option == nullptr) continue;
     try {
-      apply(setting, file.parent_path(), *option);
+      if (apply(setting, file.parent_path(), *option)) said.settings.push_back(setting);
+    } catch (const CLI::ConversionError&) {  // of a switch; numbers are checked before
+      refuse(fmt::format("{} '{}': true or false is wanted", setting.name, setting.values.front()));
     } catch (const CLI::ParseError& error) {
       refuse(error.what());
     }
   }
 }
 
+/// Whether the text has it as a word of its own.
+bool has_word(const std::string& text, const std::string& word) {
+  const auto inside = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0; };
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
+    const std::size_t end = at + word.size();
+    if ((at == 0 || !inside(text[at - 1])) && (end == text.size() || !inside(text[end])))
+      return true;
+  }
+  return false;
+}
+
+/// How much speaks for the message being about the setting: its name, or what it says.
+int kinship(const RigSetting& setting, const std::string& message) {
+  // "minimum modulation" is min-modulation.
+  const std::string last = setting.name.substr(setting.name.rfind('-') + 1);
+  const auto says = [&](const std::string& value) {
+    const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
+    return what.size() > 1 && has_word(message, what);
+  };
+  const bool flagged = has_word(message, "--" + setting.name) ||
+                       message.find("'" + setting.name + "'") != message.npos;
+  const bool named = has_word(message, last.size() > 5 ? last : setting.name);
+  const bool said = std::any_of(setting.values.begin(), setting.values.end(), says);
+  return (flagged ? 4 : 0) + (named ? 2 : 0) + (said ? 1 : 0);
+}
+
 }  // namespace
 
-void add_rig_flag(CLI::App& subcommand, const CLI::App& program) {
+void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
+  const bool served = subcommand.get_name() == "serve" && subcommand.get_parent() == &program;
   subcommand
       .add_option_function<std::string>(
-          "--rig", [&](const std::string& file) { apply(file, subcommand, program); },
+          served ? "rig" : "--rig",
+          [&](const std::string& file) { apply(file, subcommand, program, said); },
           "settings by their flags' names, which the command line goes before: .yaml")
-      ->type_name(file_type);
+      ->type_name(file_type)
+      ->required(served);
+}
+
+std::string located(const RigSaid& said, const std::string& message) {
+  const auto less = [&](const RigSetting& a, const RigSetting& b) {
+    return kinship(a, message) < kinship(b, message);
+  };
+  const auto setting = std::max_element(said.settings.begin(), said.settings.end(), less);
+  if (setting == said.settings.end() || kinship(*setting, message) == 0) return message;
+  return fmt::format("{}: line {}: {}", said.file, setting->line, message);
 }
 
 }  // namespace slipstream::app

@@ -18,8 +18,8 @@ namespace slipstream::app {
 namespace {
 
 // A signal handler reaches nothing else, and other threads than the one it ran in ask for it.
-std::atomic<bool> stop_raised = false;
-static_assert(std::atomic<bool>::is_always_lock_free);
+std::atomic<int> stop_raised = 0;  // which signal it was
+static_assert(std::atomic<int>::is_always_lock_free);
 
 /// What nohup has the program ignore stays ignored.
 void handle_ends(void (*handler)(int)) {
@@ -55,8 +55,8 @@ void end_program(int signal) {
 }
 
 /// The next signal ends the program, whichever it is.
-void raise_stop(int) {
-  stop_raised = true;
+void raise_stop(int signal) {
+  stop_raised = signal;
   handle_ends(end_program);
 }
 
@@ -76,7 +76,7 @@ void prepare_process() {
 }
 
 StopSignal::StopSignal() {
-  stop_raised = false;
+  stop_raised = 0;
   handle_ends(raise_stop);
 }
 
@@ -85,7 +85,11 @@ StopSignal::~StopSignal() {
 }
 
 bool StopSignal::raised() const {
-  return stop_raised;
+  return stop_raised != 0;
+}
+
+bool hung_up() {
+  return stop_raised == SIGHUP;
 }
 
 void require_duration(const std::optional<double>& duration) {

@@ -24,6 +24,9 @@ class StopSignal {
   [[nodiscard]] bool raised() const;
 };
 
+/// Whether the last StopSignal was raised by SIGHUP.
+bool hung_up();
+
 /// Throws Error unless --duration is above 0 s, where it is given.
 void require_duration(const std::optional<double>& duration);
 

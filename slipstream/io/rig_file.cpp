@@ -12,7 +12,7 @@ namespace slipstream {
 namespace {
 
 [[noreturn]] void refuse(const std::string& file, const YAML::Mark& mark, const std::string& why) {
-  throw Error(fmt::format("{}: line {}: {}", file, mark.line + 1, why));
+  throw Error(fmt::format("{}: line {}: {}", file, std::max(mark.line, 0) + 1, why));
 }
 
 std::string text_of(const YAML::Node& node, const std::string& setting, const YAML::Mark& mark,
@@ -35,7 +35,7 @@ RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Ma
 }
 
 std::vector<RigSetting> settings_in(const YAML::Node& root, const std::string& file) {
-  if (!root.IsMap()) refuse(file, root.Mark(), "a map of settings is wanted");
+  if (!root.IsMap()) refuse(file, root.Mark(), "a map of settings is wanted, as source: virtual");
   std::vector<RigSetting> settings;
   const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
     settings.push_back(setting_from(text_of(key, "the name of a setting", key.Mark(), file), value,
@@ -65,7 +65,10 @@ std::vector<RigSetting> rig_from(const std::string& text, const std::string& nam
   try {
     return settings_in(YAML::Load(text), name);
   } catch (const YAML::Exception& exception) {
-    refuse(name, exception.mark, "not YAML: " + exception.msg);
+    const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
+    refuse(name, exception.mark,
+           "not YAML: " + exception.msg +
+               (colon ? "; what ends in a colon is put in quotes, as source: 'aravis:'" : ""));
   }
 }
 

@@ -10,7 +10,7 @@ namespace slipstream {
 /// settings by name, in any headings, each a name over a map of its settings.
 ///
 ///   camera:
-///     source: aravis:
+///     source: v4l2:0
 ///     exposure: 8
 ///   scanner: scanner.yaml
 struct RigSetting {

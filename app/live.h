@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/clean_flags.h"
+#include "app/flag_group.h"
+#include "app/output.h"
+#include "app/source_flags.h"
+#include "app/view_flags.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+
+namespace slipstream::app {
+
+struct LiveFlags {
+  SourceFlags source;
+  std::optional<double> duration;
+  std::optional<std::uint64_t> frames;
+  bool headless = false;
+  std::string indexing = "told";
+  std::string gamma = "scanner";
+  ReconstructSettings settings;
+  CleanFlags clean;
+  std::string track, model;
+  std::string output;
+  std::string record;
+  std::vector<std::string> publish;
+  ViewFlags view;
+};
+
+/// Adds all but --headless.
+void add_live_flags(const FlagGroup& command, LiveFlags& flags);
+
+/// From the source to clouds until it ends, or a signal ends it.
+void live(const LiveFlags& flags, Output& output);
+
+}  // namespace slipstream::app

@@ -1,0 +1,205 @@
+"""`slipstream serve`: what a rig file may be, how a service starts, goes on and ends."""
+
+import http.client
+import json
+import os
+import pathlib
+import re
+import shutil
+import signal
+import socket
+import subprocess
+
+import pytest
+
+from web_test import PROGRAM, SOURCES, Live, wait_for
+
+VIRTUAL = "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 60\n"
+
+
+class Service(Live):
+    """The service while it runs, and what it tells who started it."""
+
+    def __init__(self, folder, rig, *words):
+        (folder / "rig.yaml").write_text(rig)
+        self.words = folder / "words"
+        self.ear = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.ear.bind(str(folder / "ear"))
+        self.ear.settimeout(300)
+        self.process = subprocess.Popen(
+            words or [PROGRAM, "serve", "rig.yaml"], cwd=folder, stdout=self.words.open("w"),
+            stderr=subprocess.STDOUT, env=dict(os.environ, NOTIFY_SOCKET=str(folder / "ear")))
+
+    def wait_until_ready(self):
+        while (told := self.ear.recv(1000)) != b"READY=1":
+            assert told.startswith(b"STATUS=")
+        self.address = re.findall(r"http://\S+", self.words.read_text())[-1]
+        self.port = int(re.search(r":(\d+)/", self.address)[1])
+        return self
+
+    def __exit__(self, *_):
+        super().__exit__()
+        self.ear.close()
+
+
+# What is wrong, the line where it stands below the four of VIRTUAL, what is said of it.
+MISTAKES = [
+    ("stratgy: pmp", 5, "did you mean strategy?"),
+    ("strategy: pmpx", 5, "did you mean pmp?"),
+    ("strategy: pmp\nhigh: 16", 6, "has no setting 'high'; it has steps"),
+    ("strategy: pmp\nsteps: 2", 6, "takes 3 to 4096"),
+    ("steps: many", 5, "'many' is no number"),
+    ("steps: [3, 4]", 5, "steps"),
+    ("motion: 1.5", 5, "1.5 is no whole number"),
+    ("min-modulation: lots", 5, "'lots' is no number"),
+    ("min_modulation: -3", 5, "0 grey levels or more"),
+    ("keep-saturated: perhaps", 5, "true or false is wanted"),
+    ("exposure:", 5, "a value, or a list of values, is wanted"),
+    ("filters: {deep: {nearest: 5}}", 5, "a value, or a list of values, is wanted"),
+    ("nearest: 500\nfarthest: 300", 6, "more than the nearest"),
+    ("max-sigma: -1", 5, "out of range"),
+    ("rate: 30", 5, "rate is there twice"),
+    ("frames: 0", 5, "1 or more"),
+    ("indexing: tod", 5, "one of told, counted, marker"),
+    ("gamma: bright", 5, "scanner, blind, none or a number"),
+    ("box: [1, 2, 3]", 5, "takes 6 numbers, mm, not 3"),
+    ("track: cube", 5, "sphere:RADIUS"),
+    ("model: model.obj", 5, "use .ply, .pcd, .xyz"),
+    ("scene: statute", 5, "did you mean statue?"),
+    ("mesh: nowhere.ply", 5, "nowhere.ply: no such file"),
+    ("record: nowhere/scan.slip", 5, "No such file or directory"),
+    ("publish: [web]", 5, "web:[ADDRESS:]PORT is wanted"),
+    ("publish: [web:0, wbe:1]", 5, "did you mean web?"),
+    ("publish: [web:0, web:0]", 5, "given twice"),
+    ("publish: web:70000", 5, "a port"),
+    ("publish: [web:0, mcap:nowhere/x.mcap]", 5, "No such file or directory"),
+    ("source: aravis:", 5, "in quotes, as source: 'aravis:'"),
+    ("camera: [", 7, "not YAML"),
+    ("threads: -2", 5, "0 (all cores) or more"),
+]
+
+
+@pytest.mark.parametrize("mistake", MISTAKES, ids=lambda mistake: mistake[0].replace("\n", "; "))
+def test_a_mistake_is_one_line_that_says_where_and_what_would_be_right(tmp_path, mistake):
+    text, line, words = mistake
+    sink = "" if "publish" in text else "publish: web:0\n"
+    (tmp_path / "rig.yaml").write_text(VIRTUAL + text + "\n" + sink)
+    done = subprocess.run([PROGRAM, "serve", "rig.yaml"], cwd=tmp_path, capture_output=True,
+                          text=True, timeout=300)
+    assert done.returncode in (1, 2) and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith(f"slipstream: rig.yaml: line {line}: "), done.stderr
+    assert words in done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["rig.yaml"], "a run was half begun"
+
+
+@pytest.mark.parametrize("rig, words", [
+    (None, "rig.yaml: no such file"), ("", "rig.yaml: line 1: a map of settings is wanted"),
+    ("- source", "rig.yaml: line 1: a map"), (VIRTUAL, "publish: [web:8080]"),
+    ("source: replay:scan.slip\npublish: web:0", "rig.yaml: line 1: scan.slip: no such file"),
+    ("source: aravis:nobody\nstrategy: pmp\npublish: web:0", "nobody"),
+    ("source: v4l2:77\nstrategy: pmp\npublish: web:0", "video77")])
+def test_so_is_a_file_that_says_too_little(tmp_path, rig, words):
+    if rig is not None:
+        (tmp_path / "rig.yaml").write_text(rig)
+    done = subprocess.run([PROGRAM, "serve", "rig.yaml"], cwd=tmp_path, capture_output=True,
+                          text=True, timeout=300)
+    assert done.returncode in (1, 2) and done.stderr.count("\n") == 1, done.stderr
+    assert words in done.stderr
+
+
+def test_it_is_ready_when_it_answers_and_ends_whole_by_sigterm(tmp_path):
+    rig = VIRTUAL + "publish: [web:0, mcap:clouds.mcap]\nrecord: frames.slip\nmin-modulation: 20\n"
+    with Service(tmp_path, rig).wait_until_ready() as service:
+        wait_for(lambda: service.get("/health") == (200, "ok\n"))
+        assert service.settings()["min-modulation"]["value"] == "20"
+        assert service.change("min-modulation=200")[0] == 400
+        wait_for(lambda: service.statistics()["clouds"] > 20)
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(60) == 0, service.words.read_text()
+    assert (tmp_path / "clouds.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
+    assert subprocess.run([PROGRAM, "check", tmp_path / "frames.slip"]).returncode == 0
+    assert not [*tmp_path.glob("*.part*")]
+
+
+def test_sighup_reads_the_file_again_in_the_same_process(tmp_path):
+    with Service(tmp_path, VIRTUAL + "publish: web:0\n").wait_until_ready() as service:
+        (tmp_path / "rig.yaml").write_text(VIRTUAL + "publish: web:0\nmin-modulation: 33\n")
+        service.process.send_signal(signal.SIGHUP)
+        service.wait_until_ready()
+        assert service.settings()["min-modulation"]["value"] == "33"
+        (tmp_path / "rig.yaml").write_text("stratgy: pmp\n")
+        service.process.send_signal(signal.SIGHUP)
+        assert service.process.wait(60) == 2
+        assert "rig.yaml: line 1: no command has a setting 'stratgy'" in service.words.read_text()
+
+
+def test_it_goes_on_when_the_camera_goes_away(tmp_path):
+    def camera():
+        words = [PROGRAM, "camera", "serve", "--world", "ideal", "--camera", "64x48", "--strategy",
+                 "pmp", "--steps", "4", "--rate", "60", "--write-scanner", "scanner.yaml"]
+        process = subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        if not process.stdout.readline():
+            pytest.skip(process.stderr.read())  # another one is served here, or there is no Aravis
+        return process
+
+    rig = "source: aravis:127.0.0.1\nstrategy: pmp\nsteps: 4\nindexing: counted\n" \
+          "scanner: scanner.yaml\npublish: web:0\n"
+    served = camera()
+    try:
+        with Service(tmp_path, rig).wait_until_ready() as service:
+            wait_for(lambda: service.statistics()["clouds"] > 5)
+
+            def rate_is_30():  # in steps of the camera's own
+                return abs(float(service.settings()["rate"]["value"]) - 30) < 0.1
+
+            rate = service.settings()["rate"]
+            assert rate["unit"] == "per s" and rate["least"] < 30 < rate["most"]
+            assert service.change("rate=30")[0] == 200
+            status, text = service.change(f"rate={2 * rate['most']}")
+            assert status == 400 and f"to {rate['most']:g}" in text
+            wait_for(rate_is_30)
+            served.kill()
+            served.wait()
+            wait_for(lambda: "is gone; looking for it" in service.get("/health")[1])
+            assert service.get("/health")[0] == 503
+            wait_for(lambda: "rate" not in service.settings())
+            assert service.change("min-modulation=20")[0] == 200
+            served = camera()
+            wait_for(lambda: service.get("/health") == (200, "ok\n"))
+            before = service.statistics()["clouds"]
+            wait_for(lambda: service.statistics()["clouds"] > before + 5)
+            assert rate_is_30(), "it is set so again"
+            service.process.send_signal(signal.SIGTERM)
+            assert service.process.wait(60) == 0
+            assert "STATUS=camera" in service.ear.recv(1000).decode()
+    finally:
+        served.kill()
+
+
+def test_a_sink_that_failed_is_told(tmp_path):
+    if os.geteuid() != 0:
+        pytest.skip("a small tmpfs needs root and the right to mount")
+    small = tmp_path / "small"
+    small.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "none", small]).returncode != 0:
+        pytest.skip("a small tmpfs needs root and the right to mount")
+    try:
+        rig = VIRTUAL.replace("64x48", "320x240") + "publish: [web:0, mcap:small/clouds.mcap]\n"
+        with Service(tmp_path, rig).wait_until_ready() as service:
+            wait_for(lambda: service.get("/health")[0] == 503)
+            assert "clouds.mcap" in service.get("/health")[1]
+            before = service.statistics()["clouds"]
+            wait_for(lambda: service.statistics()["clouds"] > before)
+    finally:
+        subprocess.run(["umount", small], check=True)
+
+
+@pytest.mark.skipif(not shutil.which("systemd-analyze"), reason="systemd-analyze is not there")
+def test_systemd_takes_the_unit(tmp_path):
+    text = (SOURCES / "packaging" / "slipstream@.service.in").read_text()
+    program = pathlib.Path(PROGRAM)
+    unit = tmp_path / "slipstream@.service"
+    unit.write_text(text.replace("@CMAKE_INSTALL_FULL_BINDIR@", str(program.parent)))
+    done = subprocess.run(["systemd-analyze", "verify", unit], capture_output=True, text=True)
+    assert done.returncode == 0 and not done.stderr, done.stderr

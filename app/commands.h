@@ -54,6 +54,7 @@ void add_serve(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_reproduce(CLI::App& program, Command& chosen);
 void add_bench(CLI::App& program, Command& chosen);
+void add_gpu(CLI::App& program, Command& chosen);
 void add_record(CLI::App& program, Command& chosen);
 void add_capture(CLI::App& program, Command& chosen);
 void add_camera(CLI::App& program, Command& chosen);

@@ -56,6 +56,7 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
                flags.source.source);
   }
   set_clean(setup.settings, flags.clean);
+  set_backend(setup.settings, flags.backend);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
@@ -116,6 +117,7 @@ nlohmann::json json_of(const LiveStatistics& statistics) {
           {"resynchronisations", statistics.resynchronisations},
           {"cleaned", app::json_of(statistics.cleaned)},
           {"motion", statistics.motion},
+          {"backend", statistics.backend},
           {"seconds", statistics.seconds},
           {"latency_ms", json_of(statistics.latency)},
           {"screen_latency_ms", json_of(statistics.screen_latency)},
@@ -389,6 +391,7 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
   command.add("--gamma", flags.gamma,
               "the response the phase is corrected for: scanner (as its file says, if it "
               "does), none, or a number");
+  command.add("--backend", flags.backend, backend_forms);
   add_point_flags(command.app, flags.settings);
   add_clean_flags(command.app, flags.clean);
 #ifdef SLIPSTREAM_VIEW

@@ -20,7 +20,7 @@ struct LiveFlags {
   std::optional<std::uint64_t> frames;
   bool headless = false;
   std::string indexing = "told";
-  std::string gamma = "scanner";
+  std::string gamma = "scanner", backend = "fused";
   ReconstructSettings settings;
   CleanFlags clean;
   std::string track, model;

@@ -146,6 +146,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_camera(program, chosen);
   add_reproduce(program, chosen);
   add_bench(program, chosen);
+  add_gpu(program, chosen);
   SharedFlags shared;
   add_shared_flags(program, program, shared);
 

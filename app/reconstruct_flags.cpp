@@ -49,7 +49,7 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   const FlagGroup command{subcommand};
   flags.command = &subcommand;
   command.add("--every", flags.every, "of a range's windows every so many");
-  command.add("--backend", flags.backend, "fused, lut, closed-form, equation or intensity-ratio");
+  command.add("--backend", flags.backend, backend_forms);
   command.add("--cue-rule", flags.unwrapping,
               "fringe order from a cue in the same frames: consensus, likelihood or published");
   command.add("--one-camera", flags.one_camera,

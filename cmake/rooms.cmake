@@ -138,6 +138,24 @@ function(slipstream_install_room room sources)
   install(FILES ${module} DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 
+# slipstream_shaders(reconstruct points): shaders/points.comp of the room to points.spirv.inc, the
+# words of a constant that a source includes.
+function(slipstream_shaders room)
+  set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room}/shaders)
+  foreach(shader IN LISTS ARGN)
+    set(words ${PROJECT_BINARY_DIR}/shaders/${shader}.spirv.inc)
+    if(SLIPSTREAM_GPU)
+      add_custom_command(OUTPUT ${words}
+        COMMAND ${GLSLC} -O --target-env=vulkan1.1 -mfmt=c -o ${words} ${folder}/${shader}.comp
+        DEPENDS ${folder}/${shader}.comp ${folder}/stages.glsl)
+    else()
+      file(CONFIGURE OUTPUT ${words} CONTENT "{}")
+    endif()
+    target_sources(slipstream_${room} PRIVATE ${words})
+  endforeach()
+  target_include_directories(slipstream_${room} PRIVATE ${PROJECT_BINARY_DIR}/shaders)
+endfunction()
+
 # After the last room: what makes one package of them.
 function(slipstream_install_package)
   get_property(rooms GLOBAL PROPERTY SLIPSTREAM_ROOMS)

@@ -311,11 +311,18 @@ void LiveRun::reconstruct() {
     look(*window->reconstruct, cloud);
     cloud.cleaned = window->reconstruct->reconstruct(cloud);
     cloud.finished = Clock::now();
+    tell_backend(*window->reconstruct);
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);
     finished_.push_when_room(std::move(window->cloud));
   }
   finished_.close();
+}
+
+void LiveRun::tell_backend(const WindowEngine& engine) {
+  std::string backend = engine.engines.front().backend_for(engine.views);
+  const std::lock_guard lock(mutex_);
+  backend_ = std::move(backend);
 }
 
 void LiveRun::look(WindowEngine& engine, const LiveCloud& window) {
@@ -375,6 +382,7 @@ LiveStatistics LiveRun::statistics() const {
   if (newest_) {
     statistics.cleaned = newest_->cleaned;
     statistics.motion = newest_->motion;
+    statistics.backend = backend_;
   }
   return statistics;
 }

@@ -90,6 +90,7 @@ class LiveRun {
   void capture();
   void make_windows();
   void reconstruct();
+  void tell_backend(const WindowEngine& engine);
   void look(WindowEngine& engine, const LiveCloud& window);
   void show();
 
@@ -117,12 +118,13 @@ class LiveRun {
   const Clock::time_point start_ = Clock::now();
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
-  mutable std::mutex mutex_;  ///< of the five that follow
+  mutable std::mutex mutex_;  ///< of the six that follow
   FindingLog findings_;
   std::shared_ptr<const LivePlan> plan_;
   Pooled<LiveCloud> newest_;
   std::exception_ptr failure_;
   std::optional<Clock::time_point> end_;
+  std::string backend_;
 
   BoundedQueue<Captured> captured_;
   BoundedQueue<Window> windows_;

@@ -29,10 +29,11 @@ std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
   std::string text = fmt::format(
       "{} frames in {:.1f} s: {} lost, {} overwritten, {} repeated\n"
-      "{} clouds, {:.1f} per second; {} windows without one, {} resynchronisations\n"
+      "{} clouds, {:.1f} per second{}; {} windows without one, {} resynchronisations\n"
       "capture to cloud: {:.2f} ms half of the time, {:.2f} ms for 99 of 100, {:.2f} at most{}",
       frames.captured, statistics.seconds, frames.lost, frames.overwritten, frames.repeated,
-      statistics.clouds, statistics.clouds_per_second, statistics.windows_lost,
+      statistics.clouds, statistics.clouds_per_second,
+      statistics.backend.empty() ? "" : ", backend " + statistics.backend, statistics.windows_lost,
       statistics.resynchronisations, statistics.latency.p50, statistics.latency.p99,
       statistics.latency.max, text_of_cleaned(statistics.cleaned));
   if (statistics.track) text += fmt::format("\n{}", text_of(*statistics.track));

@@ -63,6 +63,7 @@ struct LiveStatistics {
   Latency screen_latency;        ///< from capture to screen; zeros without one
   std::vector<StageStatistics> stages;
   std::string source_state;          ///< FrameSource::state
+  std::string backend;               ///< Engine::backend_for the newest cloud; empty before it
   std::optional<ObjectTrack> track;  ///< where one is asked for, as the next
   std::optional<ModelStatistics> model;
   std::vector<Finding>

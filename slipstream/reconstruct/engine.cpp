@@ -1,6 +1,7 @@
 #include "slipstream/reconstruct/engine.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -15,6 +16,7 @@
 #include "slipstream/phase/demodulator.h"
 #include "slipstream/phase/frame_motion.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/reconstruct/detail/gpu_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 
 namespace slipstream {
@@ -61,6 +63,9 @@ struct Engine::Tables {
     if (setup.settings.engine != EngineKind::reference) {
       fused = FusedEngine::make(complete, corrections);
     }
+    if (fused && setup.settings.engine == EngineKind::gpu) {
+      gpu = GpuEngine::make(*fused, setup.settings.gpu);
+    }
     if (!fused || fused->wants_coarse()) static_cast<void>(reference());
   }
 
@@ -96,6 +101,8 @@ struct Engine::Tables {
   DepthNoise noise;                                 ///< of frames of 8 bits
   std::optional<MotionMeasurement> measure_motion;  ///< of windows of more than a cycle
   std::optional<FusedEngine> fused;
+  std::optional<GpuEngine> gpu;
+  std::atomic<bool> gpu_failed = false;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
 };
@@ -107,6 +114,7 @@ struct Engine::Memory {
   }
 
   FusedMemory fused;
+  GpuScanMemory gpu;
   MergedFrames merged;
   std::optional<Demodulator> demodulate;
   Image<float> modulation;
@@ -211,12 +219,25 @@ ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Map
   return memory_->clean(cloud, maps.modulation, tables_->noise_for(frames));
 }
 
+void Engine::run_pass(const FrameViews& frames, const FusedOutput& output,
+                      const Image<float>* coarse) {
+  if (tables_->gpu && !tables_->gpu_failed) {
+    try {
+      return (*tables_->gpu)(frames, output, memory_->gpu, coarse);
+    } catch (const GpuError&) {  // the same comes from the processor
+      tables_->gpu->device().lose();
+      tables_->gpu_failed = true;
+      memory_->gpu = {};
+    }
+  }
+  (*tables_->fused)(frames, output, memory_->fused, coarse);
+}
+
 void Engine::run_fused(const FrameViews& frames, const FusedOutput& output) {
-  const FusedEngine& fused = *tables_->fused;
-  if (!fused.wants_coarse()) return fused(frames, output, memory_->fused);
+  if (!tables_->fused->wants_coarse()) return run_pass(frames, output, nullptr);
   Image<Validity> order;
   convert(tables_->reference().maps(frames, order).coordinate, memory_->coarse);
-  fused(frames, output, memory_->fused, &memory_->coarse);
+  run_pass(frames, output, &memory_->coarse);
   const auto say_why = [&](Image<Validity>& validity) {
     for (std::size_t i = 0; i < validity.pixel_count(); ++i) {
       Validity& pixel = validity.begin()[i];
@@ -264,7 +285,8 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {
-  return tables_->is_fused(frames) ? "fused" : tables_->reference().method_for(frames);
+  if (!tables_->is_fused(frames)) return tables_->reference().method_for(frames);
+  return tables_->gpu && !tables_->gpu_failed ? "gpu" : "fused";
 }
 
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings) {

@@ -63,12 +63,14 @@ class Engine {
   [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
                                         const FrameViews& frames);
 
-  /// What really reconstructs such frames: "fused", or the methods by which the reference engine
-  /// computes their phases, "lut", "equation", "closed-form".
+  /// What really reconstructs such frames: "fused", "gpu", or the methods by which the reference
+  /// engine computes their phases, "lut", "equation", "closed-form". Where a GPU has failed, in any
+  /// copy, it is "fused" from then on.
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
 
  private:
   void run_fused(const FrameViews& frames, const FusedOutput& output);
+  void run_pass(const FrameViews& frames, const FusedOutput& output, const Image<float>* coarse);
   template <class LeaveOut>
   void leave_out_moved(const FrameViews& frames, const Image<Validity>& validity,
                        const LeaveOut& leave_out);

@@ -1,9 +1,11 @@
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -37,8 +39,21 @@ void require_valid(const ReconstructSettings& settings) {
 }  // namespace
 
 void set_backend(ReconstructSettings& settings, std::string_view name) {
+  settings.gpu.reset();
   if (name == "fused") {
     settings.engine = EngineKind::automatic;
+    return;
+  }
+  if (name == "gpu" || name.starts_with("gpu:")) {
+    settings.engine = EngineKind::gpu;
+    if (name == "gpu") return;
+    int number = 0;
+    const std::string_view digits = name.substr(4);
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
+    if (error != std::errc() || end != digits.data() + digits.size() || number < 0) {
+      throw Error(fmt::format("backend '{}' names no GPU; gpu:0 is the first", name));
+    }
+    settings.gpu = number;
     return;
   }
   settings.engine = EngineKind::reference;
@@ -48,9 +63,7 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
     settings.phase_method = method;
     return;
   }
-  throw Error(fmt::format(
-      "backend '{}' is not known; it is equation, closed-form, lut, intensity-ratio or fused",
-      name));
+  throw Error(fmt::format("backend '{}' is not known; it is {}", name, backend_forms));
 }
 
 DepthRange depth_range(const EngineSetup& setup) {

@@ -19,6 +19,7 @@ enum class EngineKind {
   automatic,  ///< `fused` where it can, else `reference`
   reference,  ///< in double, stage by stage over the whole picture: any layout, frames and lens
   fused,      ///< in float, one pass over the pixels; `reference` stands in where it cannot
+  gpu,        ///< what `fused` computes, by Vulkan; `fused` stands in where it cannot or fails
 };
 
 /// What decides whether a pixel becomes a point, and how it is computed.
@@ -42,12 +43,19 @@ struct ReconstructSettings {
   std::optional<double> farthest{};  ///< mm, largest depth; none: see depth_range
   /// Which points of a finished cloud are left out.
   CleanSettings clean{};
+  /// Of EngineKind::gpu: the device, see gpu_devices; none: the first that is not software, or else
+  /// the first.
+  std::optional<int> gpu{};
 
   friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;
 };
 
-/// Sets engine and method by one name: "fused", or of the reference engine "lut", "closed-form",
-/// "equation". Throws Error for another.
+inline constexpr const char* backend_forms =
+    "fused, gpu or gpu:NUMBER (see slipstream gpu list), lut, closed-form, equation or "
+    "intensity-ratio";
+
+/// Sets engine and method by one of these names; the last four are of the reference engine. Throws
+/// Error for another.
 void set_backend(ReconstructSettings& settings, std::string_view name);
 
 /// All that an engine is made of.

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/gpu/gpu.h"
 #include "slipstream/kernels/vector_target.h"
 #include "slipstream/live/live_check.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
@@ -198,6 +199,26 @@ BenchRow engine_row(const SharedScan& scan, int steps) {
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
 
+/// What a GPU makes of frames in memory: a cloud in memory, or its depths alone.
+BenchRow gpu_row(const SharedScan& scan, std::string name, const BenchSettings& settings,
+                 bool depth_alone) {
+  struct Work {
+    Engine engine;
+    FrameViews frames;
+    Cloud cloud;
+    Depth depth;
+  };
+  const auto work = std::make_shared<Work>(
+      Work{Engine(setup_for(*scan, {.engine = EngineKind::gpu, .clean = CleanSettings::none()})),
+           scan->frames, Cloud(), Depth()});
+  BenchRow row = row_for(*scan, std::move(name), 3, 0, [scan, work, depth_alone] {
+    if (depth_alone) return work->engine.depth(work->frames, work->depth);
+    static_cast<void>(work->engine.cloud(work->frames, work->cloud));
+  });
+  row.threads = settings.most_threads;
+  return row;
+}
+
 /// The look that live takes at each cycle of frames.
 BenchRow live_check_row(const SharedScan& scan, int steps) {
   const auto check =
@@ -318,9 +339,18 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
     };
     rows.push_back(std::move(row));
   }
+  const bool has_gpu = settings.most_threads > 1 && !gpu_devices().empty();
+  if (has_gpu) {
+    rows.push_back(gpu_row(scan_of(DualFrequency{}), "gpu-dual", settings, false));
+    rows.push_back(gpu_row(scan_of(MultiFrequency{}), "gpu-multi", settings, false));
+  }
   for (const int k : settings.enlargements) {
     const SharedScan scan =
         k == 1 ? three_steps : std::make_shared<const Scan>(enlarged(*three_steps, k));
+    if (has_gpu) {
+      rows.push_back(gpu_row(scan, "gpu", settings, false));
+      rows.push_back(gpu_row(scan, "gpu-depth", settings, true));
+    }
     BenchRow row = fused_row(scan, "fused", 3);
     if (k > 1) rows.push_back(row);
     if (settings.most_threads == 1) continue;

@@ -68,6 +68,9 @@ class FusedEngine {
   /// Whether that coordinate must be given.
   [[nodiscard]] bool wants_coarse() const { return stages_.coarse_given; }
 
+  [[nodiscard]] const FusedStages& stages() const { return stages_; }
+  [[nodiscard]] const ReconstructSettings& settings() const { return settings_; }
+
  private:
   FusedEngine(FusedStages stages, ReconstructSettings settings);
 

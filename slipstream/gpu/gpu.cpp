@@ -1,0 +1,362 @@
+#include "slipstream/gpu/gpu.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+#include <vulkan/vulkan_raii.hpp>
+
+namespace slipstream {
+namespace {
+
+/// Calls what calls the driver, whose errors become GpuError.
+template <class Call>
+auto told(const Call& call) -> decltype(call()) {
+  try {
+    return call();
+  } catch (const vk::SystemError& error) {
+    throw GpuError(fmt::format("the GPU has failed: {}", error.what()));
+  }
+}
+
+/// The driver's loader, found when the program runs; Vulkan 1.1 is older than any driver here.
+struct Loader {
+  vk::raii::Context context;
+  vk::raii::Instance instance;
+
+  Loader() : instance(nullptr) {
+    const vk::ApplicationInfo application("slipstream", 0, nullptr, 0, VK_API_VERSION_1_1);
+    instance = vk::raii::Instance(context, vk::InstanceCreateInfo({}, &application));
+  }
+};
+
+GpuDescription describe(const vk::raii::PhysicalDevice& device) {
+  const auto chain =
+      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+  const vk::PhysicalDeviceProperties& own = chain.get<vk::PhysicalDeviceProperties2>().properties;
+  const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+  GpuDescription description{
+      .name = own.deviceName.data(),
+      .driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data()),
+      .software = own.deviceType == vk::PhysicalDeviceType::eCpu};
+  for (const vk::MemoryHeap& heap : device.getMemoryProperties().memoryHeaps) {
+    if (heap.flags & vk::MemoryHeapFlagBits::eDeviceLocal) description.memory += heap.size;
+  }
+  return description;
+}
+
+/// Of the queues that compute the first.
+std::uint32_t compute_queues(const vk::raii::PhysicalDevice& device) {
+  const auto families = device.getQueueFamilyProperties();
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
+  }
+  throw GpuError("the GPU has no queue that computes");
+}
+
+vk::raii::Device device_of(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
+  const float priority = 1;
+  const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
+  return {physical, vk::DeviceCreateInfo({}, queue)};
+}
+
+vk::raii::DescriptorSetLayout buffer_layout(const vk::raii::Device& device) {
+  std::array<vk::DescriptorSetLayoutBinding, GpuProgram::most_buffers> bindings;
+  for (std::uint32_t i = 0; i < bindings.size(); ++i) {
+    bindings[i] = vk::DescriptorSetLayoutBinding(i, vk::DescriptorType::eStorageBuffer, 1,
+                                                 vk::ShaderStageFlagBits::eCompute);
+  }
+  return {device, vk::DescriptorSetLayoutCreateInfo({}, bindings)};
+}
+
+/// The kinds of memory that will do, the best first.
+std::initializer_list<vk::MemoryPropertyFlags> kinds_for(GpuMemory memory) {
+  using Flag = vk::MemoryPropertyFlagBits;
+  static constexpr vk::MemoryPropertyFlags seen = Flag::eHostVisible | Flag::eHostCoherent;
+  static constexpr std::initializer_list<vk::MemoryPropertyFlags> own{Flag::eDeviceLocal, {}},
+      up{seen | Flag::eDeviceLocal, seen}, down{seen | Flag::eHostCached, seen};
+  return memory == GpuMemory::device ? own : memory == GpuMemory::upload ? up : down;
+}
+
+}  // namespace
+
+struct Gpu::Parts {
+  Parts(Loader loader_, std::size_t number)
+      : loader(std::move(loader_)),
+        physical(vk::raii::PhysicalDevices(loader.instance).at(number)),
+        description(describe(physical)),
+        family(compute_queues(physical)),
+        device(device_of(physical, family)),
+        queue(device, family, 0),
+        set_layout(buffer_layout(device)),
+        layout(device, vk::PipelineLayoutCreateInfo({}, *set_layout)),
+        limits(physical.getProperties().limits) {
+    if (limits.maxPerStageDescriptorStorageBuffers < GpuProgram::most_buffers ||
+        limits.maxComputeWorkGroupInvocations < GpuProgram::group_size) {
+      throw GpuError(fmt::format("{} is too small: {} buffers and groups of {} are wanted",
+                                 description.name, GpuProgram::most_buffers,
+                                 GpuProgram::group_size));
+    }
+  }
+
+  Loader loader;
+  vk::raii::PhysicalDevice physical;
+  GpuDescription description;
+  std::uint32_t family;
+  vk::raii::Device device;
+  mutable std::mutex mutex{};  ///< of the queue
+  mutable std::atomic<bool> lost = false;
+  vk::raii::Queue queue;
+  vk::raii::DescriptorSetLayout set_layout;
+  vk::raii::PipelineLayout layout;
+  vk::PhysicalDeviceLimits limits;
+};
+
+struct GpuBuffer::Parts {
+  std::shared_ptr<const Gpu> gpu;
+  vk::raii::Buffer buffer{nullptr};
+  vk::raii::DeviceMemory memory{nullptr};
+  std::size_t size = 0;
+  std::byte* data = nullptr;
+
+  /// Memory of a kind, or nothing where there is none of it left.
+  bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
+    const auto all = gpu->parts_->physical.getMemoryProperties();
+    for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
+      const bool fits = (wanted.memoryTypeBits >> i & 1U) != 0;
+      if (!fits || (all.memoryTypes[i].propertyFlags & kind) != kind) continue;
+      try {
+        memory =
+            vk::raii::DeviceMemory(gpu->parts_->device, vk::MemoryAllocateInfo(wanted.size, i));
+        return true;
+      } catch (const vk::OutOfDeviceMemoryError&) {
+      } catch (const vk::OutOfHostMemoryError&) {
+      }
+    }
+    return false;
+  }
+};
+
+GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemory memory)
+    : parts_(std::make_unique<Parts>(Parts{.gpu = std::move(gpu), .size = bytes})) {
+  const Gpu::Parts& own = *parts_->gpu->parts_;
+  if (bytes > parts_->gpu->most_bytes()) {
+    throw GpuError(fmt::format("{} takes {} bytes at a time, and {} are wanted",
+                               own.description.name, parts_->gpu->most_bytes(), bytes));
+  }
+  told([&] {
+    parts_->buffer =
+        vk::raii::Buffer(own.device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
+                                                          vk::BufferUsageFlagBits::eStorageBuffer));
+    const vk::MemoryRequirements wanted = parts_->buffer.getMemoryRequirements();
+    const auto kinds = kinds_for(memory);
+    if (std::none_of(kinds.begin(), kinds.end(),
+                     [&](auto kind) { return parts_->take(wanted, kind); })) {
+      throw GpuError(
+          fmt::format("{} has no memory left for {} bytes", own.description.name, bytes));
+    }
+    parts_->buffer.bindMemory(*parts_->memory, 0);
+    if (memory == GpuMemory::device) return;
+    parts_->data = static_cast<std::byte*>(parts_->memory.mapMemory(0, VK_WHOLE_SIZE));
+  });
+}
+
+GpuBuffer::GpuBuffer(GpuBuffer&&) noexcept = default;
+GpuBuffer& GpuBuffer::operator=(GpuBuffer&&) noexcept = default;
+GpuBuffer::~GpuBuffer() = default;
+
+std::size_t GpuBuffer::size() const {
+  return parts_->size;
+}
+
+std::byte* GpuBuffer::data() const {
+  return parts_->data;
+}
+
+struct GpuProgram::Parts {
+  std::shared_ptr<const Gpu> gpu;
+  vk::raii::Pipeline pipeline{nullptr};
+};
+
+GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint32_t> spirv,
+                       std::span<const std::uint32_t> constants)
+    : parts_(std::make_unique<Parts>(Parts{.gpu = std::move(gpu)})) {
+  const Gpu::Parts& own = *parts_->gpu->parts_;
+  std::vector<vk::SpecializationMapEntry> entries;
+  for (std::uint32_t i = 0; i < constants.size(); ++i) {
+    entries.emplace_back(i, i * std::uint32_t{sizeof(std::uint32_t)}, sizeof(std::uint32_t));
+  }
+  const vk::SpecializationInfo special(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                       constants.size_bytes(), constants.data());
+  told([&] {
+    const vk::raii::ShaderModule module(
+        own.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
+                                                  "main", &special);
+    parts_->pipeline = vk::raii::Pipeline(own.device, nullptr,
+                                          vk::ComputePipelineCreateInfo({}, stage, *own.layout));
+  });
+}
+
+GpuProgram::GpuProgram(GpuProgram&&) noexcept = default;
+GpuProgram& GpuProgram::operator=(GpuProgram&&) noexcept = default;
+GpuProgram::~GpuProgram() = default;
+
+struct GpuRun::Parts {
+  explicit Parts(std::shared_ptr<const Gpu> of)
+      : gpu(std::move(of)),
+        sets(gpu->parts_->device, pool_info()),
+        set(std::move(
+            vk::raii::DescriptorSets(gpu->parts_->device,
+                                     vk::DescriptorSetAllocateInfo(*sets, *gpu->parts_->set_layout))
+                .front())),
+        commands(gpu->parts_->device,
+                 vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                                           gpu->parts_->family)),
+        command(
+            std::move(vk::raii::CommandBuffers(gpu->parts_->device,
+                                               vk::CommandBufferAllocateInfo(
+                                                   *commands, vk::CommandBufferLevel::ePrimary, 1))
+                          .front())),
+        done(gpu->parts_->device, vk::FenceCreateInfo()) {}
+
+  static vk::DescriptorPoolCreateInfo pool_info() {
+    static constexpr vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer,
+                                                 GpuProgram::most_buffers);
+    return {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size};
+  }
+
+  /// All bindings have a buffer: those that no program asks for the first.
+  void bind(std::span<const vk::Buffer> buffers) {
+    std::array<vk::DescriptorBufferInfo, GpuProgram::most_buffers> infos;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      infos[i] = vk::DescriptorBufferInfo(buffers[i < buffers.size() ? i : 0], 0, VK_WHOLE_SIZE);
+    }
+    gpu->parts_->device.updateDescriptorSets(
+        vk::WriteDescriptorSet(*set, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos), {});
+  }
+
+  void dispatch(const vk::raii::Pipeline& pipeline, std::uint64_t groups) {
+    const std::uint64_t most = gpu->parts_->limits.maxComputeWorkGroupCount[0];
+    const std::uint64_t rows = (groups + most - 1) / most;
+    command.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
+    command.dispatch(static_cast<std::uint32_t>((groups + rows - 1) / rows),
+                     static_cast<std::uint32_t>(rows), 1);
+  }
+
+  void before(vk::PipelineStageFlags next, vk::AccessFlags reads) {
+    const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite, reads);
+    command.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, next, {}, written, {}, {});
+  }
+
+  void submit_and_wait() {
+    const Gpu::Parts& own = *gpu->parts_;
+    if (own.lost) throw GpuError(fmt::format("{} is lost", own.description.name));
+    own.device.resetFences(*done);
+    {
+      const std::lock_guard lock(own.mutex);
+      own.queue.submit(vk::SubmitInfo({}, {}, *command), *done);
+    }
+    constexpr std::uint64_t longest = 10'000'000'000;  // ns
+    if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
+      throw GpuError(fmt::format("{} does not answer", own.description.name));
+    }
+  }
+
+  std::shared_ptr<const Gpu> gpu;
+  vk::raii::DescriptorPool sets;
+  vk::raii::DescriptorSet set;
+  vk::raii::CommandPool commands;
+  vk::raii::CommandBuffer command;
+  vk::raii::Fence done;
+};
+
+GpuRun::GpuRun(std::shared_ptr<const Gpu> gpu)
+    : parts_(told([&] { return std::make_unique<Parts>(std::move(gpu)); })) {}
+
+GpuRun::GpuRun(GpuRun&&) noexcept = default;
+GpuRun& GpuRun::operator=(GpuRun&&) noexcept = default;
+GpuRun::~GpuRun() = default;
+
+void GpuRun::operator()(std::span<const GpuBuffer* const> buffers,
+                        std::span<const GpuProgram* const> programs, std::uint64_t invocations) {
+  told([&] {
+    std::vector<vk::Buffer> bound;
+    for (const GpuBuffer* buffer : buffers) bound.push_back(*buffer->parts_->buffer);
+    parts_->bind(bound);
+    parts_->command.begin(
+        vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+    parts_->command.bindDescriptorSets(vk::PipelineBindPoint::eCompute,
+                                       *parts_->gpu->parts_->layout, 0, *parts_->set, {});
+    const std::uint64_t groups =
+        (invocations + GpuProgram::group_size - 1) / GpuProgram::group_size;
+    for (const GpuProgram* program : programs) {
+      if (program != programs.front()) {
+        parts_->before(vk::PipelineStageFlagBits::eComputeShader, vk::AccessFlagBits::eShaderRead);
+      }
+      parts_->dispatch(program->parts_->pipeline, groups);
+    }
+    parts_->before(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead);
+    parts_->command.end();
+    parts_->submit_and_wait();
+  });
+}
+
+Gpu::Gpu(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Gpu::~Gpu() = default;
+
+std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
+  const std::vector<GpuDescription> devices = gpu_devices();
+  if (devices.empty()) throw WorldError("this machine has no GPU that Vulkan finds");
+  if (!number) {
+    const auto hard = std::find_if(devices.begin(), devices.end(),
+                                   [](const auto& device) { return !device.software; });
+    number = hard == devices.end() ? 0 : static_cast<int>(hard - devices.begin());
+  }
+  if (*number < 0 || static_cast<std::size_t>(*number) >= devices.size()) {
+    throw WorldError(fmt::format("there is no GPU {}; this machine has {}, counted from 0", *number,
+                                 devices.size()));
+  }
+  // Drivers take long to open a device, and open few at a time.
+  static std::mutex mutex;
+  static std::map<int, std::weak_ptr<const Gpu>> open;
+  const std::lock_guard lock(mutex);
+  if (auto shared = open[*number].lock(); shared && !shared->parts_->lost) return shared;
+  std::shared_ptr<const Gpu> gpu(told([&] {
+    return new Gpu(std::make_unique<Parts>(Loader(), static_cast<std::size_t>(*number)));
+  }));
+  open[*number] = gpu;
+  return gpu;
+}
+
+const GpuDescription& Gpu::description() const {
+  return parts_->description;
+}
+
+std::size_t Gpu::most_bytes() const {
+  return parts_->limits.maxStorageBufferRange;
+}
+
+void Gpu::lose() const {
+  parts_->lost = true;
+}
+
+std::vector<GpuDescription> gpu_devices() {
+  std::vector<GpuDescription> devices;
+  try {
+    const Loader loader;
+    for (const auto& device : vk::raii::PhysicalDevices(loader.instance)) {
+      devices.push_back(describe(device));
+    }
+  } catch (const std::runtime_error&) {  // no loader, or no driver: no device
+  }
+  return devices;
+}
+
+}  // namespace slipstream

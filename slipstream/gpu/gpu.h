@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "slipstream/error/error.h"
+
+// Programs on a graphics unit, or on Mesa's drivers that are software, by Vulkan. What the programs
+// compute is the affair of who hands them in.
+namespace slipstream {
+
+/// A device, as its driver describes it.
+struct GpuDescription {
+  std::string name;
+  std::string driver;
+  bool software = false;     ///< computed by this machine's own cores
+  std::uint64_t memory = 0;  ///< bytes of its own
+};
+
+/// The devices of this machine, in the order of its drivers; none where there is no driver, or
+/// where the library was built without Vulkan.
+std::vector<GpuDescription> gpu_devices();
+
+/// A device is lost, or has no memory left. What it held is gone; the work can be done elsewhere.
+class GpuError : public WorldError {
+ public:
+  using WorldError::WorldError;
+};
+
+/// Where memory lies that a device computes on.
+enum class GpuMemory {
+  device,    ///< out of reach of the host
+  upload,    ///< written by the host, in the device's own memory where the two share some
+  download,  ///< read by the host
+};
+
+class Gpu;
+
+/// Memory of a device. Throws GpuError where there is none left, or none so large at a time.
+class GpuBuffer {
+ public:
+  GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemory memory);
+  GpuBuffer(GpuBuffer&&) noexcept;
+  GpuBuffer& operator=(GpuBuffer&&) noexcept;
+  ~GpuBuffer();
+
+  [[nodiscard]] std::size_t size() const;
+  /// As the host sees it; null for GpuMemory::device.
+  [[nodiscard]] std::byte* data() const;
+
+ private:
+  friend class GpuRun;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// A compute shader, ready for a device.
+class GpuProgram {
+ public:
+  /// Buffers that a program may have, at the bindings 0, 1, ...
+  static constexpr std::uint32_t most_buffers = 6;
+  /// Invocations of a work group: local_size_x of every shader.
+  static constexpr std::uint32_t group_size = 64;
+
+  /// `constants`: the specialisation constants 0, 1, ... Throws GpuError.
+  GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint32_t> spirv,
+             std::span<const std::uint32_t> constants);
+  GpuProgram(GpuProgram&&) noexcept;
+  GpuProgram& operator=(GpuProgram&&) noexcept;
+  ~GpuProgram();
+
+ private:
+  friend class GpuRun;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// Runs programs one after another on the same buffers. One thread uses it at a time.
+class GpuRun {
+ public:
+  explicit GpuRun(std::shared_ptr<const Gpu> gpu);
+  GpuRun(GpuRun&&) noexcept;
+  GpuRun& operator=(GpuRun&&) noexcept;
+  ~GpuRun();
+
+  /// Each program with at least so many invocations; they tell those beyond by themselves. Returns
+  /// when all is computed and the host sees it. Throws GpuError.
+  void operator()(std::span<const GpuBuffer* const> buffers,
+                  std::span<const GpuProgram* const> programs, std::uint64_t invocations);
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+/// A device in use. What was made of it keeps it. Thread-safe.
+class Gpu {
+ public:
+  /// The device of that number in gpu_devices(); without a number the first that is not software,
+  /// or else the first. Who opens one that others use shares it. Throws WorldError where there is
+  /// none such, GpuError where it cannot be used.
+  static std::shared_ptr<const Gpu> open(std::optional<int> number);
+  ~Gpu();
+
+  [[nodiscard]] const GpuDescription& description() const;
+  /// The largest buffer.
+  [[nodiscard]] std::size_t most_bytes() const;
+  /// From now on it fails whoever asks, as a device does that the driver has lost; open gives
+  /// another. Called where it has failed, and by tests.
+  void lose() const;
+
+ private:
+  friend class GpuBuffer;
+  friend class GpuProgram;
+  friend class GpuRun;
+  struct Parts;
+  explicit Gpu(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace slipstream

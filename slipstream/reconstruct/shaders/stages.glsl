@@ -1,0 +1,81 @@
+// What the stages of a scan are: GpuStages of gpu_stages.h, word for word.
+const int most_bands = 16;
+
+struct Coordinate {
+  float scale, period, cut;
+};
+
+struct Band {
+  int first_frame, frames, weights;
+  float cosine_unit, sine_unit;
+  float sine_weight, sine_square, modulation_scale;
+  float least_square, mean_scale;
+  int full_scale;
+  int steps, wave_terms, wave, segments, table;
+  float direction, offset;
+  float periods, weight;
+};
+
+struct Link {
+  int factors, alone;
+  float ratio, largest_doubt, open, doubt_scale;
+  Coordinate coordinate;
+};
+
+struct Code {
+  int bits, frames, inverses, gray, base, others, against_mean, reference;
+  float stripe, mean_to_frames;
+};
+
+struct Points {
+  float coordinate[3], depth[3], facing[3], place_constant[3], place_slope[3];
+  float coordinate_offset, depth_offset, unit_scale, unit_offset;
+  float least_coordinate, largest_coordinate;
+  int may_leave_field, lens_degree, lens;
+  float low_edge[6], high_edge[6];
+  float inner_low, inner_high, nearest, farthest;
+  float half_fringe;
+  int confirmed, fewest_neighbours, fewest_if_doubtful;
+};
+
+layout(std430, binding = 1) readonly buffer Stages {
+  int width, height;
+  int frame_words;  // of one frame
+  int links;
+  int begins_with_code, coarse_given, coarse_in_field, weighs_bands;
+  Coordinate coarse_stage;
+  Coordinate coordinate;
+  Link coarse;
+  Code code;
+  Points points;
+  // Where planes of the output begin, in fours of pixels; -1 where one is not wanted.
+  int x_plane, y_plane, z_plane, mean_plane, modulation_plane, phase_plane, coordinate_plane,
+      doubt_plane;
+  Band bands[most_bands];
+  Link chain[most_bands];
+  int words[];
+};
+
+float word(int at) { return intBitsToFloat(words[at]); }
+
+const int dark = 1, saturated = 2, doubtful_order = 4;
+
+// Instead of NaN, which a driver need not keep: a coordinate that nothing is near to.
+const float no_coordinate = 1e30;
+const uint nan = 0x7fc00000u;
+
+uint written(float value) { return floatBitsToUint(value); }
+
+int pixel_count() { return width * height; }
+
+// The first of the four pixels of this invocation.
+int first_pixel() {
+  return 4 * int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x +
+                 gl_LocalInvocationID.x);
+}
+
+// coordinate_in_field of turns.
+float in_field(Coordinate stage, float turns) {
+  float periods = floor(fma(turns, stage.scale / stage.period, -stage.cut / stage.period));
+  return fma(-stage.period, periods, turns * stage.scale);
+}

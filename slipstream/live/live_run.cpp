@@ -319,7 +319,7 @@ void LiveRun::reconstruct() {
   finished_.close();
 }
 
-void LiveRun::tell_backend(const WindowEngine& engine) {
+void LiveRun::tell_backend(WindowEngine& engine) {
   std::string backend = engine.engines.front().backend_for(engine.views);
   const std::lock_guard lock(mutex_);
   backend_ = std::move(backend);

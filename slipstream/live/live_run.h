@@ -90,7 +90,7 @@ class LiveRun {
   void capture();
   void make_windows();
   void reconstruct();
-  void tell_backend(const WindowEngine& engine);
+  void tell_backend(WindowEngine& engine);
   void look(WindowEngine& engine, const LiveCloud& window);
   void show();
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
 #include <random>
 #include <string>
 #include <thread>
@@ -12,6 +15,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "slipstream/gamma/correction.h"
 #include "slipstream/reconstruct/detail/gpu_engine.h"
@@ -318,6 +322,35 @@ TEST_F(OnGpu, IsSharedByThreads) {
       EXPECT_EQ(copy.backend_for(frames), "gpu");
     });
   }
+}
+
+/// Of the process, bytes that are in memory.
+std::size_t resident() {
+  std::size_t all = 0, pages = 0;
+  std::ifstream("/proc/self/statm") >> all >> pages;
+  return pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+}
+
+/// SLIPSTREAM_GPU_SCANS: how many, where not a thousand.
+TEST_F(OnGpu, KeepsItsMemoryFlat) {
+  const Scanner scanner = example_scanner({64, 48});
+  const Strategy strategy = DualFrequency{};
+  EngineSetup setup = setup_of(scanner, strategy, Axis::x);
+  setup.settings.engine = EngineKind::gpu;
+  const FrameSet frames = statue_frames(scanner, strategy, Axis::x);
+  Engine engine(setup);
+  Cloud cloud;
+  const char* const asked = std::getenv("SLIPSTREAM_GPU_SCANS");
+  const long scans = asked != nullptr ? std::atol(asked) : 1000;
+  std::size_t before = 0;
+  for (long scan = 0; scan < scans; ++scan) {
+    engine.cloud(frames, cloud);
+    if (scan == scans / 2) before = resident();
+  }
+  EXPECT_EQ(engine.backend_for(frames), "gpu");
+  EXPECT_LE(resident(), before + (std::size_t{4} << 20));
+  std::cout << scans << " scans, " << resident() / 1024 << " KiB resident, " << before / 1024
+            << " half way\n";
 }
 
 TEST_F(OnGpu, RefusesADeviceThatIsNotThere) {

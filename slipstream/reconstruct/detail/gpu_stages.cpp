@@ -83,6 +83,7 @@ GpuStages::Band gpu_band(const FusedStages::BandStage& band, Words& words) {
   GpuStages::Band out{.first_frame = band.first_frame,
                       .frames = static_cast<Word>(cosine.values.size()),
                       .weights = words.place(),
+                      .whole = cosine.unit == 1 && sine.unit == 1 ? 1 : 0,
                       .cosine_unit = static_cast<float>(cosine.unit),
                       .sine_unit = static_cast<float>(sine.unit),
                       .sine_weight = stage.sine_weight,

@@ -23,7 +23,8 @@ struct GpuStages {
     static constexpr int most_frames = 31;
     Word first_frame = 0, frames = 0;
     Word weights =
-        0;  ///< place of a, b, c of the cosine, of the sine, and the mean's, of each frame
+        0;           ///< place of a, b, c of the cosine, of the sine, and the mean's, of each frame
+    Word whole = 0;  ///< whether a and b are 0 in all of them
     float cosine_unit = 1, sine_unit = 1;
     float sine_weight = 1, sine_square = 1, modulation_scale = 1;
     float least_square = 0, mean_scale = 1;

@@ -1,6 +1,6 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Frames to the projector coordinate of every pixel, as the row kernels compute it: sums of the
+// Frames to the projector coordinates of four pixels, as the row kernels compute them: sums of the
 // frames, wrapped phases, fringe orders along the chain.
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const int pixel_bits = 8;
@@ -13,170 +13,194 @@ layout(std430, binding = 0) readonly buffer Frames { uint frame_bits[]; };
 layout(std430, binding = 3) writeonly buffer Between { uvec4 between[]; };
 layout(std430, binding = 4) writeonly buffer Output { uvec4 planes[]; };
 
-// Of the pixel at work, of each band: wrapped phase / (2 pi).
-float turns[band_count];
+// Of the pixels at work, of each band: wrapped phase / (2 pi).
+vec4 turns[band_count];
 
-struct Pixel {
-  float mean, modulation, y, doubt;
-  int flags;
+struct Pixels {
+  vec4 mean, modulation, y, doubt;
+  ivec4 flags;
 };
 
-int level(int frame, int pixel) {
-  const int in_word = 32 / pixel_bits;
-  uint bits = frame_bits[frame * frame_words + pixel / in_word];
-  return int(bitfieldExtract(bits, pixel % in_word * pixel_bits, pixel_bits));
+ivec4 levels(int frame, int fours) {
+  if (pixel_bits == 8) {
+    uint bits = frame_bits[frame * frame_words + fours];
+    return ivec4(bits & 255u, bits >> 8 & 255u, bits >> 16 & 255u, bits >> 24);
+  }
+  int at = frame * frame_words + 2 * fours;
+  uint first = frame_bits[at], second = frame_bits[at + 1];
+  return ivec4(first & 65535u, first >> 16, second & 65535u, second >> 16);
 }
+
+ivec4 flagged(int flag, bvec4 which) { return flag * ivec4(which); }
 
 // atan2(S, C) / (2 pi) in [0, 1] to 4e-7 rad: the polynomial of sinusoid_turns-inl.h.
-float angle_in_turns(float S, float C) {
-  float sine = abs(S), cosine = abs(C);
-  float smaller = min(sine, cosine), greater = max(max(sine, cosine), 1e-30);
-  const float tangent = 0.41421356237;
-  float q = fma(-tangent, greater, smaller) / fma(tangent, smaller, greater);
-  float q2 = q * q;
-  float slope = fma(q2, -0.01715644503710709, 0.03116408851608355);
-  slope = fma(q2, slope, -0.05302114738541977);
-  slope = fma(q2, slope, 0.15915456249778778);
-  float eighth = max(fma(q, slope, 0.0625), 0.0);
-  float quarter = sine > cosine ? 0.25 - eighth : eighth;
-  float half_turn = C < 0.0 ? 0.5 - quarter : quarter;
-  return S < 0.0 ? 1.0 - half_turn : half_turn;
+vec4 angles_in_turns(vec4 S, vec4 C) {
+  vec4 sine = abs(S), cosine = abs(C);
+  vec4 smaller = min(sine, cosine), greater = max(max(sine, cosine), vec4(1e-30));
+  const vec4 tangent = vec4(0.41421356237);
+  vec4 q = fma(-tangent, greater, smaller) / fma(tangent, smaller, greater);
+  vec4 q2 = q * q;
+  vec4 slope = fma(q2, vec4(-0.01715644503710709), vec4(0.03116408851608355));
+  slope = fma(q2, slope, vec4(-0.05302114738541977));
+  slope = fma(q2, slope, vec4(0.15915456249778778));
+  vec4 eighth = max(fma(q, slope, vec4(0.0625)), vec4(0.0));
+  vec4 quarter = mix(eighth, 0.25 - eighth, greaterThan(sine, cosine));
+  vec4 half_turn = mix(quarter, 0.5 - quarter, lessThan(C, vec4(0.0)));
+  return mix(half_turn, 1.0 - half_turn, lessThan(S, vec4(0.0)));
 }
 
-float corrected(Band band, float turn) {
-  if (band.wave_terms > 0) {
-    float r = fma(turn, float(band.steps), -roundEven(turn * float(band.steps)));
-    float slope = word(band.wave);
-    for (int i = 1; i < band.wave_terms; ++i) slope = fma(slope, r * r, word(band.wave + i));
+vec4 corrected(int index, vec4 turn) {
+  const int wave_terms = bands[index].wave_terms, segments = bands[index].segments;
+  if (wave_terms > 0) {
+    const int wave = bands[index].wave;
+    vec4 N = vec4(bands[index].steps);
+    vec4 r = fma(turn, N, -roundEven(turn * N));
+    vec4 slope = vec4(word(wave));
+    for (int i = 1; i < wave_terms; ++i) slope = fma(slope, r * r, vec4(word(wave + i)));
     turn = fma(slope, r, turn);
     return turn - floor(turn);
   }
-  if (band.segments == 0) return turn;
-  float place = turn * float(band.segments);
-  int segment = int(place);
-  float added = word(band.table + segment), next = word(band.table + segment + 1);
-  turn += fma(place - float(segment), next - added, added);
+  if (segments == 0) return turn;
+  const int table = bands[index].table;
+  vec4 place = turn * float(segments);
+  ivec4 segment = ivec4(place);
+  vec4 added, next;
+  for (int k = 0; k < 4; ++k) {
+    added[k] = word(table + segment[k]);
+    next[k] = word(table + segment[k] + 1);
+  }
+  turn += fma(place - vec4(segment), next - added, added);
   return turn - floor(turn);
 }
 
-// A sum of whole parts of the weights, exact until it is rounded once.
-float joined(int most, int middle, int least, float unit) {
-  return (float(most) * 4194304.0 + (float(middle) * 2048.0 + float(least))) * unit;
+// Sums of whole parts of the weights, exact until they are rounded once.
+vec4 joined(ivec4 most, ivec4 middle, ivec4 least, float unit) {
+  return (vec4(most) * 4194304.0 + (vec4(middle) * 2048.0 + vec4(least))) * unit;
 }
 
-void decode(const int index, const int at, inout Pixel pixel) {
-  const Band band = bands[index];
-  int c0 = 0, c1 = 0, c2 = 0, s0 = 0, s1 = 0, s2 = 0, greatest = 0;
-  float sum = 0.0;
-  for (int n = 0; n < band.frames; ++n) {
-    int I = level(band.first_frame + n, at), w = band.weights + 7 * n;
-    c0 += words[w] * I;
-    c1 += words[w + 1] * I;
+void decode(const int index, const int fours, inout Pixels pixels) {
+  ivec4 c0 = ivec4(0), c1 = c0, c2 = c0, s0 = c0, s1 = c0, s2 = c0, greatest = c0;
+  vec4 sum = vec4(0.0);
+  const int count = bands[index].frames, first = bands[index].first_frame;
+  for (int n = 0; n < count; ++n) {
+    const int w = bands[index].weights + 7 * n;
+    ivec4 I = levels(first + n, fours);
+    if (bands[index].whole == 0) {
+      c0 += words[w] * I;
+      c1 += words[w + 1] * I;
+      s0 += words[w + 3] * I;
+      s1 += words[w + 4] * I;
+    }
     c2 += words[w + 2] * I;
-    s0 += words[w + 3] * I;
-    s1 += words[w + 4] * I;
     s2 += words[w + 5] * I;
-    sum = fma(word(w + 6), float(I), sum);
+    sum = fma(vec4(word(w + 6)), vec4(I), sum);
     greatest = max(greatest, I);
   }
-  float U = joined(c0, c1, c2, band.cosine_unit), V = joined(s0, s1, s2, band.sine_unit);
-  float square = fma(band.sine_square * V, V, U * U);
-  if (square < band.least_square) pixel.flags |= dark;
-  if (greatest >= band.full_scale) pixel.flags |= saturated;
-  float modulation = sqrt(square) * band.modulation_scale;
-  pixel.modulation = index == 0 ? modulation : min(modulation, pixel.modulation);
-  if (index == 0) pixel.mean = sum * band.mean_scale;
-  float turn = corrected(band, angle_in_turns(band.sine_weight * V, U));
-  if (band.direction != 1.0 || band.offset != 0.0) {
-    turn = fma(band.direction, turn, band.offset);
+  vec4 U = joined(c0, c1, c2, bands[index].cosine_unit);
+  vec4 V = joined(s0, s1, s2, bands[index].sine_unit);
+  vec4 square = fma(bands[index].sine_square * V, V, U * U);
+  pixels.flags |= flagged(dark, lessThan(square, vec4(bands[index].least_square)));
+  pixels.flags |=
+      flagged(saturated, greaterThanEqual(greatest, ivec4(bands[index].full_scale)));
+  vec4 modulation = sqrt(square) * bands[index].modulation_scale;
+  pixels.modulation = index == 0 ? modulation : min(modulation, pixels.modulation);
+  if (index == 0) pixels.mean = sum * bands[index].mean_scale;
+  vec4 turn = corrected(index, angles_in_turns(bands[index].sine_weight * V, U));
+  const float direction = bands[index].direction, offset = bands[index].offset;
+  if (direction != 1.0 || offset != 0.0) {
+    turn = fma(vec4(direction), turn, vec4(offset));
     turn -= floor(turn);
   }
   turns[index] = turn;
 }
 
-float sum_of_bands(Link link) {
-  if (link.alone >= 0) return turns[link.alone];
-  float sum = 0.0;
-  for (int i = 0; i < band_count; ++i) {
-    sum = fma(float(words[link.factors + i]), turns[i], sum);
-  }
+vec4 sum_of_bands(int factors, int alone) {
+  if (alone >= 0) return turns[alone];
+  vec4 sum = vec4(0.0);
+  for (int i = 0; i < band_count; ++i) sum = fma(vec4(words[factors + i]), turns[i], sum);
   return sum - floor(sum);
 }
 
-// The middle of the stripe that the bits show.
-float code_coordinate(int at, float mean) {
-  precise float limit = mean * code.mean_to_frames;
+// The middles of the stripes that the bits show.
+vec4 code_coordinates(int fours, vec4 mean) {
+  precise vec4 limit = mean * code.mean_to_frames;
   if (code.against_mean == 0 && code.inverses < 0) {
-    limit = 0.0;
+    limit = vec4(0.0);
     for (int n = 0; n < words[code.reference]; ++n) {
-      precise float part = word(code.reference + 1 + n) * float(level(n, at));
+      precise vec4 part = word(code.reference + 1 + n) * vec4(levels(n, fours));
       limit += part;
     }
   }
-  int shown = 0;
+  ivec4 shown = ivec4(0);
   for (int bit = 0; bit < code.bits; ++bit) {
-    int against = code.inverses < 0 ? int(limit) : level(words[code.inverses + bit], at);
-    shown = 2 * shown + (level(words[code.frames + bit], at) > against ? 1 : 0);
+    ivec4 against =
+        code.inverses < 0 ? ivec4(limit) : levels(words[code.inverses + bit], fours);
+    bvec4 bright = greaterThan(levels(words[code.frames + bit], fours), against);
+    shown = 2 * shown + ivec4(bright);
   }
-  if ((shown & code.base) != 0) shown ^= code.others;
+  bvec4 inverted = notEqual(shown & code.base, ivec4(0));
+  shown ^= flagged(code.others, inverted);
   if (code.gray != 0) {
     for (int shift = 1; shift < 32; shift *= 2) shown ^= shown >> shift;
   }
-  return fma(float(shown), code.stripe, 0.5 * code.stripe);
+  return fma(vec4(shown), vec4(code.stripe), vec4(0.5 * code.stripe));
 }
 
-float begin_of_chain(int at, Pixel pixel) {
-  if (coarse_given != 0) return uintBitsToFloat(frame_bits[coarse_given + at]);
-  if (begins_with_code != 0) return code_coordinate(at, pixel.mean);
-  float sum = sum_of_bands(coarse);
+vec4 begin_of_chain(int fours, vec4 mean) {
+  if (coarse_given != 0) {
+    const int at = coarse_given + 4 * fours;
+    return uintBitsToFloat(
+        uvec4(frame_bits[at], frame_bits[at + 1], frame_bits[at + 2], frame_bits[at + 3]));
+  }
+  if (begins_with_code != 0) return code_coordinates(fours, mean);
+  vec4 sum = sum_of_bands(coarse.factors, coarse.alone);
   return coarse_in_field != 0 ? in_field(coarse_stage, sum) : sum;
 }
 
 // Fringe orders from band to band, Eq. (1.17).
-void unwrap(int at, inout Pixel pixel) {
-  float y = begin_of_chain(at, pixel);
-  const bool known = y < no_coordinate;
+void unwrap(int fours, inout Pixels pixels) {
+  vec4 y = begin_of_chain(fours, pixels.mean);
+  const bvec4 known = lessThan(y, vec4(no_coordinate));
   for (int i = 0; i < links; ++i) {
-    const Link link = chain[i];
-    float high = sum_of_bands(link);
-    float periods = fma(y, link.ratio, -high), k = roundEven(periods);
-    float apart = max(abs(periods - k) - link.open, 0.0) * link.doubt_scale;
-    pixel.doubt = i == 0 ? apart : max(apart, pixel.doubt);
-    if (apart > link.largest_doubt) pixel.flags |= doubtful_order;
-    y = in_field(link.coordinate, high + k);
+    vec4 high = sum_of_bands(chain[i].factors, chain[i].alone);
+    vec4 periods = fma(y, vec4(chain[i].ratio), -high), k = roundEven(periods);
+    vec4 apart =
+        max(abs(periods - k) - chain[i].open, vec4(0.0)) * chain[i].doubt_scale;
+    pixels.doubt = max(apart, pixels.doubt);
+    pixels.flags |= flagged(doubtful_order, greaterThan(apart, vec4(chain[i].largest_doubt)));
+    y = in_field(chain[i].coordinate, high + k);
   }
-  pixel.y = known ? y : no_coordinate;
+  pixels.y = mix(vec4(no_coordinate), y, known);
 }
 
 // The coordinates of all bands weighed, at the orders next to that of the chain.
-void weigh(inout Pixel pixel) {
-  float sum = pixel.y;
+void weigh(inout Pixels pixels) {
+  vec4 sum = pixels.y;
   for (int i = 1; i < band_count; ++i) {
     if (bands[i].weight == 0.0) continue;
-    float k = roundEven(fma(pixel.y, bands[i].periods, -turns[i]));
-    sum = fma(bands[i].weight, (turns[i] + k) * (1.0 / bands[i].periods) - pixel.y, sum);
+    vec4 k = roundEven(fma(pixels.y, vec4(bands[i].periods), -turns[i]));
+    vec4 other = (turns[i] + k) * (1.0 / bands[i].periods);
+    sum = fma(vec4(bands[i].weight), other - pixels.y, sum);
   }
   Coordinate stage = Coordinate(1.0, coordinate.period, coordinate.cut);
-  pixel.y = coarse_in_field != 0 ? sum : in_field(stage, sum);
+  pixels.y = coarse_in_field != 0 ? sum : in_field(stage, sum);
 }
 
-float wrapped_phase(float turn) {
-  float part = turn - floor(turn);
-  return part < 1.0 ? min(part * 6.2831853, 6.2831850) : 0.0;
-}
-
-Pixel measured(int at) {
-  Pixel pixel;
-  pixel.flags = 0;
-  pixel.doubt = 0.0;
-  for (int i = 0; i < band_count; ++i) decode(i, at, pixel);
+Pixels measured(int fours) {
+  Pixels pixels = Pixels(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), ivec4(0));
+  for (int i = 0; i < band_count; ++i) decode(i, fours, pixels);
   if (links == 0) {
-    pixel.y = in_field(coordinate, turns[0]);
-    return pixel;
+    pixels.y = in_field(coordinate, turns[0]);
+    return pixels;
   }
-  unwrap(at, pixel);
-  if (weighs_bands != 0) weigh(pixel);
-  return pixel;
+  unwrap(fours, pixels);
+  if (weighs_bands != 0) weigh(pixels);
+  return pixels;
+}
+
+vec4 wrapped_phases(vec4 turn) {
+  vec4 part = turn - floor(turn);
+  return mix(vec4(0.0), min(part * 6.2831853, vec4(6.2831850)), lessThan(part, vec4(1.0)));
 }
 
 void write(int plane, int fours, uvec4 values) {
@@ -184,25 +208,17 @@ void write(int plane, int fours, uvec4 values) {
 }
 
 void main() {
-  const int first = first_pixel(), fours = first / 4;
-  if (first >= pixel_count()) return;
-  uvec4 mean, modulation, phase, y, seen, doubt, flags;
-  for (int k = 0; k < 4; ++k) {
-    Pixel pixel = measured(first + k);
-    mean[k] = written(pixel.mean);
-    modulation[k] = written(pixel.modulation);
-    phase[k] = written(wrapped_phase(turns[0]));
-    y[k] = pixel.y < no_coordinate ? written(pixel.y) : nan;
-    seen[k] = written((pixel.flags & dark) != 0 ? no_coordinate : pixel.y);
-    doubt[k] = written(pixel.doubt);
-    flags[k] = uint(pixel.flags);
-  }
-  write(mean_plane, fours, mean);
-  write(modulation_plane, fours, modulation);
-  write(phase_plane, fours, phase);
-  write(coordinate_plane, fours, y);
-  write(doubt_plane, fours, doubt);
+  const int fours = first_pixel() / 4;
+  if (4 * fours >= pixel_count()) return;
+  const Pixels pixels = measured(fours);
+  const bvec4 known = lessThan(pixels.y, vec4(no_coordinate));
+  write(mean_plane, fours, floatBitsToUint(pixels.mean));
+  write(modulation_plane, fours, floatBitsToUint(pixels.modulation));
+  write(phase_plane, fours, floatBitsToUint(wrapped_phases(turns[0])));
+  write(coordinate_plane, fours, mix(uvec4(nan), floatBitsToUint(pixels.y), known));
+  write(doubt_plane, fours, floatBitsToUint(pixels.doubt));
   if (z_plane < 0) return;
-  between[2 * fours] = seen;
-  between[2 * fours + 1] = flags;
+  const bvec4 lit = equal(pixels.flags & dark, ivec4(0));
+  between[2 * fours] = floatBitsToUint(mix(vec4(no_coordinate), pixels.y, lit));
+  between[2 * fours + 1] = uvec4(pixels.flags);
 }

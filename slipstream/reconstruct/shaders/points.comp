@@ -1,108 +1,110 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
-// Coordinates to points, confirmed by their neighbours: StripeGeometry and FringeOrderConsensus, as
-// the row kernels compute them.
+// Coordinates of four pixels to points, confirmed by their neighbours: StripeGeometry and
+// FringeOrderConsensus, as the row kernels compute them.
 layout(local_size_x = 64) in;
 
 #include "stages.glsl"
 
-layout(std430, binding = 2) readonly buffer Rays { float rays[]; };  // E_x and E_y in turns of four
+layout(std430, binding = 2) readonly buffer Rays { vec4 rays[]; };  // E_x and E_y in turns
 layout(std430, binding = 3) readonly buffer Between { uint between[]; };
 layout(std430, binding = 4) writeonly buffer Output { uvec4 planes[]; };
 layout(std430, binding = 5) writeonly buffer Reasons { uint reasons[]; };
 
-// Of Validity.
-const uint valid = 0u, too_dark = 1u, is_saturated = 2u, doubtful = 3u, no_point = 4u,
-           outside_field = 5u, out_of_range = 6u;
+// Of Validity, the first reason in its order.
+const int valid = 0, too_dark = 1, is_saturated = 2, doubtful = 3, no_point = 4, outside_field = 5,
+          out_of_range = 6;
 
 float coordinate_at(int at) { return uintBitsToFloat(between[at / 4 * 8 + at % 4]); }
-int flags_at(int at) { return int(between[at / 4 * 8 + 4 + at % 4]); }
 
-bool is_confirmed(int at, float y, int flags) {
-  if (points.confirmed == 0) return true;
-  int needed = (flags & doubtful_order) != 0 ? points.fewest_if_doubtful : points.fewest_neighbours;
-  if (needed <= 0) return true;
-  const int column = at % width, row = at / width;
-  int agreeing = 0;
-  for (int r = max(row - 1, 0); r <= min(row + 1, height - 1); ++r) {
-    for (int c = max(column - 1, 0); c <= min(column + 1, width - 1); ++c) {
-      if (r == row && c == column) continue;
-      if (abs(coordinate_at(r * width + c) - y) < points.half_fringe) ++agreeing;
-    }
-  }
-  return agreeing >= needed;
+int agreeing(float y, int row, int column) {
+  if (row < 0 || row >= height || column < 0 || column >= width) return 0;
+  return abs(coordinate_at(row * width + column) - y) < points.half_fringe ? 1 : 0;
 }
 
-float of_ray(float c[3], float E_x, float E_y) { return fma(c[0], E_x, fma(c[1], E_y, c[2])); }
+bool is_confirmed(int at, float y, int flags) {
+  const int needed =
+      (flags & doubtful_order) != 0 ? points.fewest_if_doubtful : points.fewest_neighbours;
+  const int column = at % width, row = at / width;
+  // In a surface the row's own neighbours suffice.
+  int found = agreeing(y, row, column - 1) + agreeing(y, row, column + 1);
+  if (found >= needed) return true;
+  for (int side = -1; side <= 1; side += 2) {
+    for (int c = column - 1; c <= column + 1; ++c) found += agreeing(y, row + side, c);
+  }
+  return found >= needed;
+}
+
+vec4 of_rays(float c[3], vec4 E_x, vec4 E_y) {
+  return fma(vec4(c[0]), E_x, fma(vec4(c[1]), E_y, vec4(c[2])));
+}
 
 // PlanePolynomial, its coefficients from the last to the first.
-float lens_adds(float p, float q) {
-  if (points.lens_degree == 0) return 0.0;
+vec4 lens_adds(vec4 p, vec4 q) {
+  if (points.lens_degree == 0) return vec4(0.0);
   int at = points.lens;
-  float sum = word(at++);
+  vec4 sum = vec4(word(at++));
   for (int i = points.lens_degree - 1; i >= 0; --i) {
-    float inner = word(at++);
-    for (int j = points.lens_degree - i - 1; j >= 0; --j) inner = fma(inner, q, word(at++));
+    vec4 inner = vec4(word(at++));
+    for (int j = points.lens_degree - i - 1; j >= 0; --j) inner = fma(inner, q, vec4(word(at++)));
     sum = fma(sum, p, inner);
   }
   return sum;
 }
 
-float edge(float c[6], float p) {
-  float sum = c[5];
-  for (int i = 4; i >= 0; --i) sum = fma(sum, p, c[i]);
+vec4 edge(float c[6], vec4 p) {
+  vec4 sum = vec4(c[5]);
+  for (int i = 4; i >= 0; --i) sum = fma(sum, p, vec4(c[i]));
   return sum;
 }
 
-// Depth of the pixel's point, and why there is none: StripeGeometry::operator().
-uint point(int at, float y, out float z) {
-  const int four = at / 4 * 8 + at % 4;
-  float E_x = rays[four], E_y = rays[four + 4];
-  float p = fma(y, points.unit_scale, points.unit_offset);
-  float g = of_ray(points.facing, E_x, E_y);
-  float q = fma(p, of_ray(points.place_slope, E_x, E_y), of_ray(points.place_constant, E_x, E_y)) / g;
-  float w = y + lens_adds(p, q);
-  float numerator = fma(w, points.depth_offset, -points.coordinate_offset);
-  float denominator =
-      fma(-w, of_ray(points.depth, E_x, E_y), of_ray(points.coordinate, E_x, E_y));
+// Depths of the pixels' points, and why there is none: StripeGeometry::operator().
+ivec4 find_points(vec4 E_x, vec4 E_y, vec4 y, out vec4 z) {
+  vec4 p = fma(y, vec4(points.unit_scale), vec4(points.unit_offset));
+  vec4 g = of_rays(points.facing, E_x, E_y);
+  vec4 q =
+      fma(p, of_rays(points.place_slope, E_x, E_y), of_rays(points.place_constant, E_x, E_y)) / g;
+  vec4 w = y + lens_adds(p, q);
+  vec4 numerator = fma(w, vec4(points.depth_offset), vec4(-points.coordinate_offset));
+  vec4 denominator = fma(-w, of_rays(points.depth, E_x, E_y), of_rays(points.coordinate, E_x, E_y));
   z = numerator / denominator;
-  if (!(z > 0.0 && z <= 3.4e38 && denominator * g > 0.0) || y >= no_coordinate) return no_point;
-  bool lit = q > points.inner_low && q < points.inner_high ||
-             q >= edge(points.low_edge, p) && q <= edge(points.high_edge, p);
-  bool left = points.may_leave_field != 0 &&
-              !(y >= points.least_coordinate && y <= points.largest_coordinate);
-  if (!lit || left) return outside_field;
-  return z >= points.nearest && z <= points.farthest ? valid : out_of_range;
-}
-
-// The first reason in the order of Validity.
-uint reason(int at, out float z) {
-  const int flags = flags_at(at);
-  const float y = coordinate_at(at);
-  z = 0.0;
-  if ((flags & dark) != 0) return too_dark;
-  if ((flags & saturated) != 0) return is_saturated;
-  if (!is_confirmed(at, y, flags)) return doubtful;
-  return point(at, y, z);
+  vec4 low = edge(points.low_edge, p), high = edge(points.high_edge, p);
+  ivec4 why;
+  for (int k = 0; k < 4; ++k) {
+    bool exists = z[k] > 0.0 && z[k] <= 3.4e38 && denominator[k] * g[k] > 0.0;
+    bool lit = q[k] > points.inner_low && q[k] < points.inner_high ||
+               q[k] >= low[k] && q[k] <= high[k];
+    bool in_field = points.may_leave_field == 0 ||
+                    y[k] >= points.least_coordinate && y[k] <= points.largest_coordinate;
+    why[k] = !exists || y[k] >= no_coordinate                       ? no_point
+             : !lit || !in_field                                    ? outside_field
+             : z[k] >= points.nearest && z[k] <= points.farthest    ? valid
+                                                                    : out_of_range;
+  }
+  return why;
 }
 
 void main() {
   const int first = first_pixel(), fours = first / 4;
   if (first >= pixel_count()) return;
-  uvec4 x, y, z;
-  uint packed = 0u;
-  for (int k = 0; k < 4 && first + k < pixel_count(); ++k) {
-    float depth;
-    uint why = reason(first + k, depth);
-    packed |= why << 8 * k;
-    x[k] = why == valid ? written(rays[8 * fours + k] * depth) : nan;
-    y[k] = why == valid ? written(rays[8 * fours + 4 + k] * depth) : nan;
-    z[k] = why == valid ? written(depth) : nan;
+  vec4 y, z;
+  ivec4 flags;
+  for (int k = 0; k < 4; ++k) {
+    y[k] = uintBitsToFloat(between[8 * fours + k]);
+    flags[k] = int(between[8 * fours + 4 + k]);
   }
+  const vec4 E_x = rays[2 * fours], E_y = rays[2 * fours + 1];
+  ivec4 why = find_points(E_x, E_y, y, z);
+  for (int k = 0; k < 4; ++k) {
+    if ((flags[k] & dark) != 0) why[k] = too_dark;
+    else if ((flags[k] & saturated) != 0) why[k] = is_saturated;
+    else if (points.confirmed != 0 && !is_confirmed(first + k, y[k], flags[k])) why[k] = doubtful;
+  }
+  const bvec4 good = equal(why, ivec4(valid));
   if (x_plane >= 0) {
-    planes[x_plane + fours] = x;
-    planes[y_plane + fours] = y;
+    planes[x_plane + fours] = mix(uvec4(nan), floatBitsToUint(E_x * z), good);
+    planes[y_plane + fours] = mix(uvec4(nan), floatBitsToUint(E_y * z), good);
   }
-  planes[z_plane + fours] = z;
-  reasons[fours] = packed;
+  planes[z_plane + fours] = mix(uvec4(nan), floatBitsToUint(z), good);
+  reasons[fours] = uint(why.x | why.y << 8 | why.z << 16 | why.w << 24);
 }

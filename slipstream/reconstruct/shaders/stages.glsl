@@ -6,7 +6,7 @@ struct Coordinate {
 };
 
 struct Band {
-  int first_frame, frames, weights;
+  int first_frame, frames, weights, whole;
   float cosine_unit, sine_unit;
   float sine_weight, sine_square, modulation_scale;
   float least_square, mean_scale;
@@ -64,8 +64,6 @@ const int dark = 1, saturated = 2, doubtful_order = 4;
 const float no_coordinate = 1e30;
 const uint nan = 0x7fc00000u;
 
-uint written(float value) { return floatBitsToUint(value); }
-
 int pixel_count() { return width * height; }
 
 // The first of the four pixels of this invocation.
@@ -75,7 +73,8 @@ int first_pixel() {
 }
 
 // coordinate_in_field of turns.
-float in_field(Coordinate stage, float turns) {
-  float periods = floor(fma(turns, stage.scale / stage.period, -stage.cut / stage.period));
-  return fma(-stage.period, periods, turns * stage.scale);
+vec4 in_field(Coordinate stage, vec4 turns) {
+  vec4 periods =
+      floor(fma(turns, vec4(stage.scale / stage.period), vec4(-stage.cut / stage.period)));
+  return fma(vec4(-stage.period), periods, turns * stage.scale);
 }

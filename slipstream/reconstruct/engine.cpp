@@ -64,7 +64,10 @@ struct Engine::Tables {
       fused = FusedEngine::make(complete, corrections);
     }
     if (fused && setup.settings.engine == EngineKind::gpu) {
-      gpu = GpuEngine::make(*fused, setup.settings.gpu);
+      try {
+        gpu = GpuEngine::make(*fused, setup.settings.gpu);
+      } catch (const GpuError&) {  // too small for such pictures: the processor is not
+      }
     }
     if (!fused || fused->wants_coarse()) static_cast<void>(reference());
   }

@@ -43,6 +43,7 @@ void add_reconstruct(CLI::App& program, Command& chosen);
 void add_batch(CLI::App& program, Command& chosen);
 void add_assist(CLI::App& program, Command& chosen);
 void add_check(CLI::App& program, Command& chosen);
+void add_convert(CLI::App& program, Command& chosen);
 void add_unwrap(CLI::App& program, Command& chosen);
 void add_height(CLI::App& program, Command& chosen);
 void add_measure(CLI::App& program, Command& chosen);

@@ -130,6 +130,7 @@ int run_program(int argc, char** argv, Output& output) {
   add_batch(program, chosen);
   add_check(program, chosen);
   add_measure(program, chosen);
+  add_convert(program, chosen);
   add_unwrap(program, chosen);
   add_height(program, chosen);
   add_verify(program, chosen);

@@ -1,7 +1,6 @@
 #include "slipstream/publish/mcap_writer.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include <zstd.h>
@@ -9,31 +8,18 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/publish/little_endian.h"
+#include "slipstream/publish/mcap_records.h"
 
 namespace slipstream {
 namespace {
 using namespace std::string_view_literals;
+using namespace mcap;
 using Bytes = std::vector<std::uint8_t>;
 
-constexpr std::array<std::uint8_t, 8> magic{0x89, 'M', 'C', 'A', 'P', '0', '\r', '\n'};
 /// A chunk ends once it holds so much.
 constexpr std::size_t chunk_bytes = 4 << 20;
 /// Of zstd: the fastest ones save nearly as much of 32-bit floats as the thorough ones.
 constexpr int compression = -3;
-
-enum Opcode : std::uint8_t {
-  header = 0x01,
-  footer = 0x02,
-  schema = 0x03,
-  channel = 0x04,
-  message = 0x05,
-  chunk = 0x06,
-  message_index = 0x07,
-  chunk_index = 0x08,
-  statistics = 0x0b,
-  summary_offset = 0x0e,
-  data_end = 0x0f,
-};
 
 /// What tells what a record is, and how long its content.
 void append_head(Bytes& bytes, Opcode opcode, std::uint64_t length) {
@@ -54,8 +40,8 @@ Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
 
 }  // namespace
 
-McapWriter::McapWriter(const std::filesystem::path& path)
-    : file_(path, OutputFile::Writing::over_time) {
+McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
+    : file_(path, writing) {
   Bytes begin(magic.begin(), magic.end()), content;
   append(content, "ros2"sv, "slipstream"sv);
   append_record(begin, header, content);

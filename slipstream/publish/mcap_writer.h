@@ -18,7 +18,8 @@ namespace slipstream {
 class McapWriter {
  public:
   /// Throws WorldError where the file cannot be written, as all that follows.
-  explicit McapWriter(const std::filesystem::path& path);
+  explicit McapWriter(const std::filesystem::path& path,
+                      OutputFile::Writing writing = OutputFile::Writing::over_time);
 
   /// What its messages are, by the name and the text of their definition ("ros2msg") in the
   /// encoding "cdr". Before the first message. Returns the channel's number.

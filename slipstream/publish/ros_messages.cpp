@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <variant>
 
 #include <fmt/format.h>
 
+#include "slipstream/error/error.h"
+#include "slipstream/io/limits.h"
 #include "slipstream/publish/little_endian.h"
 
 namespace slipstream {
@@ -22,7 +24,19 @@ constexpr const char* field_definition =
     "\n{0:=>80}\nMSG: sensor_msgs/PointField\nstring name\nuint32 offset\nuint8 datatype\n"
     "uint32 count\n";
 constexpr std::uint8_t float32 = 7;  // PointField's number of it
-constexpr std::size_t point_bytes = 16;
+
+struct PointField {
+  std::string_view name;
+  float millimetres;  ///< in its unit
+};
+constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
+                                                  {"y", 1000},
+                                                  {"z", 1000},
+                                                  {"intensity", 1},
+                                                  {"sigma_coordinate", 1},
+                                                  {"sigma_x", 1000},
+                                                  {"sigma_y", 1000},
+                                                  {"sigma_z", 1000}}};
 
 /// Numbers and texts one after the other, each where CDR aligns it.
 class Cdr {
@@ -95,24 +109,102 @@ RosType image_type() {
               fmt::format(fmt::runtime(header_definition), "")};
 }
 
-void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
-  constexpr std::array<std::string_view, 4> fields{"x", "y", "z", "intensity"};
+void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
+                       const Uncertainty* uncertainty) {
+  const std::size_t fields = uncertainty == nullptr ? 4 : point_fields.size();
+  const std::size_t point_bytes = fields * sizeof(float), points = cloud.z.pixel_count();
   const auto width = static_cast<std::uint32_t>(cloud.size().width);
   Cdr cdr(message);
   cdr.add_header(time).add(static_cast<std::uint32_t>(cloud.size().height)).add(width);
-  cdr.add(static_cast<std::uint32_t>(fields.size()));
-  for (std::uint32_t i = 0; i < fields.size(); ++i) {
-    cdr.add_text(fields[i]).add(4 * i).add(float32).add(std::uint32_t{1});
+  cdr.add(static_cast<std::uint32_t>(fields));
+  for (std::uint32_t i = 0; i < fields; ++i) {
+    cdr.add_text(point_fields[i].name).add(4 * i).add(float32).add(std::uint32_t{1});
   }
-  cdr.add(std::uint8_t{0}).add(std::uint32_t{point_bytes});
+  cdr.add(std::uint8_t{0}).add(static_cast<std::uint32_t>(point_bytes));
   cdr.add(static_cast<std::uint32_t>(width * point_bytes));
-  std::uint8_t* at = cdr.add_bytes(cloud.z.pixel_count() * point_bytes).data();
-  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i, at += point_bytes) {
+  std::uint8_t* at = cdr.add_bytes(points * point_bytes).data();
+  for (std::size_t i = 0; i < points; ++i, at += point_bytes) {
     const std::array<float, 4> point{cloud.x.begin()[i] / 1000, cloud.y.begin()[i] / 1000,
                                      cloud.z.begin()[i] / 1000, cloud.intensity.begin()[i]};
-    std::memcpy(at, point.data(), point_bytes);
+    std::memcpy(at, point.data(), sizeof point);
+    if (uncertainty == nullptr) continue;
+    const std::array<float, 4> sigma{
+        uncertainty->coordinate.begin()[i], uncertainty->x.begin()[i] / 1000,
+        uncertainty->y.begin()[i] / 1000, uncertainty->z.begin()[i] / 1000};
+    std::memcpy(at + sizeof point, sigma.data(), sizeof sigma);
   }
   cdr.add(std::uint8_t{0});  // some points are NaN
+}
+
+StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
+  ByteReader head(message.first(std::min<std::size_t>(message.size(), 4)));
+  if (head.get<std::uint16_t>() != 0x100) throw Error("a cloud is no little-endian CDR");
+  ByteReader cdr(message.subspan(4));
+  const auto number = [&] {
+    cdr.align(4);
+    return cdr.get<std::uint32_t>();
+  };
+  number();  // seconds
+  number();
+  cdr.text();  // of the frame
+  const std::uint32_t height = number(), width = number(), fields = number();
+  std::array<std::optional<std::uint32_t>, point_fields.size()> offsets;
+  for (std::uint32_t i = 0; i < fields; ++i) {
+    cdr.align(4);
+    std::string_view name = cdr.text();
+    name = name.substr(0, name.find('\0'));
+    const std::uint32_t offset = number();
+    const bool wanted = cdr.get<std::uint8_t>() == float32;
+    number();  // how many, of which the first is taken
+    const auto known = std::find_if(point_fields.begin(), point_fields.end(),
+                                    [&](const PointField& field) { return field.name == name; });
+    if (wanted && known != point_fields.end()) {
+      offsets.at(static_cast<std::size_t>(known - point_fields.begin())) = offset;
+    }
+  }
+  const bool big_endian = cdr.get<std::uint8_t>() != 0;
+  const std::uint32_t step = number(), row_step = number();
+  const auto data = cdr.take(number());
+  const auto largest = [&](const std::optional<std::uint32_t>& offset) {
+    return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
+  };
+  const std::uint64_t points = std::uint64_t{width} * height;
+  if (big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
+      !std::all_of(offsets.begin(), offsets.end(), largest) || points > largest_picture ||
+      row_step < std::uint64_t{width} * step || data.size() < std::uint64_t{row_step} * height) {
+    throw Error("a cloud whose points are not 32-bit x, y, z, little-endian, in their places");
+  }
+  const Size size{static_cast<int>(width), static_cast<int>(height)};
+  StoredCloud stored{.cloud = Cloud(size), .organised = height > 1};
+  if (offsets.back()) stored.uncertainty.emplace(size);
+  Uncertainty none;
+  Uncertainty& sigma = stored.uncertainty ? *stored.uncertainty : none;
+  const std::array<Image<float>*, point_fields.size()> images{
+      &stored.cloud.x,   &stored.cloud.y, &stored.cloud.z, &stored.cloud.intensity,
+      &sigma.coordinate, &sigma.x,        &sigma.y,        &sigma.z};
+  for (std::size_t field = 0; field < images.size(); ++field) {
+    if (!offsets[field] || images[field]->empty()) continue;
+    float* to = images[field]->begin();
+    for (std::uint32_t row = 0; row < height; ++row) {
+      const std::uint8_t* at = data.data() + std::uint64_t{row} * row_step + *offsets[field];
+      for (std::uint32_t column = 0; column < width; ++column, at += step) {
+        std::memcpy(to, at, sizeof *to);
+        *to++ *= point_fields[field].millimetres;
+      }
+    }
+  }
+  Cloud& cloud = stored.cloud;
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      if (std::isfinite(cloud.x(column, row)) && std::isfinite(cloud.y(column, row)) &&
+          std::isfinite(cloud.z(column, row))) {
+        cloud.validity(column, row) = Validity::valid;
+      } else {
+        cloud.leave_out(column, row, Validity::no_point);
+      }
+    }
+  }
+  return stored;
 }
 
 std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
@@ -122,15 +214,21 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
 }
 
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message) {
+  if (!cloud.cloud.z.empty()) return write_image(cloud.cloud, time, message);
   Cdr cdr(message);
   cdr.add_header(time);
-  if (!cloud.cloud.z.empty()) return add_picture(cdr, cloud.cloud.intensity, "mono8", grey_level);
   std::visit(
       [&]<class Pixel>(const Image<Pixel>& pixels) {
         add_picture(cdr, pixels, sizeof(Pixel) == 1 ? "mono8" : "mono16",
                     [](Pixel pixel) { return pixel; });
       },
       cloud.frames.front()->pixels);
+}
+
+void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
+  Cdr cdr(message);
+  cdr.add_header(time);
+  add_picture(cdr, cloud.intensity, "mono8", grey_level);
 }
 
 void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message) {

@@ -3,11 +3,13 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "slipstream/geometry/lens.h"
+#include "slipstream/io/stored_cloud.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
@@ -30,11 +32,18 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time);
 
 /// sensor_msgs/msg/PointCloud2, organised as the camera's pixels: x, y, z in metres (each the
 /// cloud's millimetres divided by 1000, rounded to float), NaN where there is no point, and
-/// intensity in grey levels of 255, as 32-bit floats.
-void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message);
+/// intensity in grey levels of 255, as 32-bit floats. Where the uncertainty is there,
+/// sigma_coordinate, sigma_x, sigma_y and sigma_z likewise.
+void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
+                       const Uncertainty* uncertainty = nullptr);
+/// What of these such a message has, in mm, whoever wrote it. Throws Error, naming no file, where
+/// it is none, has no x, y, z of 32-bit float, or is not little-endian.
+StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
 /// sensor_msgs/msg/Image: the cloud's intensity as mono8; without a scanner the window's first
 /// frame, mono8 or mono16.
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message);
+/// The same of a cloud's intensity alone.
+void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 /// sensor_msgs/msg/Image: the cloud's depth as 32FC1, metres, as write_point_cloud has them.
 void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 /// sensor_msgs/msg/CameraInfo of a camera whose pictures have this size.

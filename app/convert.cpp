@@ -1,0 +1,184 @@
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/cloud_input.h"
+#include "app/commands.h"
+#include "slipstream/error/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
+#include "slipstream/io/result_files.h"
+#include "slipstream/publish/mcap_reader.h"
+#include "slipstream/publish/mcap_writer.h"
+#include "slipstream/publish/ros_messages.h"
+
+namespace slipstream::app {
+namespace {
+
+struct ConvertFlags {
+  std::vector<std::string> paths;
+  std::string output;
+  std::string topic;
+  CloudInputFlags cloud;
+};
+
+/// Between clouds whose times nobody knows.
+constexpr std::uint64_t second = 1'000'000'000;
+
+bool is_mcap(const std::string& path) {
+  return lower_case_extension(path) == ".mcap";
+}
+
+const Uncertainty* uncertainty_of(const StoredCloud& stored) {
+  return stored.uncertainty ? &*stored.uncertainty : nullptr;
+}
+
+[[noreturn]] void refuse_second(const std::string& path) {
+  throw Error(
+      fmt::format("{}: two clouds would be written to it; {{name}} and {{window}} in -o stand for "
+                  "the input's name and the cloud's number",
+                  path));
+}
+
+/// Clouds one after the other, to one MCAP file or a file each.
+class CloudFiles {
+ public:
+  CloudFiles(const std::string& output, Output& words) : output_(output), words_(words) {
+    if (!is_mcap(output)) require_cloud_ending(output);
+  }
+
+  /// `time`: ns; none: a second after the one before.
+  void add(const StoredCloud& stored, const ScanName& name, std::optional<std::uint64_t> time) {
+    last_ = time.value_or(count_ == 0 ? 0 : last_ + second);
+    ++count_;
+    is_mcap(output_) ? add_message(stored) : add_file(stored, name);
+  }
+
+  void finish() {
+    if (count_ == 0) throw Error("no cloud came that could be written");
+    if (writer_) writer_->finish();
+    const std::size_t files = writer_ ? 1 : written_.size();
+    words_.say("{}: {} cloud{} in {} file{}", output_, count_, count_ == 1 ? "" : "s", files,
+               files == 1 ? "" : "s");
+    words_.document["clouds"] = count_;
+    words_.document["files"] = writer_ ? nlohmann::json{output_} : nlohmann::json(written_);
+  }
+
+ private:
+  void add_message(const StoredCloud& stored) {
+    if (!writer_) {
+      writer_.emplace(output_, OutputFile::Writing::at_once);
+      const RosType points = point_cloud_type(), image = image_type();
+      points_ = writer_->add_channel("/points", points.name, points.definition);
+      image_ = writer_->add_channel("/image", image.name, image.definition);
+    }
+    if (stored.organised) {
+      write_image(stored.cloud, last_, message_);
+      writer_->write(image_, last_, message_);
+    }
+    write_point_cloud(stored.cloud, last_, message_, uncertainty_of(stored));
+    writer_->write(points_, last_, message_);
+    writer_->end_message_group();
+  }
+
+  void add_file(const StoredCloud& stored, const ScanName& name) {
+    const std::string path = files_of_scan({.cloud = output_}, name).cloud;
+    if (!written_.insert(path).second) refuse_second(path);
+    write_cloud(path, stored.cloud, {.uncertainty = uncertainty_of(stored)});
+  }
+
+  const std::string output_;
+  Output& words_;
+  std::uint64_t count_ = 0, last_ = 0;
+  std::optional<McapWriter> writer_;
+  std::uint16_t points_ = 0, image_ = 0;
+  RosMessage message_;
+  std::set<std::string> written_;
+};
+
+void convert_mcap(const std::string& path, const std::string& topic, CloudFiles& files,
+                  Output& output) {
+  std::uint64_t count = 0;
+  std::set<std::string> topics;
+  const bool whole = read_mcap(path, [&](const McapMessage& message) {
+    const bool is_cloud = message.type == point_cloud_type().name && message.encoding == "cdr";
+    if (topics.size() < 16) topics.insert(message.topic + (is_cloud ? "" : " (no cloud)"));
+    if (!is_cloud || (!topic.empty() && message.topic != topic)) return;
+    files.add(read_point_cloud(message.content), {path, count++}, message.time);
+  });
+  if (!whole) output.warn(fmt::format("{}: has no end; its chunks that are whole were read", path));
+  if (count == 0) {
+    throw Error(fmt::format("{}: no sensor_msgs/msg/PointCloud2{}{}; its topics: {}", path,
+                            topic.empty() ? "" : " on ", topic,
+                            topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", "))));
+  }
+}
+
+/// Each whole cycle; one that is not is left out.
+void convert_recording(const std::string& path, CloudInputFlags flags, CloudFiles& files,
+                       Output& output) {
+  const RecordingReader recording(path);
+  const Sequence sequence = scan_files_in(path, changes_of(flags.input)).sequence;
+  const double rate = recording.header().frame_rate;
+  const double cycle = rate > 0 ? static_cast<double>(cycle_length(sequence)) / rate : 1;
+  for (std::uint64_t window = 0; window < window_count(recording, sequence); ++window) {
+    flags.input.window = window;
+    const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * second);
+    std::optional<StoredCloud> stored;
+    try {
+      stored = organised_cloud(path, flags, output);
+    } catch (const Error& error) {
+      output.warn(fmt::format("left out: {}", error.what()));
+      continue;
+    }
+    files.add(*stored, {path, window}, time);
+  }
+}
+
+void convert(const ConvertFlags& flags, Output& output) {
+  CloudFiles files(flags.output, output);
+  const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
+  if (one_file && flags.paths.size() > 1) refuse_second(flags.output);
+  for (const std::string& path : flags.paths) {
+    if (is_mcap(path)) {
+      convert_mcap(path, flags.topic, files, output);
+    } else if (is_cloud_file(path)) {
+      files.add(read_cloud(path), {path}, std::nullopt);
+    } else if (is_recording(path)) {
+      convert_recording(path, flags.cloud, files, output);
+    } else {
+      files.add(organised_cloud(path, flags.cloud, output), {path}, std::nullopt);
+    }
+  }
+  files.finish();
+}
+
+}  // namespace
+
+void add_convert(CLI::App& program, Command& chosen) {
+  const auto [command, flags] =
+      add_command(program, chosen, convert, "convert",
+                  "clouds and scans to clouds in other files: MCAP, PLY, PCD, XYZ");
+  command
+      .add_file("input", flags.paths,
+                "MCAP files, clouds, recordings (each cycle) and scan folders, in their order")
+      ->required();
+  command
+      .add_output("-o,--output", flags.output,
+                  ".mcap, all clouds in one; .ply, .pcd or .xyz, each in its own: {name} in it "
+                  "stands for the input's name, {window} for the cloud's number")
+      ->required();
+  command.add("--topic", flags.topic, "of MCAP files: clouds of this one alone, as /points");
+  add_cloud_input_flags(command.app, flags.cloud);
+  command.app.footer(
+      "Examples:\n  slipstream convert scan.slip -o clouds.mcap\n  slipstream convert clouds.mcap "
+      "-o clouds/{window}.pcd");
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,105 @@
+// Clouds from one kind of file to another by the program.
+#include <cmath>
+#include <filesystem>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/cloud_file.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/stored_cloud.h"
+#include "tests/app/program.h"
+
+namespace slipstream {
+namespace {
+namespace fs = std::filesystem;
+
+class Convert : public testing::Test {
+ protected:
+  void SetUp() override {
+    run({"record", "--source", "virtual", "--world", "bench", "--camera", "160x120", "--strategy",
+         "pmp", "--steps", "4", "--frames", "14", "--rate", "0", "-o", path("scan.slip")});
+  }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
+  static ProgramRun run(const std::vector<std::string>& arguments, int exit_code = 0) {
+    ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, exit_code) << run.err;
+    return run;
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// Metres and back may change the last bit.
+bool is_near(float a, float b) {
+  return (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= 2.5e-7F * std::abs(b);
+}
+
+void expect_same(const fs::path& path, const fs::path& expected_path) {
+  const StoredCloud stored = read_cloud(path), expected = read_cloud(expected_path);
+  ASSERT_TRUE(stored.organised && stored.uncertainty && expected.uncertainty);
+  ASSERT_EQ(stored.cloud.size(), expected.cloud.size());
+  EXPECT_GT(point_count(stored.cloud), 5000U);
+  int different = 0;
+  for (std::size_t i = 0; i < stored.cloud.z.pixel_count(); ++i) {
+    const auto same = [&](const Image<float>& a, const Image<float>& b) {
+      return is_near(a.begin()[i], b.begin()[i]);
+    };
+    different += !same(stored.cloud.x, expected.cloud.x) ||
+                 !same(stored.cloud.y, expected.cloud.y) ||
+                 !same(stored.cloud.z, expected.cloud.z) ||
+                 stored.cloud.intensity.begin()[i] != expected.cloud.intensity.begin()[i] ||
+                 !same(stored.uncertainty->coordinate, expected.uncertainty->coordinate) ||
+                 !same(stored.uncertainty->x, expected.uncertainty->x) ||
+                 !same(stored.uncertainty->z, expected.uncertainty->z);
+  }
+  EXPECT_EQ(different, 0);
+}
+
+TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them) {
+  run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
+  run({"convert", path("scan.mcap"), "-o", path("{name}-{window}.pcd")});
+  run({"reconstruct", path("scan.slip"), "--windows", ":", "--uncertainty", "-o",
+       path("expected-{window}.pcd")});
+  for (const std::string window : {"000000", "000001", "000002"}) {
+    expect_same(path("scan-" + window + ".pcd"), path("expected-" + window + ".pcd"));
+  }
+  EXPECT_FALSE(fs::exists(path("scan-000003.pcd")));
+  // From files of clouds, one behind another, to the same again.
+  run({"convert", path("scan-000000.pcd"), path("scan-000002.pcd"), "-o", path("two.mcap")});
+  run({"convert", path("two.mcap"), "--topic", "/points", "-o", path("two-{window}.pcd")});
+  expect_same(path("two-000001.pcd"), path("expected-000002.pcd"));
+}
+
+TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
+  run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
+  const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {
+    std::vector<std::string> all{"convert"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const ProgramRun refusal = run(all, 2);
+    EXPECT_NE(refusal.err.find(why), std::string::npos) << refusal.err;
+  };
+  refused({path("scan.mcap"), path("scan.mcap"), "-o", path("one.ply")}, "two clouds");
+  EXPECT_FALSE(fs::exists(path("one.ply")));
+  refused({path("scan.mcap"), "-o", path("scan.mcap")}, "written over");
+  refused({path("scan.mcap"), "-o", path("a.stl")}, "ending");
+  refused({path("scan.mcap"), "--topic", "/image", "-o", path("a.ply")}, "/image (no cloud)");
+  write_file(path("other.mcap"), std::string_view("no such file"));
+  refused({path("other.mcap"), "-o", path("a.mcap")}, "is no MCAP file");
+  EXPECT_FALSE(fs::exists(path("a.mcap")));
+
+  const auto bytes = read_file(path("scan.mcap"));
+  write_file(path("cut.mcap"), std::span(bytes).first(bytes.size() - 20));
+  EXPECT_EQ(run({"convert", path("cut.mcap"), "-o", path("cut-{window}.ply")}).err, "")
+      << "the footer is cut, not the end of the data";
+  write_file(path("cut.mcap"), std::span(bytes).first(bytes.size() / 2));
+  refused({path("cut.mcap"), "-o", path("b-{window}.ply")}, "has no end");
+  auto damaged = bytes;
+  damaged[bytes.size() / 2] ^= 1;
+  write_file(path("damaged.mcap"), std::span(damaged));
+  refused({path("damaged.mcap"), "-o", path("b-{window}.ply")}, "damaged");
+  EXPECT_FALSE(fs::exists(path("b-000000.ply")));
+}
+
+}  // namespace
+}  // namespace slipstream

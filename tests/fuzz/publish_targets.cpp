@@ -1,0 +1,81 @@
+// What others may have written of clouds: MCAP files, messages of ROS 2.
+#include "slipstream/publish/little_endian.h"
+#include "slipstream/publish/mcap_reader.h"
+#include "slipstream/publish/mcap_records.h"
+#include "slipstream/publish/mcap_writer.h"
+#include "slipstream/publish/ros_messages.h"
+#include "tests/fuzz/target.h"
+
+namespace slipstream {
+namespace {
+using namespace std::string_view_literals;
+namespace fs = std::filesystem;
+
+RosMessage some_cloud(bool with_uncertainty) {
+  Cloud cloud({4, 3});
+  cloud.x(1, 1) = cloud.y(1, 1) = cloud.z(1, 1) = 500;
+  const Uncertainty uncertainty({4, 3});
+  RosMessage message;
+  write_point_cloud(cloud, 1, message, with_uncertainty ? &uncertainty : nullptr);
+  return message;
+}
+
+std::vector<Bytes> clouds() {
+  return {some_cloud(false), some_cloud(true)};
+}
+
+/// A request begins like any message, and is taken or not.
+void read_messages(std::span<const std::uint8_t> input) {
+  (void)request_in(RosMessage(input.begin(), input.end()));
+  const StoredCloud stored = read_point_cloud(input);
+  (void)point_count(stored.cloud);
+}
+
+void append_record(Bytes& to, mcap::Opcode opcode, const Bytes& content) {
+  append(to, static_cast<std::uint8_t>(opcode), std::uint64_t{content.size()});
+  append(to, std::span<const std::uint8_t>(content));
+}
+
+/// Records as others may write them: before any chunk, or in one that is not packed and has no
+/// checksum, which would refuse every change.
+Bytes plain_file(bool in_chunk) {
+  Bytes schema, channel, message, records, chunk, file(mcap::magic.begin(), mcap::magic.end());
+  append(schema, std::uint16_t{1}, "sensor_msgs/msg/PointCloud2"sv, "ros2msg"sv, ""sv);
+  append(channel, std::uint16_t{1}, std::uint16_t{1}, "/points"sv, "cdr"sv, std::uint32_t{0});
+  append(message, std::uint16_t{1}, std::uint32_t{0}, std::uint64_t{5}, std::uint64_t{5},
+         std::span<const std::uint8_t>(some_cloud(false)));
+  append_record(records, mcap::schema, schema);
+  append_record(records, mcap::channel, channel);
+  append_record(records, mcap::message, message);
+  append(chunk, std::uint64_t{5}, std::uint64_t{5}, std::uint64_t{records.size()}, std::uint32_t{0},
+         ""sv, std::uint64_t{records.size()}, std::span<const std::uint8_t>(records));
+  append_record(file, mcap::header, {});
+  in_chunk ? append_record(file, mcap::chunk, chunk)
+           : append(file, std::span<const std::uint8_t>(records));
+  append_record(file, mcap::data_end, Bytes(4));
+  return file;
+}
+
+std::vector<Bytes> files() {
+  return {plain_file(false), plain_file(true),
+          written_file("clouds.mcap", [](const fs::path& path) {
+            McapWriter writer(path);
+            const RosType type = point_cloud_type();
+            const std::uint16_t points = writer.add_channel("/points", type.name, type.definition);
+            for (std::uint64_t time = 0; time < 3; ++time) {
+              writer.write(points, time, some_cloud(true));
+            }
+            writer.finish();
+          })};
+}
+
+void read_file_of_messages(std::span<const std::uint8_t> input) {
+  (void)read_mcap(file_of(input, "clouds.mcap"),
+                  [](const McapMessage& message) { (void)read_point_cloud(message.content); });
+}
+
+const bool known = add_fuzz_target({"message", clouds, read_messages}) &&
+                   add_fuzz_target({"mcap", files, read_file_of_messages});
+
+}  // namespace
+}  // namespace slipstream

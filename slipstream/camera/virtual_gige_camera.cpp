@@ -1,111 +1,25 @@
 #include "slipstream/camera/virtual_gige_camera.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <mutex>
 #include <random>
 #include <thread>
 #include <utility>
 
-#include <arpa/inet.h>
 #include <arv.h>
 #include <fmt/format.h>
-#include <ifaddrs.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include "slipstream/camera/detail/gige_protocol.h"
 #include "slipstream/camera/g_object.h"
 #include "slipstream/error/error.h"
+#include "slipstream/gige/gige_block.h"
+#include "slipstream/gige/gige_sockets.h"
 
 namespace slipstream {
 namespace {
 
 using std::chrono::steady_clock;
-
-constexpr std::uint16_t control_port = 3956;  // of GigE Vision
-
-/// All of 127.x.x.x may be bound on this machine, but a camera is found by an interface's own.
-[[noreturn]] void throw_no_interface(const std::string& address) {
-  const bool loopback = address.starts_with("127.");
-  throw WorldError(
-      fmt::format("cannot serve a camera at {}: no network interface has that address; give it to "
-                  "one first, as with: sudo ip address add {} dev {}",
-                  address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
-}
-
-in_addr host_from(const std::string& address) {
-  in_addr host{};
-  if (::inet_pton(AF_INET, address.c_str(), &host) == 1) return host;
-  throw Error(fmt::format("{} is no address as 127.0.0.1", address));
-}
-
-/// Where what is meant for all goes on the network of the interface that has that address.
-in_addr broadcast_of(const std::string& address) {
-  const in_addr host = host_from(address);
-  const auto host_of = [](const sockaddr* end) {
-    return reinterpret_cast<const sockaddr_in*>(end)->sin_addr.s_addr;
-  };
-  ifaddrs* first = nullptr;
-  ::getifaddrs(&first);
-  const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> all(first, &::freeifaddrs);
-  for (const ifaddrs* each = first; each != nullptr; each = each->ifa_next) {
-    const bool has_address = each->ifa_addr != nullptr && each->ifa_addr->sa_family == AF_INET;
-    if (!has_address || host_of(each->ifa_addr) != host.s_addr) continue;
-    const in_addr broadcast{host.s_addr | ~host_of(each->ifa_netmask)};
-    return broadcast.s_addr == host.s_addr ? in_addr{INADDR_BROADCAST} : broadcast;
-  }
-  throw_no_interface(address);
-}
-
-/// A socket for UDP.
-class UdpSocket {
- public:
-  /// Port 0: any. `shared`: others may listen there, too.
-  UdpSocket(in_addr host, std::uint16_t port, bool shared)
-      : descriptor_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    const int share = shared ? 1 : 0;
-    ::setsockopt(descriptor_, SOL_SOCKET, SO_REUSEADDR, &share, sizeof(share));
-    sockaddr_in at{};
-    at.sin_family = AF_INET;
-    at.sin_port = htons(port);
-    at.sin_addr = host;
-    if (::bind(descriptor_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return;
-    const std::string reason = std::strerror(errno);
-    if (descriptor_ >= 0) ::close(descriptor_);
-    throw WorldError(
-        fmt::format("cannot listen on UDP port {} of {}: {}", port, ::inet_ntoa(host), reason));
-  }
-  UdpSocket(const UdpSocket&) = delete;
-  UdpSocket& operator=(const UdpSocket&) = delete;
-  ~UdpSocket() { ::close(descriptor_); }
-
-  [[nodiscard]] int descriptor() const { return descriptor_; }
-  /// The next packet, empty where there is none or one longer than any of the protocol.
-  std::vector<std::uint8_t> receive(sockaddr_in& from) const {
-    std::vector<std::uint8_t> packet(1024);
-    socklen_t size = sizeof(from);
-    const ssize_t length =
-        ::recvfrom(descriptor_, packet.data(), packet.size(), MSG_DONTWAIT | MSG_TRUNC,
-                   reinterpret_cast<sockaddr*>(&from), &size);
-    const bool fits = length >= 0 && static_cast<std::size_t>(length) <= packet.size();
-    packet.resize(fits ? static_cast<std::size_t>(length) : 0);
-    return packet;
-  }
-  /// A packet that cannot be sent is lost.
-  void send(std::span<const std::uint8_t> packet, const sockaddr_in& to) const {
-    ::sendto(descriptor_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
-             sizeof(to));
-  }
-
- private:
-  int descriptor_;
-};
 
 /// The registers of Aravis' fake camera and its description, as its own server shows them.
 std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr host, Size sensor) {
@@ -150,7 +64,7 @@ void require_valid(const std::vector<Reel>& reels, const std::string& serial) {
 
 struct VirtualGigeCamera::Served {
   std::vector<Reel> reels;
-  std::array<UdpSocket, 3> control_sockets;  ///< the first is the camera's own, others for all
+  GigeControlSockets control_sockets;
   UdpSocket stream_socket;
   GigeControl control;
   std::size_t reel = 0;     ///< that the client sees
@@ -162,13 +76,12 @@ struct VirtualGigeCamera::Served {
   std::minstd_rand random;
   std::jthread thread;  ///< uses the rest; goes first
 
-  Served(std::vector<Reel> frames, in_addr host, in_addr broadcast, const std::string& serial)
+  Served(std::vector<Reel> frames, const std::string& address, const std::string& serial)
       : reels(std::move(frames)),
-        control_sockets{UdpSocket(host, control_port, false),
-                        UdpSocket(in_addr{INADDR_BROADCAST}, control_port, true),
-                        UdpSocket(broadcast, control_port, true)},
-        stream_socket(host, 0, false),
-        control(fake_camera_memory(serial, host, reels.front().frames.front().format().size)),
+        control_sockets(address),
+        stream_socket(host_from(address), 0, false),
+        control(fake_camera_memory(serial, host_from(address),
+                                   reels.front().frames.front().format().size)),
         thread([this](const std::stop_token& stop) { run(stop); }) {}
 
   /// What frame k since the client's start shows.
@@ -187,7 +100,8 @@ struct VirtualGigeCamera::Served {
   void send(const GigeStream& stream, std::size_t k) {
     constexpr std::size_t largest_number = 65535;
     const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
-    for_each_packet(picture(k), stream, number, [&, is_first = k == 0](auto packet) mutable {
+    const GigeBlock block = block_of(picture(k), stream, number);
+    for_each_packet(block, [&, is_first = k == 0](auto packet) mutable {
       const bool lost = std::uniform_real_distribution()(random) < packet_loss;
       if (!lost) stream_socket.send(packet, stream.to);
       if (std::exchange(is_first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -195,22 +109,11 @@ struct VirtualGigeCamera::Served {
     ++sent;
   }
 
-  /// At most one packet of each socket, so that a flood of them keeps no frame waiting. Waits less
-  /// than a second for the first.
   void answer_packets(std::chrono::nanoseconds longest_wait) {
-    std::array<pollfd, 3> waiting{};
-    std::transform(control_sockets.begin(), control_sockets.end(), waiting.begin(),
-                   [](const UdpSocket& socket) {
-                     return pollfd{.fd = socket.descriptor(), .events = POLLIN, .revents = 0};
-                   });
-    const timespec wait{.tv_sec = 0, .tv_nsec = std::max(0L, longest_wait.count())};
-    if (::ppoll(waiting.data(), waiting.size(), &wait, nullptr) <= 0) return;
-    const std::lock_guard lock(mutex);
-    for (const UdpSocket& socket : control_sockets) {
-      sockaddr_in from{};
-      const auto answer = control.answer(socket.receive(from), from, steady_clock::now());
-      if (!answer.empty()) control_sockets.front().send(answer, from);
-    }
+    control_sockets.answer(longest_wait, [this](auto packet, const sockaddr_in& from) {
+      const std::lock_guard lock(mutex);
+      return control.answer(packet, from, steady_clock::now());
+    });
   }
 
   void run(const std::stop_token& stop) {
@@ -241,8 +144,7 @@ VirtualGigeCamera::VirtualGigeCamera(std::vector<Frame> loop, const std::string&
 VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string& address,
                                      const std::string& serial) {
   require_valid(reels, serial);
-  served_ =
-      std::make_unique<Served>(std::move(reels), host_from(address), broadcast_of(address), serial);
+  served_ = std::make_unique<Served>(std::move(reels), address, serial);
 }
 
 VirtualGigeCamera::~VirtualGigeCamera() = default;

@@ -1,5 +1,5 @@
 // Packets of any kind against the registers of the served camera, without a network.
-#include "slipstream/camera/detail/gige_protocol.h"
+#include "slipstream/gige/gige_block.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Packets to the served camera, and the answers of a driver.
-#include "slipstream/camera/detail/gige_protocol.h"
+#include "slipstream/gige/gige_block.h"
 #include "tests/camera/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 
@@ -50,7 +50,7 @@ void answer_packets(std::span<const std::uint8_t> input) {
     if (answer.size() > 8 + 4 + 536) throw std::logic_error("an answer too long");
     if (const auto stream = control.stream(now)) {
       std::size_t bytes = 0;
-      for_each_packet(picture, *stream, 1, [&](auto part) { bytes += part.size(); });
+      for_each_packet(block_of(picture, *stream, 1), [&](auto part) { bytes += part.size(); });
       if (bytes < 8U + 36 + 8 + 16) throw std::logic_error("a frame too short");
     }
     input = input.subspan(2 + packet.size());

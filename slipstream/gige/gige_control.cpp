@@ -112,17 +112,17 @@ GigeStatus GigeControl::write_bytes(std::size_t address, std::span<const std::ui
   return success;
 }
 
-/// It comes from where the client takes its frames, which is another port than it asks from.
+/// It comes from where the client takes its frames, or from where it asks.
 void GigeControl::note_resend(std::span<const std::uint8_t> payload, bool long_numbers,
                               const sockaddr_in& from) {
-  if (payload.size() != (long_numbers ? 20 : 12) || !client_ ||
-      client_->sin_addr.s_addr != from.sin_addr.s_addr) {
-    return;
-  }
+  const auto target = stream_target();
+  const bool may_ask = target && (same(*target, from) || same(*client_, from));
+  if (!may_ask || payload.size() != (long_numbers ? 20 : 12)) return;
+  const std::uint32_t mask = long_numbers ? 0xffffffff : 0xffffff;
   resend_ = {.block = long_numbers ? big_endian_at<std::uint64_t>(payload, 12)
                                    : big_endian_at<std::uint16_t>(payload, 2),
-             .first = big_endian_at<std::uint32_t>(payload, 4),
-             .last = big_endian_at<std::uint32_t>(payload, 8),
+             .first = big_endian_at<std::uint32_t>(payload, 4) & mask,
+             .last = big_endian_at<std::uint32_t>(payload, 8) & mask,
              .long_numbers = long_numbers};
 }
 
@@ -140,26 +140,34 @@ void GigeControl::let_client_go() {
   memory_ = without_client_;
 }
 
+std::optional<sockaddr_in> GigeControl::stream_target() const {
+  using enum GigeRegister;
+  if (!client_ || htonl(read(stream_host)) != client_->sin_addr.s_addr) return std::nullopt;
+  sockaddr_in to = *client_;
+  to.sin_port = htons(static_cast<std::uint16_t>(read(stream_port)));
+  return to;
+}
+
 std::optional<GigeStream> GigeControl::stream(Time now) {
   using enum GigeRegister;
   forget_silent_client(now);
   const auto is_within = [&](GigeRegister first, GigeRegister count, GigeRegister all) {
     return read(count) > 0 && std::uint64_t{read(first)} + read(count) <= read(all);
   };
-  if (!client_ || read(acquisition) == 0 || htonl(read(stream_host)) != client_->sin_addr.s_addr ||
-      !is_within(left, width, sensor_width) || !is_within(top, height, sensor_height)) {
+  const auto to = stream_target();
+  if (!to || read(acquisition) == 0 || !is_within(left, width, sensor_width) ||
+      !is_within(top, height, sensor_height)) {
     return std::nullopt;
   }
   constexpr std::uint32_t size_mask = 0xffff, least_packet = 576, headers = 36;
   const auto pixels = [&](GigeRegister which) { return static_cast<int>(read(which)); };
-  GigeStream wanted{.to = *client_,
+  return GigeStream{.to = *to,
                     .region = {pixels(left), pixels(top), {pixels(width), pixels(height)}},
                     .packet_bytes = std::max(read(packet_size) & size_mask, least_packet) - headers,
                     .period = std::chrono::microseconds(read(frame_period)),
+                    .packet_delay = std::chrono::nanoseconds(read(packet_delay)),
                     .is_free = read(trigger_mode) == 0,
                     .is_triggered = read(trigger_source) == 1 && read(software_trigger) == 1};
-  wanted.to.sin_port = htons(static_cast<std::uint16_t>(read(stream_port)));
-  return wanted;
 }
 
 std::uint32_t GigeControl::read(GigeRegister which) const {

@@ -45,7 +45,8 @@ struct GigeStream {
   Rectangle region;          ///< within the sensor
   std::size_t packet_bytes;  ///< of pixels in a packet, at least 1
   std::chrono::microseconds period;
-  bool is_free, is_triggered;  ///< runs without triggers; waits no longer for one
+  std::chrono::nanoseconds packet_delay;  ///< at least, from one packet to the next
+  bool is_free, is_triggered;             ///< runs without triggers; waits no longer for one
 };
 
 /// Packets of a block that its client has not got.
@@ -91,11 +92,14 @@ class GigeControl {
   /// Nothing where there is no client, it has not started, wants frames elsewhere than at its own
   /// address or a region that is not all on the sensor.
   std::optional<GigeStream> stream(Time now);
+  /// Where the client takes its frames, at its own address.
+  [[nodiscard]] std::optional<sockaddr_in> stream_target() const;
   /// What the client asked to have again since this was last called; the newest, of several.
   std::optional<GigeResend> take_resend() { return std::exchange(resend_, std::nullopt); }
   /// Clients that had control and fell silent.
   [[nodiscard]] std::uint64_t silent_clients() const { return silent_clients_; }
 
+  [[nodiscard]] const std::vector<std::uint8_t>& memory() const { return memory_; }
   [[nodiscard]] std::uint32_t read(GigeRegister which) const;
   /// What it is from now on, and again when the client goes.
   void write(GigeRegister which, std::uint32_t value);

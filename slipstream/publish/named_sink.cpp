@@ -14,7 +14,7 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array kinds{&web_sink, &mcap_sink, &ros2_sink};
+constexpr std::array kinds{&web_sink, &mcap_sink, &ros2_sink, &genicam_sink};
 
 std::vector<std::string> each(const char* SinkKind::*what) {
   std::vector<std::string> all(kinds.size());

@@ -7,7 +7,7 @@
 
 namespace slipstream {
 
-/// What can be asked for: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE".
+/// What can be asked for: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE, genicam:ADDRESS".
 std::string sink_forms();
 
 /// Throws Error, which names the forms, for what is none of them.
@@ -35,5 +35,8 @@ extern const SinkKind web_sink;
 extern const SinkKind mcap_sink;
 /// Clouds, pictures and services of ROS 2 over Cyclone DDS, in the domain of ROS_DOMAIN_ID.
 extern const SinkKind ros2_sink;
+/// Is a 3-D camera to whoever reads GigE Vision and GenICam: one client at a time gets clouds, as
+/// points or depth, with intensity and confidence where it asks for these.
+extern const SinkKind genicam_sink;
 
 }  // namespace slipstream

@@ -1,8 +1,7 @@
 // Packets of any kind against the registers of the served camera, without a network.
-#include "slipstream/gige/gige_block.h"
-
 #include <gtest/gtest.h>
 
+#include "slipstream/gige/gige_block.h"
 #include "tests/camera/gvcp_packets.h"
 
 namespace slipstream {

@@ -19,15 +19,17 @@ inline Lens camera() {
   return lens;
 }
 
-/// Any points, one in eight missing.
+/// Any points, one in eight missing, of four frames taken now.
 inline Pooled<LiveCloud> any_cloud(std::uint64_t sequence) {
   std::mt19937 random(static_cast<unsigned>(sequence));
   Pool<LiveCloud> pool(1, [] { return LiveCloud{.cloud = Cloud(size)}; });
   Pooled<LiveCloud> pooled = pool.take();
   LiveCloud& live = pooled.fill();
   Pool<Frame> frames(1, [] { return Frame(FrameFormat{size}); });
-  live.frames.assign(4, frames.take());
+  Pooled<Frame> frame = frames.take();
   live.newest = {.sequence = sequence, .host_time = std::chrono::steady_clock::now()};
+  frame.fill().stamp = live.newest;
+  live.frames.assign(4, frame);
   std::uniform_real_distribution<float> any(0, 1);
   for (int row = 0; row < size.height; ++row) {
     for (int column = 0; column < size.width; ++column) {

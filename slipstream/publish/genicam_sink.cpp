@@ -1,0 +1,473 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <thread>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/gige/gige_block.h"
+#include "slipstream/gige/gige_sockets.h"
+#include "slipstream/publish/detail/scan3d_description.h"
+#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/thread_priority.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+using enum GigeRegister;
+using enum GigeStatus;
+
+constexpr std::array components{GigeComponent::range, GigeComponent::intensity,
+                                GigeComponent::confidence};
+constexpr std::array default_pixels{GigePixels::coord3d_abc32f, GigePixels::mono8,
+                                    GigePixels::confidence8};
+constexpr std::uint32_t multipart = 0x40, fire_test_packet = 0x80000000, is_test_whole = 0x40000000;
+/// A receiver's socket holds some hundred kilobytes: a block is spread over the time to the next,
+/// within these, bytes per second.
+constexpr double slowest = 50e6, fastest = 400e6, spread = 0.8;
+/// How far the packets may fall behind and come at once after that.
+constexpr auto most_behind = 500us;
+constexpr std::chrono::duration<double> longest_block = 1s;
+constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
+constexpr float default_scale = 0.05F;  // mm, of 16 bits: 3.3 m
+constexpr std::uint32_t depth = 2;      // of the coordinates
+
+std::uint32_t bits_of(double number) {
+  return std::bit_cast<std::uint32_t>(static_cast<float>(number));
+}
+
+/// What a camera says of itself before anybody asks.
+std::vector<std::uint8_t> memory_of(const std::string& address, const PublishedRun& run,
+                                    std::uint16_t stream_port_here) {
+  const std::string description = scan3d_description(run.strategy);
+  std::vector<std::uint8_t> memory(0x10000);
+  const auto text = [&](std::size_t at, const std::string& words) {
+    std::copy(words.begin(), words.end(), memory.begin() + static_cast<std::ptrdiff_t>(at));
+  };
+  text(0x48, "slipstream");
+  text(0x68, "Scanner");
+  text(0x88, "1");
+  text(0xd8, address);
+  text(0x200, fmt::format("Local:slipstream.xml;10000;{:X}", description.size()));
+  memory.insert(memory.end(), description.begin(), description.end());
+  memory.resize((memory.size() + 3) / 4 * 4);  // clients read four bytes at a time
+
+  GigeControl registers(std::move(memory));
+  const auto number = [&](std::uint32_t at, std::uint32_t value) {
+    registers.write(static_cast<GigeRegister>(at), value);
+  };
+  const std::uint32_t host = ntohl(host_from(address).s_addr), version = 0x00020001;
+  number(0x0, version);
+  number(0x4, 0x80000001);  // big-endian, UTF-8
+  number(0x8, 0x0200);      // a locally administered MAC address
+  number(0xc, host);
+  number(0x10, 4), number(0x14, 4);  // address given by the link
+  number(0x24, host);
+  number(0x600, 1);              // interfaces
+  number(0x904, 1);              // streams
+  number(0x934, 0x40000006);     // has a serial number, writes memory, sends packets again
+  number(0x940, 1'000'000'000);  // ticks per second
+  number(0xd1c, stream_port_here);
+  number(0xd20, multipart);
+  registers.write(heartbeat_timeout, 3000);
+  registers.write(packet_size, host >> 24 == 127 ? 16'000 : 1500);
+  registers.write(trigger_source, 1);
+  registers.write(frame_period, 33'333);
+  const auto side = [](int pixels) { return static_cast<std::uint32_t>(pixels); };
+  registers.write(sensor_width, side(run.camera.size.width));
+  registers.write(sensor_height, side(run.camera.size.height));
+  registers.write(width, side(run.camera.size.width));
+  registers.write(height, side(run.camera.size.height));
+  using enum Scan3dRegister;
+  registers.write(at(acquisition_mode), 1);
+  registers.write(at(output_mode), calibrated_abc_grid);
+  registers.write(at(component_enable), 1);
+  registers.write(at(focal_length), bits_of(run.camera.intrinsic(0, 0)));
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    registers.write(at(component_id, i), static_cast<std::uint32_t>(components[i]));
+    registers.write(at(pixel_format, i), static_cast<std::uint32_t>(default_pixels[i]));
+    registers.write(at(coordinate_scale, i), bits_of(1));
+    registers.write(at(invalid_value, i), bits_of(std::numeric_limits<float>::quiet_NaN()));
+    registers.write(at(invalid_flag, i), 1);
+  }
+  return registers.memory();
+}
+
+GigeControl::Writable writable() {
+  return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},   {0x30c, 0x310},
+          {0x938, 0x93c},   {0xa00, 0xa04},   {0xd00, 0xd0c},   {0xd18, 0xd1c},   {0xd24, 0xd28},
+          {0x8000, 0x8010}, {0x8020, 0x802c}, {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c}};
+}
+
+/// How what is sent is made of a cloud.
+struct Packing {
+  std::vector<std::pair<GigeComponent, GigePixels>> parts;
+  float scale = 1, offset = 0;  ///< of 16 bits
+  bool is_multipart = false;
+};
+
+template <class Value, class ValueAt>
+void append_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, std::size_t each,
+                   ValueAt value_at) {
+  bytes.resize(static_cast<std::size_t>(region.size.width) *
+               static_cast<std::size_t>(region.size.height) * each * sizeof(Value));
+  std::uint8_t* to = bytes.data();
+  for (int row = region.y; row < region.y + region.size.height; ++row) {
+    for (int column = region.x; column < region.x + region.size.width; ++column) {
+      for (std::size_t i = 0; i < each; ++i, to += sizeof(Value)) {
+        const Value value = value_at(column, row, i);
+        std::memcpy(to, &value, sizeof value);
+      }
+    }
+  }
+}
+
+/// 0 where there is no point, or where 16 bits cannot tell its depth.
+std::uint16_t depth_steps(float z, const Packing& packing) {
+  const float steps = std::round((z - packing.offset) / packing.scale);
+  return steps >= 1 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
+}
+
+void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,
+                GigePart& part) {
+  switch (part.pixels) {
+    case GigePixels::mono8:
+      return append_values<std::uint8_t>(part.bytes, region, 1, [&](int column, int row, auto) {
+        return grey_level(cloud.intensity(column, row));
+      });
+    case GigePixels::confidence8:
+      return append_values<std::uint8_t>(part.bytes, region, 1, [&](int column, int row, auto) {
+        return cloud.validity(column, row) == Validity::valid ? std::uint8_t{255} : std::uint8_t{0};
+      });
+    case GigePixels::coord3d_c16:
+      return append_values<std::uint16_t>(part.bytes, region, 1, [&](int column, int row, auto) {
+        return depth_steps(cloud.z(column, row), packing);
+      });
+    case GigePixels::coord3d_c32f:
+      return append_values<float>(part.bytes, region, 1,
+                                  [&](int column, int row, auto) { return cloud.z(column, row); });
+    case GigePixels::coord3d_abc32f: {
+      const std::array axes{&cloud.x, &cloud.y, &cloud.z};
+      return append_values<float>(part.bytes, region, 3, [&](int column, int row, std::size_t i) {
+        return (*axes[i])(column, row);
+      });
+    }
+  }
+}
+
+/// A block that was sent and may be asked for again, as much of it as it has.
+struct SentBlock {
+  GigeBlock block;
+  std::atomic<std::size_t> sent_again = 0;
+};
+
+/// The camera: one thread answers, the publisher's sends clouds.
+class GenicamSink final : public CloudSink {
+ public:
+  GenicamSink(const std::string& address, const PublishedRun& run)
+      : lens_(run.camera),
+        sockets_(address),
+        stream_socket_(host_from(address), 0, false),
+        control_(memory_of(address, run, stream_socket_.port()), writable(),
+                 [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
+        thread_([this](const std::stop_token& stop) { serve(stop); }) {
+    refresh();
+  }
+
+  bool wants(const LiveCloud& cloud) override;
+  void put(const Pooled<LiveCloud>& cloud) override;
+  void finish() override {
+    thread_.request_stop();
+    if (thread_.joinable()) thread_.join();
+  }
+  std::vector<std::string> news() override;
+
+ private:
+  void serve(const std::stop_token& stop);
+  GigeStatus accept(GigeRegister which, std::uint32_t value);
+  GigeStatus choose(GigePixels pixels);
+  [[nodiscard]] GigeStatus accept_steps(GigeRegister which, float number) const;
+  [[nodiscard]] Packing packing() const;
+  void refresh();
+  void send_again(const GigeResend& asked);
+  std::optional<GigeStream> stream_for(const LiveCloud& cloud);
+  std::shared_ptr<SentBlock> next_block(bool is_multipart);
+  void send(const GigeBlock& block, const GigeStream& stream) const;
+
+  const Lens lens_;
+  const GigeControlSockets sockets_;
+  const UdpSocket stream_socket_;
+  std::mutex mutex_;  ///< of what follows
+  GigeControl control_;
+  std::array<std::shared_ptr<SentBlock>, 2> sent_;  ///< the newest first
+  steady_clock::time_point triggered_{};
+  bool told_silent_ = false;
+  std::uint64_t number_ = 0;        ///< of the newest block, since the client opened its port
+  steady_clock::time_point due_{};  ///< of the publisher's thread, as what follows
+  bool gives_way_ = false;
+  std::jthread thread_;  ///< goes first
+};
+
+void GenicamSink::serve(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    sockets_.answer(50ms, [this](auto packet, const sockaddr_in& from) {
+      std::unique_lock lock(mutex_);
+      auto answer = control_.answer(packet, from, steady_clock::now());
+      refresh();
+      const auto resend = control_.take_resend();
+      lock.unlock();
+      if (resend) send_again(*resend);
+      return answer;
+    });
+  }
+}
+
+/// Nothing that changes what a block is may be written while blocks are sent.
+GigeStatus GenicamSink::accept(GigeRegister which, std::uint32_t value) {
+  using enum Scan3dRegister;
+  const auto within = [&](std::uint32_t least, std::uint32_t most) {
+    return value >= least && value <= most ? success : invalid_parameter;
+  };
+  const auto beside = [&](std::uint32_t least, GigeRegister other, GigeRegister all) {
+    return within(least, control_.read(all) - control_.read(other));
+  };
+  if (which == acquisition || which == trigger_mode) return within(0, 1);
+  if (which == trigger_source) return within(1, 1);
+  if (which == frame_period) return within(1000, 10'000'000);
+  if (which == software_trigger) {
+    triggered_ = steady_clock::now();
+    return within(0, 1);
+  }
+  if (which == at(component_selector) || which == at(coordinate_selector)) return within(0, 2);
+  const bool is_of_every_camera = which >= heartbeat_timeout && which < at(component_selector);
+  const bool is_of_blocks = which == packet_size || which == stream_configuration;
+  if (which == stream_port) number_ = 0;
+  if (is_of_every_camera && !is_of_blocks) return success;
+  if (control_.read(acquisition) != 0) return access_denied;
+
+  if (which == packet_size) {
+    value &= ~(fire_test_packet | is_test_whole);
+    return within(smallest_gige_packet, largest_gige_packet);
+  }
+  if (which == stream_configuration) return (value & ~multipart) == 0 ? success : invalid_parameter;
+  if (which == width) return beside(1, left, sensor_width);
+  if (which == height) return beside(1, top, sensor_height);
+  if (which == left) return beside(0, width, sensor_width);
+  if (which == top) return beside(0, height, sensor_height);
+  if (which == at(acquisition_mode)) return within(1, 2);
+  if (which >= at(component_enable) && which <= at(component_enable, 2)) return within(0, 1);
+  if (which == at(output_mode)) {
+    return choose(value == projected_c           ? GigePixels::coord3d_c32f
+                  : value == calibrated_abc_grid ? GigePixels::coord3d_abc32f
+                                                 : GigePixels::mono8);
+  }
+  if (which == at(pixel_format)) return choose(static_cast<GigePixels>(value));
+  if (which == at(pixel_format, 1) || which == at(pixel_format, 2)) {
+    return value == control_.read(which) ? success : invalid_parameter;
+  }
+  return accept_steps(which, std::bit_cast<float>(value));
+}
+
+/// A point's pixels, with what their numbers mean.
+GigeStatus GenicamSink::choose(GigePixels pixels) {
+  using enum Scan3dRegister;
+  const bool has_steps = pixels == GigePixels::coord3d_c16;
+  const bool has_axes = pixels == GigePixels::coord3d_abc32f;
+  if (!has_steps && !has_axes && pixels != GigePixels::coord3d_c32f) return invalid_parameter;
+  control_.change(at(pixel_format), static_cast<std::uint32_t>(pixels));
+  control_.change(at(output_mode), has_axes ? calibrated_abc_grid : projected_c);
+  control_.change(at(coordinate_scale, depth), bits_of(has_steps ? default_scale : 1));
+  control_.change(at(coordinate_offset, depth), bits_of(0));
+  control_.change(at(invalid_value, depth),
+                  bits_of(has_steps ? 0 : std::numeric_limits<float>::quiet_NaN()));
+  return success;
+}
+
+/// How 16 bits tell a depth; other numbers are millimetres.
+GigeStatus GenicamSink::accept_steps(GigeRegister which, float number) const {
+  using enum Scan3dRegister;
+  const bool has_steps =
+      control_.read(at(pixel_format)) == static_cast<std::uint32_t>(GigePixels::coord3d_c16);
+  const bool is_scale = which == at(coordinate_scale, depth);
+  if (!has_steps || (!is_scale && which != at(coordinate_offset, depth))) return access_denied;
+  return std::isfinite(number) && (number > 0 || !is_scale) ? success : invalid_parameter;
+}
+
+Packing GenicamSink::packing() const {
+  using enum Scan3dRegister;
+  const auto number = [&](Scan3dRegister which) {
+    return std::bit_cast<float>(control_.read(at(which, depth)));
+  };
+  Packing packing{.parts = {},
+                  .scale = number(coordinate_scale),
+                  .offset = number(coordinate_offset),
+                  .is_multipart = (control_.read(stream_configuration) & multipart) != 0};
+  for (std::uint32_t i = 0; i < components.size(); ++i) {
+    if (control_.read(at(component_enable, i)) == 0) continue;
+    packing.parts.emplace_back(components[i],
+                               static_cast<GigePixels>(control_.read(at(pixel_format, i))));
+    if (!packing.is_multipart) break;
+  }
+  return packing;
+}
+
+/// What follows from what was written.
+void GenicamSink::refresh() {
+  using enum Scan3dRegister;
+  std::size_t bytes = 0;
+  for (const auto& [component, pixels] : packing().parts) bytes += bytes_per_pixel(pixels);
+  control_.change(at(payload_size),
+                  static_cast<std::uint32_t>(bytes) * control_.read(width) * control_.read(height));
+  control_.change(at(principal_u), bits_of(lens_.intrinsic(0, 2) - control_.read(left)));
+  control_.change(at(principal_v), bits_of(lens_.intrinsic(1, 2) - control_.read(top)));
+  const std::uint32_t size = control_.read(packet_size);
+  if ((size & fire_test_packet) == 0) return;
+  control_.change(packet_size, size & ~fire_test_packet);
+  constexpr std::size_t outer_heads = 28;
+  if (const auto to = control_.stream_target()) {
+    stream_socket_.send_whole(std::vector<std::uint8_t>((size & 0xffff) - outer_heads), *to);
+  }
+}
+
+/// As many packets of a block as it has, no more: who asks for ever gets no more than that.
+void GenicamSink::send_again(const GigeResend& asked) {
+  std::unique_lock lock(mutex_);
+  const auto to = control_.stream_target();
+  const auto sent = sent_;
+  lock.unlock();
+  if (!to) return;
+  std::vector<std::uint8_t> packet;
+  for (const auto& each : sent) {
+    if (!each || each->block.number != asked.block) continue;
+    const std::size_t count = packet_count(each->block);
+    for (std::size_t i = asked.first; i <= asked.last && i < count; ++i) {
+      if (each->sent_again++ >= count) return;
+      write_packet(each->block, i, packet);
+      stream_socket_.send(packet, *to);
+    }
+    return;
+  }
+  write_missing_packet(asked, packet);
+  stream_socket_.send(packet, *to);
+}
+
+/// Where a cloud goes, if it is to. One that was triggered has no frame from before that.
+std::optional<GigeStream> GenicamSink::stream_for(const LiveCloud& cloud) {
+  const auto now = steady_clock::now();
+  const auto stream = control_.stream(now);
+  if (!stream || (!stream->is_free && !stream->is_triggered)) return std::nullopt;
+  const bool is_due =
+      stream->is_free ? now >= due_ : cloud.frames.front()->stamp.host_time >= triggered_;
+  return is_due ? stream : std::nullopt;
+}
+
+bool GenicamSink::wants(const LiveCloud& cloud) {
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  return !lock || stream_for(cloud);  // who makes clouds waits for nobody
+}
+
+/// With the memory of the block before the last, where nobody sends that again.
+std::shared_ptr<SentBlock> GenicamSink::next_block(bool is_multipart) {
+  auto next = std::exchange(sent_[1], nullptr);
+  if (!next || next.use_count() > 1) next = std::make_shared<SentBlock>();
+  constexpr std::uint64_t most_of_16_bits = 65535;
+  number_ = is_multipart ? number_ + 1 : number_ % most_of_16_bits + 1;
+  next->block.number = number_;
+  next->block.is_multipart = is_multipart;
+  next->sent_again = 0;
+  return next;
+}
+
+void GenicamSink::put(const Pooled<LiveCloud>& cloud) {
+  if (!std::exchange(gives_way_, true)) let_others_go_first();
+  std::unique_lock lock(mutex_);
+  const auto stream = stream_for(*cloud);
+  if (!stream) return;
+  due_ = std::max(due_ + stream->period, steady_clock::now());
+  control_.change(software_trigger, 0);
+  if (control_.read(at(Scan3dRegister::acquisition_mode)) == 2) control_.change(acquisition, 0);
+  const Packing packing = this->packing();
+  if (packing.parts.empty()) return;
+  const auto next = next_block(packing.is_multipart);
+  lock.unlock();
+  GigeBlock& block = next->block;
+  block.time = cloud->newest.host_time.time_since_epoch();
+  block.region = stream->region;
+  block.packet_bytes = stream->packet_bytes;
+  block.parts.resize(packing.parts.size());
+  for (std::size_t i = 0; i < block.parts.size(); ++i) {
+    std::tie(block.parts[i].component, block.parts[i].pixels) = packing.parts[i];
+    write_part(cloud->cloud, stream->region, packing, block.parts[i]);
+  }
+  lock.lock();
+  sent_ = {next, std::move(sent_[0])};
+  lock.unlock();
+  send(block, *stream);
+}
+
+void GenicamSink::send(const GigeBlock& block, const GigeStream& stream) const {
+  const std::size_t count = packet_count(block);
+  using Seconds = std::chrono::duration<double>;
+  const auto packets = static_cast<double>(count), bytes = static_cast<double>(block.packet_bytes);
+  const Seconds even = spread * Seconds(stream.period) / packets;
+  const Seconds asked(std::max<Seconds>(
+      stream.packet_delay, Seconds(std::clamp(even.count(), bytes / fastest, bytes / slowest))));
+  const auto step = std::chrono::duration_cast<std::chrono::nanoseconds>(
+      std::min(asked, longest_block / packets));
+  auto due = steady_clock::now();
+  std::vector<std::uint8_t> packet;
+  for (std::size_t i = 0; i < count && !thread_.get_stop_token().stop_requested(); ++i) {
+    write_packet(block, i, packet);
+    stream_socket_.send(packet, stream.to);
+    const auto now = steady_clock::now();
+    // Clients make room for blocks when the first packet has come.
+    due = std::max(due, now - most_behind) + (i == 0 && block.number == 1 ? first_pause : step);
+    if (due - now > shortest_sleep) std::this_thread::sleep_until(due);
+  }
+}
+
+std::vector<std::string> GenicamSink::news() {
+  const std::lock_guard lock(mutex_);
+  if (control_.silent_clients() == 0 || std::exchange(told_silent_, true)) return {};
+  return {"a client that fell silent was let go"};
+}
+
+std::string address_from(const std::string& where) {
+  try {
+    static_cast<void>(host_from(where));
+  } catch (const Error&) {
+    throw Error(fmt::format(
+        "--publish genicam:{}: the number of one of this machine's addresses is wanted, as "
+        "genicam:127.0.0.1",
+        where));
+  }
+  return where;
+}
+
+}  // namespace
+
+const SinkKind genicam_sink{
+    "genicam", "genicam:ADDRESS",
+    [](const std::string& where) { static_cast<void>(address_from(where)); },
+    [](const std::string& where, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      if (!run.has_points) {
+        throw Error(
+            fmt::format("--publish genicam:{}: a 3-D camera has points; give a --scanner", where));
+      }
+      return std::make_unique<GenicamSink>(address_from(where), run);
+    }};
+
+}  // namespace slipstream

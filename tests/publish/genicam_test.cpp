@@ -1,0 +1,409 @@
+// The 3-D camera, to a client that is written here from the protocol's packets.
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/gige/big_endian.h"
+#include "slipstream/gige/gige_block.h"
+#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/detail/scan3d_description.h"
+#include "tests/camera/gvcp_packets.h"
+#include "tests/publish/any_cloud.h"
+
+namespace slipstream {
+namespace {
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+using enum GigeRegister;
+using enum GigeStatus;
+using enum Scan3dRegister;
+
+constexpr std::uint16_t camera_port = 3956;
+constexpr std::uint32_t fire_test_packet = 0x80000000, multipart = 0x40;
+
+std::uint32_t bits(float number) {
+  return std::bit_cast<std::uint32_t>(number);
+}
+
+/// A socket for UDP at any port of an address.
+class Socket {
+ public:
+  explicit Socket(std::uint32_t host = loopback) {
+    const sockaddr_in at = address_of(host, 0);
+    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)), 0);
+  }
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+  ~Socket() { ::close(socket_); }
+
+  void send(const Bytes& packet) const {
+    const sockaddr_in to = address_of(loopback, camera_port);
+    ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+             sizeof(to));
+  }
+  /// Empty where none comes within the time.
+  [[nodiscard]] Bytes receive(std::chrono::milliseconds patience = 2s) const {
+    const timeval wait{.tv_sec = patience.count() / 1000,
+                       .tv_usec = patience.count() % 1000 * 1000};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof(wait));
+    Bytes packet(65536);
+    packet.resize(static_cast<std::size_t>(
+        std::max<ssize_t>(0, ::recv(socket_, packet.data(), packet.size(), 0))));
+    return packet;
+  }
+  [[nodiscard]] std::uint16_t port() const {
+    sockaddr_in at{};
+    socklen_t length = sizeof(at);
+    ::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &length);
+    return ntohs(at.sin_port);
+  }
+
+ private:
+  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
+
+struct TakenBlock {
+  std::uint64_t number = 0;
+  Bytes leader, pixels;
+  std::vector<Bytes> packets;  ///< all
+};
+
+/// Somebody who asks the camera, and takes blocks where it has control.
+class Client {
+ public:
+  /// As drivers do: again where no answer comes.
+  Bytes ask(const Bytes& packet) const {
+    for (int i = 0; i < 5; ++i) {
+      control.send(packet);
+      if (Bytes answer = control.receive(); !answer.empty()) return answer;
+    }
+    return {};
+  }
+  GigeStatus write(GigeRegister which, std::uint32_t value) const {
+    const Bytes answer = ask(command(write_register, {static_cast<std::uint32_t>(which), value}));
+    EXPECT_GE(answer.size(), 8U);
+    return static_cast<GigeStatus>(big_endian_at<std::uint16_t>(answer, 0));
+  }
+  std::uint32_t read(GigeRegister which) const {
+    const Bytes answer = ask(command(read_register, {static_cast<std::uint32_t>(which)}));
+    EXPECT_EQ(answer.size(), 12U);
+    return big_endian_at<std::uint32_t>(answer, 8);
+  }
+  void open(std::uint32_t packet = 576) const {
+    EXPECT_EQ(write(control_privilege, 2), success);
+    EXPECT_EQ(write(heartbeat_timeout, 60'000), success);
+    EXPECT_EQ(write(stream_host, loopback), success);
+    EXPECT_EQ(write(stream_port, stream.port()), success);
+    EXPECT_EQ(write(packet_size, packet), success);
+    EXPECT_EQ(write(frame_period, 1000), success);
+  }
+  /// The next whole block.
+  TakenBlock take(std::chrono::milliseconds patience = 2s) const {
+    TakenBlock block;
+    while (true) {
+      const Bytes packet = stream.receive(patience);
+      if (packet.empty()) return block;
+      const bool is_long = (packet[4] & 0x80) != 0;
+      const std::uint8_t content = packet[4] & 0x7f;
+      const auto body = std::span(packet).subspan(is_long ? 20 : 8);
+      block.number = is_long ? big_endian_at<std::uint64_t>(packet, 8)
+                             : big_endian_at<std::uint16_t>(packet, 2);
+      block.packets.push_back(packet);
+      if (content == 1) block.leader.assign(body.begin(), body.end());
+      if (content == 3) block.pixels.insert(block.pixels.end(), body.begin(), body.end());
+      if (content == 7) {
+        EXPECT_EQ(big_endian_at<std::uint32_t>(body, 4), block.pixels.size());
+        block.pixels.insert(block.pixels.end(), body.begin() + 8, body.end());
+      }
+      if (content == 2) return block;
+    }
+  }
+
+  const Socket stream, control;
+};
+
+class GenicamSink : public testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      sink_ = open_sink("genicam:127.0.0.1", {.camera = camera(), .strategy = "dual-frequency"});
+    } catch (const WorldError& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+  /// The cloud as the client gets it; `sequence`: which.
+  TakenBlock put_and_take(const Client& client, std::uint64_t sequence) {
+    std::this_thread::sleep_for(1ms);  // the camera gives 1000 a second at most
+    sink_->put(any_cloud(sequence));
+    return client.take();
+  }
+
+  std::unique_ptr<CloudSink> sink_;
+};
+
+Bytes points_of(const Cloud& cloud) {
+  Bytes bytes(cloud.z.pixel_count() * 12);
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    const std::array point{cloud.x.begin()[i], cloud.y.begin()[i], cloud.z.begin()[i]};
+    std::memcpy(&bytes[12 * i], point.data(), 12);
+  }
+  return bytes;
+}
+
+TEST_F(GenicamSink, gives_each_point_bit_for_bit) {
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.read(at(payload_size)), 61U * 43 * 12);
+  EXPECT_FALSE(sink_->wants(*any_cloud(0))) << "nobody has started it";
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  EXPECT_TRUE(sink_->wants(*any_cloud(0)));
+  for (std::uint64_t i = 1; i < 4; ++i) {
+    const TakenBlock block = put_and_take(client, i);
+    EXPECT_EQ(block.number, i);
+    EXPECT_EQ(block.pixels, points_of(any_cloud(i)->cloud));
+    EXPECT_EQ(big_endian_at<std::uint32_t>(block.leader, 12),
+              static_cast<std::uint32_t>(GigePixels::coord3d_abc32f));
+    EXPECT_EQ(big_endian_at<std::uint32_t>(block.leader, 16), 61U);
+    EXPECT_EQ(big_endian_at<std::uint32_t>(block.leader, 20), 43U);
+  }
+}
+
+TEST_F(GenicamSink, gives_depth_in_steps_and_says_where_there_is_none) {
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.write(at(coordinate_scale, 2), bits(0.01F)), access_denied) << "of millimetres";
+  EXPECT_EQ(client.write(at(pixel_format), static_cast<std::uint32_t>(GigePixels::coord3d_c16)),
+            success);
+  for (const float bad : {0.0F, -1.0F, NAN, INFINITY}) {
+    EXPECT_EQ(client.write(at(coordinate_scale, 2), bits(bad)), invalid_parameter);
+  }
+  EXPECT_EQ(client.write(at(coordinate_scale, 2), bits(0.004F)), success);
+  EXPECT_EQ(client.write(at(coordinate_offset, 2), bits(498)), success);
+  EXPECT_EQ(client.read(at(output_mode)), projected_c);
+  EXPECT_EQ(client.read(at(invalid_value, 2)), bits(0));
+  EXPECT_EQ(client.write(left, 11), invalid_parameter) << "beyond the sensor";
+  EXPECT_EQ(client.write(width, 40), success);
+  EXPECT_EQ(client.write(left, 11), success);
+  EXPECT_EQ(client.read(at(principal_u)), bits(19));
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  const TakenBlock block = put_and_take(client, 5);
+  const Pooled<LiveCloud> live = any_cloud(5);
+  ASSERT_EQ(block.pixels.size(), 40U * 43 * 2);
+  int beyond = 0;
+  for (int i = 0; i < 40 * 43; ++i) {
+    std::uint16_t steps = 0;
+    std::memcpy(&steps, &block.pixels[2 * static_cast<std::size_t>(i)], 2);
+    const float z = live->cloud.z(11 + i % 40, i / 40);
+    const bool fits = z < 498 + 0.004F * 65535;
+    beyond += z >= 498 + 0.004F * 65536 ? 1 : 0;
+    ASSERT_EQ(steps == 0, !fits) << z;
+    if (steps != 0) ASSERT_NEAR(498 + 0.004F * static_cast<float>(steps), z, 0.0021F);
+  }
+  EXPECT_GT(beyond, 10) << "farther than 16 bits tell";
+}
+
+TEST_F(GenicamSink, gives_intensity_and_confidence_alone_or_all_at_once) {
+  const Client client;
+  client.open();
+  const Pooled<LiveCloud> live = any_cloud(7);
+  const Bytes points = points_of(live->cloud);
+  Bytes intensity, confidence;
+  for (std::size_t i = 0; i < live->cloud.z.pixel_count(); ++i) {
+    intensity.push_back(grey_level(live->cloud.intensity.begin()[i]));
+    confidence.push_back(std::isnan(live->cloud.z.begin()[i]) ? 0 : 255);
+  }
+  EXPECT_EQ(client.write(at(component_enable), 0), success);
+  EXPECT_EQ(client.write(at(component_enable, 1), 1), success);
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  EXPECT_EQ(put_and_take(client, 7).pixels, intensity);
+  EXPECT_EQ(client.write(at(component_enable), 1), access_denied) << "while it runs";
+  EXPECT_EQ(client.write(acquisition, 0), success);
+
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(client.write(at(component_enable, i), 1), success);
+  }
+  EXPECT_EQ(client.read(at(payload_size)), points.size()) << "the first alone";
+  EXPECT_EQ(client.write(stream_configuration, multipart), success);
+  EXPECT_EQ(client.read(at(payload_size)), 61U * 43 * 14);
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  const TakenBlock block = put_and_take(client, 7);
+  Bytes all = points;
+  all.insert(all.end(), intensity.begin(), intensity.end());
+  all.insert(all.end(), confidence.begin(), confidence.end());
+  EXPECT_EQ(block.pixels, all);
+  EXPECT_EQ(block.packets.front()[7], 3) << "parts";
+  for (const Bytes& packet : block.packets) EXPECT_LE(packet.size(), 576U - 28);
+}
+
+TEST_F(GenicamSink, sends_again_what_was_lost_and_no_more_than_a_block) {
+  const Client client;
+  client.open();
+  for (const bool is_multipart : {false, true}) {
+    EXPECT_EQ(client.write(stream_configuration, is_multipart ? multipart : 0), success);
+    EXPECT_EQ(client.write(acquisition, 1), success);
+    const TakenBlock first = put_and_take(client, 1), block = put_and_take(client, 2);
+    const auto resend = [&](std::uint64_t number, std::uint32_t from, std::uint32_t to) {
+      const auto low = static_cast<std::uint32_t>(number);
+      Bytes packet =
+          is_multipart ? command(0x40, {0, from, to, 0, low}) : command(0x40, {low, from, to});
+      packet[1] = is_multipart ? 0x10 : 0;
+      client.stream.send(packet);
+    };
+    for (const TakenBlock* each : {&first, &block}) {
+      resend(each->number, 0, 2);
+      for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(client.stream.receive(), each->packets[i]);
+    }
+    resend(block.number + 1, 4, 9);
+    EXPECT_EQ(big_endian_at<std::uint16_t>(client.stream.receive(), 0), 0x800c);
+    for (int i = 0; i < 100; ++i) resend(block.number, 0, 0xffffffff);
+    std::size_t again = 3;
+    while (!client.stream.receive(100ms).empty()) ++again;
+    EXPECT_EQ(again, block.packets.size());
+    EXPECT_EQ(client.write(acquisition, 0), success);
+  }
+  const Socket elsewhere(loopback + 1);
+  elsewhere.send(command(0x40, {1, 0, 2}));
+  EXPECT_TRUE(client.stream.receive(100ms).empty());
+}
+
+TEST_F(GenicamSink, takes_the_next_cloud_when_it_is_triggered) {
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.write(trigger_mode, 1), success);
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  EXPECT_FALSE(sink_->wants(*any_cloud(1)));
+  const Pooled<LiveCloud> before = any_cloud(2);
+  EXPECT_EQ(client.write(software_trigger, 1), success);
+  EXPECT_FALSE(sink_->wants(*before)) << "its frames are older than the trigger";
+  EXPECT_EQ(put_and_take(client, 3).pixels, points_of(any_cloud(3)->cloud));
+  EXPECT_FALSE(sink_->wants(*any_cloud(4)));
+  EXPECT_EQ(client.write(acquisition, 0), success);
+  EXPECT_EQ(client.write(trigger_mode, 0), success);
+  EXPECT_EQ(client.write(at(acquisition_mode), 2), success);
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  EXPECT_EQ(put_and_take(client, 5).number, 2U);
+  EXPECT_EQ(client.read(acquisition), 0U) << "one cloud";
+}
+
+TEST_F(GenicamSink, refuses_what_it_cannot_do) {
+  const Client client, other;
+  EXPECT_EQ(client.write(width, 8), access_denied) << "nobody has control";
+  client.open();
+  EXPECT_EQ(other.write(control_privilege, 2), access_denied);
+  EXPECT_EQ(other.write(acquisition, 1), access_denied);
+  EXPECT_EQ(other.read(width), 61U) << "anybody may look";
+  const std::vector<std::pair<GigeRegister, std::uint32_t>> bad{
+      {width, 0},
+      {width, 62},
+      {height, 0xffffffff},
+      {top, 1},
+      {acquisition, 2},
+      {trigger_source, 0},
+      {frame_period, 0},
+      {frame_period, 0xffffffff},
+      {packet_size, 0},
+      {packet_size, 0xffff},
+      {stream_configuration, 1},
+      {at(component_selector), 3},
+      {at(component_enable), 2},
+      {at(output_mode), 0},
+      {at(acquisition_mode), 0},
+      {at(pixel_format), static_cast<std::uint32_t>(GigePixels::mono8)},
+      {at(pixel_format, 1), static_cast<std::uint32_t>(GigePixels::coord3d_c16)}};
+  for (const auto& [which, value] : bad) {
+    EXPECT_EQ(client.write(which, value), invalid_parameter)
+        << std::hex << static_cast<std::uint32_t>(which) << " " << value;
+  }
+  for (const auto which : {sensor_width, at(payload_size), at(focal_length), at(invalid_value)}) {
+    EXPECT_EQ(client.write(which, 1), write_protected);
+  }
+  for (const std::uint32_t bytes : {576U, 1500U, 9000U, 65500U}) {
+    EXPECT_EQ(client.write(packet_size, fire_test_packet | bytes), success);
+    EXPECT_EQ(client.stream.receive().size(), bytes - 28);
+    EXPECT_EQ(client.read(packet_size), bytes);
+  }
+}
+
+TEST_F(GenicamSink, lets_a_silent_client_go_and_says_so_once) {
+  for (int i = 0; i < 2; ++i) {
+    const Client client;
+    client.open();
+    EXPECT_EQ(client.write(heartbeat_timeout, 500), success);
+    EXPECT_EQ(client.write(at(component_enable), 0), success);
+    EXPECT_EQ(client.write(acquisition, 1), success);
+    EXPECT_TRUE(sink_->wants(*any_cloud(0)));
+    std::this_thread::sleep_for(700ms);
+    EXPECT_FALSE(sink_->wants(*any_cloud(0)));
+    EXPECT_EQ(sink_->news().size(), i == 0 ? 1U : 0U);
+    EXPECT_EQ(client.read(at(component_enable)), 1U) << "the next finds it as it was";
+  }
+}
+
+TEST_F(GenicamSink, no_packet_ends_it_or_costs_its_client_a_block) {
+  const Client client;
+  client.open();
+  EXPECT_EQ(client.write(acquisition, 1), success);
+  std::atomic<int> sent = 0;
+  constexpr int packets = 100'000;
+  std::jthread hostile([&](const std::stop_token& stop) {
+    const Socket near, far(loopback + 1);
+    std::mt19937 random(23);
+    Bytes last;
+    for (; sent < packets && !stop.stop_requested(); ++sent) {
+      Bytes packet = random() % 16 == 0 ? last : hostile_packet(random);
+      (random() % 2 == 0 ? near : far).send(packet);
+      last = std::move(packet);
+    }
+  });
+  std::uint64_t blocks = 0;
+  while (sent < packets || blocks < 50) {
+    const TakenBlock block = put_and_take(client, blocks);
+    ASSERT_EQ(block.pixels, points_of(any_cloud(blocks)->cloud)) << "after " << sent;
+    if (++blocks % 16 == 0) ASSERT_EQ(client.read(control_privilege), 2U);
+  }
+  RecordProperty("blocks", std::to_string(blocks));
+}
+
+/// Who has control may send anything, and what was made of it is gone with it.
+TEST_F(GenicamSink, its_own_client_may_send_anything) {
+  std::mt19937 random(3);
+  const Client client;
+  const auto any = [&](std::uint32_t small) {
+    return static_cast<std::uint32_t>(random() % 2 == 0 ? random() % small : random());
+  };
+  for (int i = 0; i < 10'000; ++i) {
+    if (i % 64 == 0) client.control.send(command(write_register, {0xa00, 2}));
+    const std::uint32_t where = random() % 2 == 0 ? 0x8000 + 4 * any(40) : 0x100 + 4 * any(16);
+    client.control.send(i % 2 == 0 ? hostile_packet(random)
+                                   : command(write_register, {where, any(4)}));
+    if (i % 8 == 0) sink_->put(any_cloud(0));
+    if (i % 4 == 0) std::this_thread::sleep_for(100us);  // so that all are read
+  }
+  for (const std::uint32_t which : {0xa00, 0x938}) {
+    client.control.send(command(write_register, {which, 2}));
+  }
+  std::this_thread::sleep_for(1s);  // longer than the shortest time after which it is let go
+  const Client next;
+  next.open();
+  EXPECT_EQ(next.write(acquisition, 1), success);
+  EXPECT_EQ(put_and_take(next, 1).pixels, points_of(any_cloud(1)->cloud));
+}
+
+TEST(GenicamSinkName, is_an_address_of_this_machine) {
+  EXPECT_NO_THROW(require_sink("genicam:127.0.0.1"));
+  for (const char* bad : {"genicam:x", "genicam:3956", "genicam:127.0.0.1:3956", "genicam:::1"}) {
+    EXPECT_THROW(require_sink(bad), Error) << bad;
+  }
+  EXPECT_THROW(open_sink("genicam:127.0.0.1", {.has_points = false}), Error);
+  EXPECT_THROW(open_sink("genicam:192.0.2.1", {.camera = camera()}), WorldError);
+}
+
+}  // namespace
+}  // namespace slipstream

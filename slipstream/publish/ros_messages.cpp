@@ -137,9 +137,11 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
 }
 
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
-  ByteReader head(message.first(std::min<std::size_t>(message.size(), 4)));
-  if (head.get<std::uint16_t>() != 0x100) throw Error("a cloud is no little-endian CDR");
-  ByteReader cdr(message.subspan(4));
+  ByteReader whole(message);
+  if (ByteReader(whole.take(4)).get<std::uint16_t>() != 0x100) {
+    throw Error("a cloud is no little-endian CDR");
+  }
+  ByteReader cdr(whole.take(whole.left()));
   const auto number = [&] {
     cdr.align(4);
     return cdr.get<std::uint32_t>();

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 
 #include <fmt/format.h>
 
+#include "slipstream/error/number_text.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/strategy/registry.h"
@@ -24,8 +24,17 @@ constexpr std::array<CameraWords, 3> camera_words{
      {CameraControl::gain, "gain", "of the camera, mostly dB", ""},
      {CameraControl::frame_rate, "rate", "of a camera that runs freely", "per s"}}};
 
-std::string switch_text(bool on) {
-  return off_and_on[on ? 1 : 0];
+RunSetting number(const char* name, const char* help, const char* unit, const ControlValue& value) {
+  return {.name = name,
+          .help = help,
+          .unit = unit,
+          .value = fmt::format("{:.6g}", value.value),
+          .least = value.least,
+          .most = value.most};
+}
+
+RunSetting off_or_on(const char* name, const char* help, bool on) {
+  return {.name = name, .help = help, .value = off_and_on[on ? 1 : 0], .choices = off_and_on};
 }
 
 /// The one that was given, and the usual ones where a projector may show them.
@@ -38,32 +47,7 @@ std::vector<std::string> strategy_choices(const LiveSession& session) {
   return labels;
 }
 
-double number_of(const std::string& value) {
-  double number = 0;
-  std::from_chars(value.data(), value.data() + value.size(), number);
-  return number;
-}
-
-/// Puts a value that the setting can have into the setup; false where it is none of the setup's.
-bool set(EngineSetup& setup, const LiveSession& session, const std::string& name,
-         const std::string& value) {
-  ReconstructSettings& settings = setup.settings;
-  if (name == "strategy") {
-    const bool given = value == label_of(session.strategy);
-    setup.sequence.strategy = given ? session.strategy : strategy_labelled(value);
-  } else if (name == "min-modulation") {
-    settings.minimum_modulation = number_of(value);
-  } else if (name == "keep-saturated") {
-    settings.drop_saturated = value == "off";
-  } else if (name == "min-component") {
-    settings.clean.smallest_component = static_cast<int>(number_of(value));
-  } else {
-    return false;
-  }
-  return true;
-}
-
-/// The caller holds the mutex.
+/// The caller holds the mutex, as of the next two.
 void change_locked(LiveSession& session, EngineSetup setup) {
   if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
   session.pipeline.change(setup);
@@ -72,8 +56,7 @@ void change_locked(LiveSession& session, EngineSetup setup) {
   ++session.changes;
 }
 
-/// Likewise.
-void record_locked(LiveSession& session, bool on) {
+void set_recording(LiveSession& session, bool on) {
   if (!on) return session.recorder.finish_recording();
   if (session.recorder.recording()) return;
   make_folder(session.view.save_to);
@@ -99,23 +82,12 @@ void change_setup(LiveSession& session, const EngineSetup& setup) {
   change_locked(session, setup);
 }
 
-void record(LiveSession& session, bool on) {
-  const std::lock_guard lock(session.mutex);
-  record_locked(session, on);
-}
-
 std::vector<RunSetting> settings_of(LiveSession& session) {
   std::vector<RunSetting> all;
   const CameraControls* const camera = session.recorder.controls();
   for (const auto& [which, name, help, unit] : camera_words) {
     const auto control = camera ? camera->control(which) : std::nullopt;
-    if (!control) continue;
-    all.push_back({.name = name,
-                   .help = help,
-                   .unit = unit,
-                   .value = fmt::format("{:.6g}", control->value),
-                   .least = control->least,
-                   .most = control->most});
+    if (control) all.push_back(number(name, help, unit, *control));
   }
   const EngineSetup setup = setup_of(session);
   const ReconstructSettings& settings = setup.settings;
@@ -123,43 +95,42 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
                  .help = "what the projector shows",
                  .value = label_of(setup.sequence.strategy),
                  .choices = strategy_choices(session)});
-  all.push_back({.name = "min-modulation",
-                 .help = "least modulation of a point",
-                 .unit = "grey levels of 255",
-                 .value = fmt::format("{:g}", settings.minimum_modulation),
-                 .most = 127});
-  all.push_back({.name = "min-component",
-                 .help = "fewest pixels of a connected piece",
-                 .unit = "pixels",
-                 .value = fmt::format("{}", settings.clean.smallest_component),
-                 .most = 1e6});
-  all.push_back({.name = "keep-saturated",
-                 .help = "pixels with a saturated frame become points",
-                 .value = switch_text(!settings.drop_saturated),
-                 .choices = off_and_on});
+  all.push_back(number("min-modulation", "least modulation of a point", "grey levels of 255",
+                       {settings.minimum_modulation, 0, 127}));
+  all.push_back(number("min-component", "fewest pixels of a connected piece", "pixels",
+                       {static_cast<double>(settings.clean.smallest_component), 0, 1e6}));
+  all.push_back(off_or_on("keep-saturated", "pixels with a saturated frame become points",
+                          !settings.drop_saturated));
   const auto recording = session.recorder.recording();
-  all.push_back({.name = "record",
-                 .help = "all frames, into a new file",
-                 .value = switch_text(recording.has_value()),
-                 .choices = off_and_on,
-                 .state = recording ? text_of(*recording) : ""});
+  all.push_back(off_or_on("record", "all frames, into a new file", recording.has_value()));
+  if (recording) all.back().state = text_of(*recording);
   return all;
 }
 
 void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
   require_settable(settings_of(session), name, value);
-  for (const CameraWords& words : camera_words) {
-    if (name != words.name) continue;
-    if (CameraControls* const camera = session.recorder.controls()) {
-      camera->set_control(words.which, number_of(value));
-      ++session.changes;
-    }
+  const double number = number_in<double>(value).value_or(0);
+  const auto control = std::find_if(camera_words.begin(), camera_words.end(),
+                                    [&](const CameraWords& words) { return name == words.name; });
+  if (control != camera_words.end()) {
+    session.recorder.controls()->set_control(control->which, number);
+    ++session.changes;
     return;
   }
   const std::lock_guard lock(session.mutex);
-  if (name == "record") return record_locked(session, value == "on");
+  if (name == "record") return set_recording(session, value == "on");
   EngineSetup setup = session.setup;
-  if (set(setup, session, name, value)) change_locked(session, std::move(setup));
+  if (name == "strategy") {
+    const bool given = value == label_of(session.strategy);
+    setup.sequence.strategy = given ? session.strategy : strategy_labelled(value);
+  } else if (name == "min-modulation") {
+    setup.settings.minimum_modulation = number;
+  } else if (name == "min-component") {
+    setup.settings.clean.smallest_component = static_cast<int>(number);
+  } else if (name == "keep-saturated") {
+    setup.settings.drop_saturated = value == "off";
+  }
+  change_locked(session, std::move(setup));
 }
 
 }  // namespace slipstream::app

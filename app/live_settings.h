@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -19,14 +18,12 @@ bool takes_motion(const Sequence& sequence);
 EngineSetup setup_of(LiveSession& session);
 /// Looks for that in the frames from now on. Throws as LivePipeline::change.
 void change_setup(LiveSession& session, const EngineSetup& setup);
-/// Into a new file in the folder of --save-to, or no longer.
-void record(LiveSession& session, bool on);
 
-/// What can be changed while the session runs: of the camera, of what becomes points, the
-/// recording.
+/// What can be changed while the session runs: of the camera, of what becomes points, and the
+/// recording, into a new file in the folder of --save-to.
 std::vector<RunSetting> settings_of(LiveSession& session);
 /// Throws Error as require_settable, as the camera and as LivePipeline::change, WorldError as
-/// record.
+/// RecordedSource.
 void change_setting(LiveSession& session, const std::string& name, const std::string& value);
 
 }  // namespace slipstream::app

@@ -36,7 +36,7 @@ view::ViewSource view_source_of(LiveSession& session) {
     return save_in_new_folder(cloud.frames, setup, session.view.save_to,
                               doubts(session.pipeline.statistics().findings));
   };
-  source.record = [&session](bool on) { record(session, on); };
+  source.record = [&session](bool on) { change_setting(session, "record", on ? "on" : "off"); };
   source.recording = [&session] {
     const auto recording = session.recorder.recording();
     return recording ? text_of(*recording) : std::string();

@@ -19,22 +19,22 @@ int thinned(int pixels, int step) {
   return (pixels + step - 1) / step;
 }
 
-/// Calls `visit` for each pixel that is sent.
+/// Calls `visit` for every so many pixels of a row, of every so many rows.
 template <class Visit>
-void each_sent(Size size, Visit visit) {
-  const int step = web_step(size);
+void each_sent(Size size, int step, Visit visit) {
   for (int row = 0; row < size.height; row += step) {
     for (int column = 0; column < size.width; column += step) visit(column, row);
   }
 }
 
-DepthRange range_of(const Image<float>& depth) {
+DepthRange range_of(const Image<float>& depth, int step) {
   DepthRange range{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
-  for (const float z : depth) {
-    if (std::isnan(z)) continue;
+  each_sent(depth.size(), step, [&](int column, int row) {
+    const float z = depth(column, row);
+    if (std::isnan(z)) return;
     range.nearest = std::min<double>(range.nearest, z);
     range.farthest = std::max<double>(range.farthest, z);
-  }
+  });
   return range.nearest <= range.farthest ? range : DepthRange{};
 }
 
@@ -62,26 +62,26 @@ int web_step(Size camera) {
 
 std::string web_rays(const Lens& camera) {
   std::vector<float> rays;
-  each_sent(camera.size, [&](int column, int row) {
+  each_sent(camera.size, web_step(camera.size), [&](int column, int row) {
     const Eigen::Vector3d ray = ray_through(camera, {column, row});
     rays.insert(rays.end(), {static_cast<float>(ray.x()), static_cast<float>(ray.y())});
   });
   return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
 }
 
-std::string web_cloud(const LiveCloud& live) {
+std::string web_cloud(const LiveCloud& live, int stride) {
   const Cloud& cloud = live.cloud;
   const Frame& frame = *live.frames.front();
   const bool has_depth = !cloud.z.empty();
   const Size size = frame.format().size;
-  const int width = thinned(size.width, web_step(size));
-  const int height = thinned(size.height, web_step(size));
-  const DepthRange range = range_of(cloud.z);
+  const int all = web_step(size), every = all * stride;
+  const int width = thinned(size.width, every), height = thinned(size.height, every);
+  const DepthRange range = range_of(cloud.z, every);
   const auto nearest = static_cast<float>(range.nearest);
   const float step = std::max(static_cast<float>((range.farthest - range.nearest) / most_steps),
                               std::numeric_limits<float>::min());
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::string bytes(24 + 3 * pixels, '\0');
+  std::string bytes(32 + 3 * pixels, '\0');
   Places head{bytes.data()};
   for (const int number :
        {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
@@ -89,9 +89,11 @@ std::string web_cloud(const LiveCloud& live) {
   }
   head.put(nearest);
   head.put(step);
+  head.put(stride);
+  head.put(thinned(size.width, all));
   Places greys{head.at + 2 * pixels};
   if (has_depth) {
-    each_sent(size, [&](int column, int row) {
+    each_sent(size, every, [&](int column, int row) {
       const float z = cloud.z(column, row);
       const float steps = std::min((z - nearest) / step + 1.5F, float{most_steps + 1});
       head.put(static_cast<std::uint16_t>(std::isnan(z) ? 0.0F : steps));
@@ -100,7 +102,7 @@ std::string web_cloud(const LiveCloud& live) {
   } else {
     std::visit(
         [&](const auto& pictured) {
-          each_sent(size, [&](int column, int row) {
+          each_sent(size, every, [&](int column, int row) {
             greys.put(static_cast<std::uint8_t>(pictured(column, row) >> (frame.bits - 8)));
           });
         },

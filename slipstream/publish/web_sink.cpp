@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -39,9 +40,10 @@ using Bytes = std::shared_ptr<const std::string>;
 
 constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body = 256,
                       largest_message = 64;
+constexpr int most_stride = 8;
 /// How long a client may take to ask for something, and to take it.
 constexpr auto patience = 10s, answer_patience = 30s;
-constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{33}, between_looks{200};
+constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{30}, between_looks{200};
 /// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
 constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
@@ -95,8 +97,8 @@ class WebSink final : public CloudSink {
   /// Whether the request comes from the page, or from who may know of it; else why not.
   [[nodiscard]] std::string refusal(const Request& request) const;
   http::response<http::string_body> answer(const Request& request);
-  /// The newest cloud, and which it is, where it is another one.
-  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen);
+  /// The newest cloud, and which it is, where it is newer.
+  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen, int stride);
   void wait_for_cloud() { anybody_waits_ = true; }
 
   std::set<Connection*> connections{};
@@ -120,9 +122,13 @@ class WebSink final : public CloudSink {
   std::uint64_t count_ = 0;
   std::set<std::string> told_;
   std::atomic<bool> anybody_waits_ = false;
-  Bytes sent_;  ///< the cloud of that count
-  std::uint64_t sent_count_ = 0;
-  std::chrono::steady_clock::time_point saved_{}, sent_at_{}, looked_at_{};
+  struct Sent {
+    Bytes bytes{};
+    std::uint64_t count = 0;  ///< of the cloud
+    std::chrono::steady_clock::time_point at{};
+  };
+  std::array<Sent, most_stride> sent_{};  ///< by stride, from 1
+  std::chrono::steady_clock::time_point saved_{}, looked_at_{};
   std::string settings_;  ///< of that time
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
@@ -155,7 +161,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void send_cloud() {
     if (!asked_ || sending_) return;
     sink_.wait_for_cloud();  // first: one may come while this looks
-    auto [bytes, count] = sink_.newer_than(seen_);
+    auto [bytes, count] = sink_.newer_than(seen_, stride_);
     if (!bytes) return;
     asked_ = false;
     sending_ = bytes;
@@ -198,7 +204,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// All that a page says is "next".
+  /// All that a page says is "next", and of how many rows and columns it wants one: "next 4".
   void read_wish() {
     buffer_.clear();
     page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
@@ -206,10 +212,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
         self->sink_.tell("a page that stopped reading was let go");
       }
       if (failure) return;
-      if (beast::buffers_to_string(self->buffer_.data()) != "next") {
+      const std::string wish = beast::buffers_to_string(self->buffer_.data());
+      const auto stride = wish == "next"              ? std::optional(1)
+                          : wish.starts_with("next ") ? number_in<int>(wish.substr(5))
+                                                      : std::nullopt;
+      if (!stride || *stride < 1 || *stride > most_stride) {
         beast::get_lowest_layer(*self->page_).close();
         return;
       }
+      self->stride_ = *stride;
       self->asked_ = true;
       self->send_cloud();
       self->read_wish();
@@ -223,6 +234,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   http::response<http::string_body> response_;
   std::optional<websocket::stream<beast::tcp_stream>> page_;
   bool asked_ = false;
+  int stride_ = 1;  ///< of what is asked for
   Bytes sending_;
   std::uint64_t seen_ = 0;  ///< count of the newest cloud that was sent
 };
@@ -301,18 +313,19 @@ void WebSink::serve_waiting() {
   for (Connection* const connection : connections) connection->send_cloud();
 }
 
-std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen) {
+std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen, int stride) {
+  Sent& sent = sent_.at(static_cast<std::size_t>(stride - 1));
   const auto now = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
-  if (newest_ && count_ != sent_count_ && now - sent_at_ >= between_clouds) {
+  if (newest_ && count_ != sent.count && now - sent.at >= between_clouds) {
     const Pooled<LiveCloud> cloud = newest_;
-    sent_count_ = count_;
-    sent_at_ = now;
+    sent.count = count_;
+    sent.at = now;
     lock.unlock();
-    sent_ = std::make_shared<const std::string>(web_cloud(*cloud));
+    sent.bytes = std::make_shared<const std::string>(web_cloud(*cloud, stride));
   }
-  if (sent_count_ == seen) return {};
-  return {sent_, sent_count_};
+  if (sent.count <= seen) return {};
+  return {sent.bytes, sent.count};
 }
 
 void WebSink::tell(const std::string& line) {

@@ -192,7 +192,12 @@ def test_a_page_gets_a_cloud_for_each_wish(live):
             opcode, message = take_message(client)
             width, height, has_depth, points = struct.unpack_from("<4i", message)
             assert (opcode, width, height, has_depth) == (2, 320, 240, 1) and points > 1000
-            assert len(message) == 24 + 3 * width * height
+            assert len(message) == 32 + 3 * width * height
+        for stride in (8, 3):
+            say(client, b"next %d" % stride)
+            _, message = take_message(client)
+            width, height = struct.unpack_from("<2i", message)
+            assert (width, height) == (-(-320 // stride), -(-240 // stride))
         client.settimeout(0.3)
         with pytest.raises(TimeoutError):
             client.recv(1)  # nothing that was not asked for
@@ -273,7 +278,8 @@ def test_hostile_clients_harm_nobody(tmp_path):
             for _ in range(50):
                 say(client, b"next")
             kept.append(client)
-        for text in (b"nonsense", b"\x00\xff", b"x" * 100, b""):
+        for text in (b"nonsense", b"\x00\xff", b"x" * 100, b"", b"next 0", b"next 9", b"next -1",
+                     b"next 1.5", b"next ", b"next 99999999999"):
             client, _ = ask_for_page(live.port, origin=origin)
             say(client, text)
             client.settimeout(5)

@@ -101,7 +101,7 @@ void publish_clouds(Shared& shared) {
                                .trouble = [&] { return shared.ill ? "the camera is gone" : ""; },
                                .save = [&] { return fmt::format("folder-{}", ++shared.saves); }});
   std::vector<Pooled<LiveCloud>> clouds;
-  for (std::uint64_t number = 0; number < 250; ++number) clouds.push_back(numbered_cloud(number));
+  for (std::uint64_t number = 0; number < 50; ++number) clouds.push_back(numbered_cloud(number));
   while (true) {
     sink->put(clouds[shared.published++ % clouds.size()]);
     std::this_thread::sleep_for(5ms);
@@ -334,13 +334,13 @@ TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothi
       std::this_thread::sleep_for(1ms);
     }
   };
-  ASSERT_TRUE(wait_for_more(100));
+  ASSERT_TRUE(wait_for_more(20));
   long before = 0;
   for (int round = 0; round < 4; ++round) {
     const Child stops(listen), goes(listen);
-    ASSERT_TRUE(wait_for_more(200));
+    ASSERT_TRUE(wait_for_more(40));
     ::kill(stops.process(), SIGSTOP);
-    ASSERT_TRUE(wait_for_more(200));
+    ASSERT_TRUE(wait_for_more(40));
     if (round == 0) before = publisher.resident_pages();
   }  // and are killed
   EXPECT_LT(publisher.resident_pages(), before + 4000) << "pages";
@@ -357,7 +357,7 @@ TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothi
     }
   }
   EXPECT_EQ(Caller(client, "cell/scanner/check").call(), Answer(false, "too dark"));
-  ASSERT_TRUE(wait_for_more(100));
+  ASSERT_TRUE(wait_for_more(20));
 }
 
 TEST(Ros2, the_program_saves_the_newest_cloud_when_asked_by_service) {

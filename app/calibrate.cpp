@@ -11,6 +11,7 @@ void add_calibrate(CLI::App& program, Command& chosen) {
   add_calibrate_gamma(*calibrate, chosen);
   add_calibrate_ambient(*calibrate, chosen);
   add_calibrate_noise(*calibrate, chosen);
+  add_calibrate_colour(*calibrate, chosen);
   add_calibrate_height(*calibrate, chosen);
 }
 

@@ -66,6 +66,7 @@ void add_calibrate_board(CLI::App& calibrate, Command& chosen);
 void add_calibrate_geometry(CLI::App& calibrate, Command& chosen);
 void add_calibrate_verify(CLI::App& calibrate, Command& chosen);
 void add_calibrate_ambient(CLI::App& calibrate, Command& chosen);
+void add_calibrate_colour(CLI::App& calibrate, Command& chosen);
 void add_calibrate_gamma(CLI::App& calibrate, Command& chosen);
 void add_calibrate_height(CLI::App& calibrate, Command& chosen);
 void add_calibrate_noise(CLI::App& calibrate, Command& chosen);

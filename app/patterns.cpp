@@ -25,6 +25,7 @@ struct PatternsFlags {
   std::optional<std::string> precompensate;
   int uniform = 0;
   std::string sheet;
+  bool in_colour = false;
 };
 
 constexpr Size usual_projector{1920, 1080};
@@ -56,13 +57,14 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
     write_pattern_sheet(flags.sheet, patterns, length_along(sequence.axis, sequence.projector));
     output.document["sheet"] = flags.sheet;
   }
-  Progress progress("patterns", patterns.count);
-  for (const fs::path& picture : slipstream::write_patterns(folder, patterns, sequence, flags.bits,
-                                                            [&] { progress.advance(); })) {
-    output.list("patterns").push_back(picture.string());
-  }
+  Progress progress("patterns", flags.in_colour ? patterns.count / 3 : patterns.count);
+  const auto advance = [&] { progress.advance(); };
+  const std::vector<fs::path> pictures =
+      flags.in_colour ? write_colour_patterns(folder, patterns, sequence, advance)
+                      : slipstream::write_patterns(folder, patterns, sequence, flags.bits, advance);
+  for (const fs::path& picture : pictures) output.list("patterns").push_back(picture.string());
   output.document["scan"] = (folder / "scan.yaml").string();
-  output.say("wrote {} patterns of {} for a projector of {} to {}", patterns.count,
+  output.say("wrote {} patterns of {} for a projector of {} to {}", pictures.size(),
              sequence.strategy.name(), text_of(sequence.projector), folder.string());
   output.say(
       "project them in that order, put the camera's pictures beside scan.yaml under the same "
@@ -93,6 +95,11 @@ void add_patterns(CLI::App& program, Command& chosen) {
   for (CLI::Option* const grey : {bits, precompensate}) {
     grey->excludes(command.app.get_option("--binary"));
   }
+  CLI::Option* const in_colour =
+      command.add("--colour", flags.in_colour,
+                  "three patterns to a picture, its red, green and blue; and the pictures for "
+                  "calibrate colour");
+  in_colour->excludes(bits)->excludes(command.app.get_option("--binary"));
   CLI::Option* const sheet = command.add("--sheet", flags.sheet,
                                          "also one picture of all patterns, a strip of each: .png");
   command

@@ -1,5 +1,8 @@
 #include <filesystem>
 #include <string>
+#include <vector>
+
+#include <fmt/format.h>
 
 #include "app/commands.h"
 #include "app/scan_flags.h"
@@ -8,7 +11,10 @@
 #include "app/virtual_flags.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/virtual_scan.h"
+#include "slipstream/pattern/primaries.h"
+#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
@@ -23,7 +29,25 @@ struct SimulateFlags {
   SimulateBoardsFlags boards;
   bool unquantised = false;
   bool second_camera = false;
+  bool in_colour = false;
+  bool primaries = false;
+  double paint = 0;
 };
+
+/// Pictures of the scene under each of the projector's colours.
+void write_primaries(const SimulateFlags& flags, const VirtualWorld& world, Output& output) {
+  const FrameSet frames = take_colour_scan(world.scanner, world.scene, primary_patterns({}),
+                                           world.photometry, {usual_mixture, flags.paint})
+                              .frames;
+  std::vector<fs::path> pictures;
+  for (const char* const name : primary_names) {
+    pictures.push_back(fs::path(flags.folder) / fmt::format("{}.png", name));
+    output.list("pictures").push_back(pictures.back().string());
+  }
+  make_folder(flags.folder);
+  write_colour_frames(pictures, frames);
+  output.say("took pictures under black, red, green and blue; they are in {}", flags.folder);
+}
 
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
@@ -35,12 +59,17 @@ void simulate(const SimulateFlags& flags, Output& output) {
     return;
   }
 
+  if (flags.primaries) return write_primaries(flags, world, output);
   if (flags.second_camera && lower_case_extension(flags.folder) == ".slip") {
     throw Error("--second-camera takes a folder; a recording holds the frames of one");
   }
   Stopwatch watch;
+  if (flags.in_colour) world.scanner.photometry.colour_mixture = usual_mixture;
   const VirtualScan virtual_scan =
-      take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
+      flags.in_colour
+          ? take_colour_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry,
+                             {usual_mixture, flags.paint})
+          : take_scan(world.scanner, world.scene, pattern_set(sequence), world.photometry);
   const double seconds = watch.lap();
 
   const fs::path folder = flags.folder;
@@ -68,9 +97,22 @@ void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   const FlagGroup group{command, "Devices"};
   group.add_file("--scanner", flags.devices.scanner,
                  "scanner file to imitate; an example where not given");
-  group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
-  group.add("--second-camera", flags.second_camera,
-            "a second camera beyond the projector sees the scan too, into second/");
+  CLI::Option* const unquantised = group.add("--unquantised", flags.unquantised,
+                                             "64-bit float frames, neither rounded nor clipped");
+  CLI::Option* const second =
+      group.add("--second-camera", flags.second_camera,
+                "a second camera beyond the projector sees the scan too, into second/");
+  CLI::Option* const in_colour =
+      group.add("--colour", flags.in_colour,
+                "camera and projector in colour: three frames are one picture's channels, which "
+                "see a fifth of each other's light");
+  in_colour->excludes(second)->excludes(unquantised);
+  group
+      .add("--primaries", flags.primaries,
+           "instead, pictures of the scene in colour under black, red, green and blue")
+      ->excludes(in_colour);
+  group.add("--paint", flags.paint,
+            "in colour: surfaces of all hues, which take at most that share of a channel's light");
 }
 
 }  // namespace

@@ -63,7 +63,7 @@ void require_valid(const Scanner& scanner) {
 }
 
 void require_valid(const PhotometricCalibration& photometry) {
-  const auto& [ambient, noise_variance, noise_gain, response] = photometry;
+  const auto& [ambient, noise_variance, noise_gain, response, mixture] = photometry;
   if (ambient && !(std::abs(*ambient) <= 255)) {
     throw Error(fmt::format("ambient_light {} is out of range; -255 to 255 grey levels", *ambient));
   }

@@ -7,6 +7,7 @@
 
 #include "slipstream/gamma/response.h"
 #include "slipstream/geometry/lens.h"
+#include "slipstream/image/colour_mixture.h"
 #include "slipstream/pattern/axis.h"
 
 namespace slipstream {
@@ -20,6 +21,8 @@ struct PhotometricCalibration {
   /// How the light of projector and camera together answers a pattern's value; phases are corrected
   /// for it.
   std::optional<MeasuredResponse> response{};
+  /// Of devices in colour: pictures are taken apart by it as they are read.
+  std::optional<ColourMixture> colour_mixture{};
 
   friend bool operator==(const PhotometricCalibration&, const PhotometricCalibration&) = default;
 };

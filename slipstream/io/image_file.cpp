@@ -69,6 +69,17 @@ cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) 
   return grey;
 }
 
+cv::Mat read_colour_mat(const fs::path& path) {
+  cv::Mat mat = read_mat(path);
+  if (mat.channels() < 3 || mat.depth() > CV_16U) {
+    throw Error(
+        fmt::format("{}: a grey picture; one in colour, 8 or 16 bits, is wanted, for its "
+                    "channels are frames of their own",
+                    path.string()));
+  }
+  return mat;
+}
+
 /// As a file of that ending; empty where such a file does not hold such pixels.
 std::vector<std::uint8_t> encoded(const std::string& extension, const cv::Mat& mat) {
   if (extension == ".bmp") return bmp_file_of(mat);
@@ -161,13 +172,13 @@ struct ReadFrame {
 };
 
 /// On as many threads as there are.
-std::vector<ReadFrame> read_at_once(const std::vector<fs::path>& paths) {
+std::vector<ReadFrame> read_at_once(const std::vector<fs::path>& paths, bool in_colour) {
   std::vector<ReadFrame> frames(paths.size());
   for_each_row(static_cast<int>(paths.size()), [&](int n) {
     const fs::path& path = paths[static_cast<std::size_t>(n)];
     auto& [mat, warnings, failure] = frames[static_cast<std::size_t>(n)];
     try {
-      mat = read_grey_mat(path, warnings);
+      mat = in_colour ? read_colour_mat(path) : read_grey_mat(path, warnings);
       const int depth = mat.depth();
       if (depth != CV_8U && depth != CV_16U && depth != CV_64F) {
         throw Error(fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits",
@@ -182,6 +193,23 @@ std::vector<ReadFrame> read_at_once(const std::vector<fs::path>& paths) {
   return frames;
 }
 
+/// Of all frames, in order, which are alike.
+std::vector<cv::Mat> read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour,
+                                std::vector<std::string>& warnings) {
+  std::vector<cv::Mat> mats;
+  for (ReadFrame& frame : read_at_once(paths, in_colour)) {
+    if (frame.failure) std::rethrow_exception(frame.failure);
+    mats.push_back(std::move(frame.mat));
+    warnings.insert(warnings.end(), frame.warnings.begin(), frame.warnings.end());
+    require_like_first(paths[mats.size() - 1], mats.back(), paths.front(), mats.front());
+  }
+  if (bits > 8 && !mats.empty() && mats.front().depth() == CV_8U) {
+    throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",
+                            paths.front().string(), bits));
+  }
+  return mats;
+}
+
 }  // namespace
 
 bool is_image_file(const fs::path& path) {
@@ -192,19 +220,20 @@ bool is_image_file(const fs::path& path) {
 
 LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
   LoadedFrames loaded;
-  std::vector<cv::Mat> mats;
-  for (ReadFrame& frame : read_at_once(paths)) {
-    if (frame.failure) std::rethrow_exception(frame.failure);
-    mats.push_back(std::move(frame.mat));
-    loaded.warnings.insert(loaded.warnings.end(), frame.warnings.begin(), frame.warnings.end());
-    require_like_first(paths[mats.size() - 1], mats.back(), paths.front(), mats.front());
-  }
-  if (bits > 8 && !mats.empty() && mats.front().depth() == CV_8U) {
-    throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",
-                            paths.front().string(), bits));
-  }
+  const std::vector<cv::Mat> mats = read_alike(paths, bits, false, loaded.warnings);
   if (!mats.empty()) loaded.frames = frame_set_from(mats, bits);
   return loaded;
+}
+
+FrameSet read_colour_frames(const std::vector<fs::path>& paths, int bits) {
+  std::vector<std::string> warnings;
+  std::vector<cv::Mat> frames;
+  for (const cv::Mat& picture : read_alike(paths, bits, true, warnings)) {
+    std::vector<cv::Mat> channels;  // blue first, as OpenCV has them
+    cv::split(picture, channels);
+    for (const std::size_t channel : {2, 1, 0}) frames.push_back(channels[channel]);
+  }
+  return frames.empty() ? FrameSet() : frame_set_from(frames, bits);
 }
 
 void write_image(const fs::path& path, const Image<std::uint8_t>& image) {
@@ -263,6 +292,18 @@ Image<double> read_levels(const fs::path& path) {
 void write_frames(const std::vector<fs::path>& paths, const FrameViews& frames) {
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < paths.size(); ++n) write_mat(paths[n], mat_of(views[n]));
+  });
+}
+
+void write_colour_frames(const std::vector<fs::path>& paths, const FrameViews& frames) {
+  frames.visit([&](const auto& views) {
+    for (std::size_t n = 0; n < paths.size(); ++n) {
+      const std::vector<cv::Mat> channels{mat_of(views[3 * n + 2]), mat_of(views[3 * n + 1]),
+                                          mat_of(views[3 * n])};
+      cv::Mat picture;
+      cv::merge(channels, picture);
+      write_mat(paths[n], picture);
+    }
   });
 }
 

@@ -25,6 +25,10 @@ struct LoadedFrames {
 /// Throws Error, naming the file, when one is missing, truncated, of another size or kind.
 LoadedFrames read_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
 
+/// Reads pictures in colour as frames of their channels, three of each: see colour_channels.h.
+/// Throws Error likewise, and where one is grey.
+FrameSet read_colour_frames(const std::vector<std::filesystem::path>& paths, int bits = 0);
+
 /// Throws Error unless colours can be written to a file of that ending: png, tif, tiff, bmp.
 void require_colour_ending(const std::filesystem::path& path);
 
@@ -56,5 +60,7 @@ Image<double> read_levels(const std::filesystem::path& path);
 /// Writes the frames to those paths in order: 8- or 16-bit pictures, or 64-bit float TIFF for
 /// unquantised ones.
 void write_frames(const std::vector<std::filesystem::path>& paths, const FrameViews& frames);
+/// Three frames, of 8 bits, for each path: a picture in colour.
+void write_colour_frames(const std::vector<std::filesystem::path>& paths, const FrameViews& frames);
 
 }  // namespace slipstream

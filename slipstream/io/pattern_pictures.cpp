@@ -2,12 +2,18 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <utility>
 
+#include <fmt/format.h>
+
+#include "slipstream/capture/frame_set.h"
+#include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/folder_sink.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/pattern/pattern_in_8_bits.h"
+#include "slipstream/pattern/primaries.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -31,6 +37,40 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
   ScanFiles scan{.sequence = sequence, .frames = pictures};
   if (sequence.marker) scan.frames.pop_back();
   write_scan_files(folder / "scan.yaml", scan);
+  return pictures;
+}
+
+std::vector<fs::path> write_colour_patterns(const fs::path& folder, const PatternSet& patterns,
+                                            const Sequence& sequence,
+                                            const std::function<void()>& written) {
+  if (patterns.count % 3 != 0 || patterns.binary || sequence.marker) {
+    throw Error(
+        fmt::format("{} of {} patterns: in colour there are three to a picture, of grey levels and "
+                    "without a marker",
+                    sequence.strategy.name(), patterns.count));
+  }
+  const auto write = [&](const PatternSet& set, int first, const fs::path& file) {
+    FrameSet::Images8 channels;
+    for (int n = first; n < first + 3; ++n) {
+      channels.push_back(in_8_bits(render_pattern(set, n, sequence.projector)));
+    }
+    if (first == 0) make_folder(folder);
+    write_colour_frames({file}, FrameSet(std::move(channels)));
+  };
+  std::vector<fs::path> pictures;
+  for (int n = 0; n < patterns.count; n += 3) {
+    pictures.push_back(pattern_file(folder, pictures.size()));
+    write(patterns, n, pictures.back());
+    written();
+  }
+  const PatternSet primaries = primary_patterns(patterns.light);
+  for (std::size_t i = 0; i < primary_names.size(); ++i) {
+    write(primaries, static_cast<int>(3 * i), folder / fmt::format("{}.png", primary_names[i]));
+  }
+  const fs::path white = folder / "white.png";
+  write(white_pattern(patterns.light), 0, white);
+  write_scan_files(folder / "scan.yaml",
+                   {.sequence = sequence, .frames = pictures, .white = white});
   return pictures;
 }
 

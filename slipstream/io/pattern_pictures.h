@@ -18,6 +18,14 @@ std::vector<std::filesystem::path> write_patterns(const std::filesystem::path& f
                                                   const Sequence& sequence, int bits,
                                                   const std::function<void()>& written);
 
+/// The same in colour: three patterns to a picture, of 8 bits; beside them a white one, and those
+/// that `calibrate colour` wants of a white surface, by their names in primaries.h. Throws Error
+/// for patterns that are not a multiple of three, binary ones and a marker.
+std::vector<std::filesystem::path> write_colour_patterns(const std::filesystem::path& folder,
+                                                         const PatternSet& patterns,
+                                                         const Sequence& sequence,
+                                                         const std::function<void()>& written);
+
 /// Writes one PNG of all patterns, a strip for each from the first on downwards, the projector
 /// coordinate from left to right, `length` pixels. Throws Error for another ending.
 void write_pattern_sheet(const std::filesystem::path& file, const PatternSet& patterns, int length);

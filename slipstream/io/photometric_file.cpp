@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/capture/colour_channels.h"
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/gamma/named_responses.h"
@@ -23,6 +24,7 @@ constexpr const char* gamma_entry = "gamma";
 constexpr const char* error_entry = "gamma_standard_error";
 constexpr const char* values_entry = "response_values";
 constexpr const char* light_entry = "response_light";
+constexpr const char* mixture_entry = "colour_mixture";
 
 std::optional<double> number(const Entries& entries, const char* name) {
   const auto found = entries.find(name);
@@ -49,6 +51,17 @@ std::optional<MeasuredResponse> response_of(const Entries& entries) {
   return measured;
 }
 
+std::optional<ColourMixture> mixture_of(const Entries& entries) {
+  const auto found = entries.find(mixture_entry);
+  if (found == entries.end()) return std::nullopt;
+  const auto& [rows, columns, numbers, text] = found->second;
+  if (rows != 3 || columns != 4) throw Error(fmt::format("{} is no 3x4 matrix", mixture_entry));
+  ColourMixture mixture{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
+  require_valid(mixture);
+  return mixture;
+}
+
 StoredMatrix row_of(std::vector<double> numbers) {
   return {1, static_cast<int>(numbers.size()), std::move(numbers)};
 }
@@ -60,7 +73,8 @@ PhotometricCalibration photometric_calibration_of(const Entries& entries, const 
     PhotometricCalibration read{.ambient = number(entries, ambient_entry),
                                 .noise_variance = number(entries, noise_entry),
                                 .noise_gain = number(entries, gain_entry).value_or(0),
-                                .response = response_of(entries)};
+                                .response = response_of(entries),
+                                .colour_mixture = mixture_of(entries)};
     require_valid(read);
     return read;
   } catch (const Error& error) {
@@ -74,6 +88,12 @@ Entries entries_of(const PhotometricCalibration& calibration) {
   if (calibration.noise_variance) {
     entries[noise_entry] = row_of({*calibration.noise_variance});
     entries[gain_entry] = row_of({calibration.noise_gain});
+  }
+  if (const auto& mixture = calibration.colour_mixture) {
+    StoredMatrix& stored = entries[mixture_entry] = {3, 4};
+    for (const auto& row : *mixture) {
+      stored.numbers.insert(stored.numbers.end(), row.begin(), row.end());
+    }
   }
   if (!calibration.response) return entries;
   const auto& [response, gamma, standard_error] = *calibration.response;

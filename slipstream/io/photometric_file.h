@@ -15,6 +15,7 @@ namespace slipstream {
 //   noise_gain                             a number, 0 where it is missing
 //   gamma, gamma_standard_error            of a power law, or of the one nearest to a curve
 //   response_values, response_light        a measured curve, two rows of numbers
+//   colour_mixture                         3x4, see ColourMixture
 
 /// Reads it from a file that may hold nothing else. Throws Error, naming file and entry, for one
 /// that is not of its form or out of range.

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "slipstream/capture/colour_channels.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
@@ -75,16 +76,34 @@ std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& fram
   return names;
 }
 
-}  // namespace
-
-Scan load_frames(const ScanFiles& files) {
+/// The frames as they were taken; those of pictures in colour taken apart by what the scanner,
+/// where it is known, says of them.
+Scan read_scan(const ScanFiles& files, const std::optional<Scanner>& scanner) {
   Scan scan{.order = files.order, .sequence = files.sequence};
   if (is_recording(files.path)) {
     scan.frames = in_order(recorded_frames(files), files);
     scan.sequence.marker = false;  // no frame of the cycle is one
-    return merged(std::move(scan));
+    return scan;
   }
   const int wanted = frame_count(files.sequence);
+  if (3 * static_cast<int>(files.frames.size()) == wanted) {
+    scan.frames = read_colour_frames(files.frames, files.bits);
+    if (scanner && scanner->photometry.colour_mixture) {
+      const FrameSet white = files.white ? read_colour_frames({*files.white}) : FrameSet();
+      scan.frames = unmixed(scan.frames, *scanner->photometry.colour_mixture, white);
+      if (!files.white) {
+        scan.warnings.emplace_back(
+            "pictures in colour without a white one: only surfaces of one grey come out right");
+      }
+    } else {
+      scan.warnings.emplace_back(
+          "pictures in colour, and nothing is known of how their channels mix; slipstream "
+          "calibrate "
+          "colour measures it");
+    }
+    scan.frames = in_order(std::move(scan.frames), files);
+    return scan;
+  }
   if (static_cast<int>(files.frames.size()) != wanted) {
     throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures takes {}",
                             files.path.string(), files.frames.size(),
@@ -93,14 +112,22 @@ Scan load_frames(const ScanFiles& files) {
   LoadedFrames loaded = read_frames(files.frames, files.bits);
   scan.frames = in_order(std::move(loaded.frames), files);
   scan.warnings = std::move(loaded.warnings);
-  return merged(std::move(scan));
+  return scan;
+}
+
+}  // namespace
+
+Scan load_frames(const ScanFiles& files) {
+  return merged(read_scan(files, std::nullopt));
 }
 
 Scan load_scan(const ScanFiles& files) {
-  Scan scan = load_frames(files);
-  if (files.scanner) {
-    scan.scanner = completed(read_scanner(*files.scanner), files.scanner->string(),
-                             scan.frames.size(), files.sequence.projector);
+  std::optional<Scanner> scanner;
+  if (files.scanner) scanner = read_scanner(*files.scanner);
+  Scan scan = merged(read_scan(files, scanner));
+  if (scanner) {
+    scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
+                             files.sequence.projector);
     scan.sequence.projector = scan.scanner->projector.size;
   }
   return scan;
@@ -128,8 +155,12 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
 
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
                     const std::optional<Scanner>& scanner,
-                    const std::optional<fs::path>& scanner_file) {
+                    const std::optional<fs::path>& scanner_file, bool in_colour) {
   if (lower_case_extension(path) == ".slip") {
+    if (in_colour) {
+      throw Error(
+          fmt::format("{}: a recording holds no pictures in colour; give a folder", path.string()));
+    }
     save_recording(path, frames, sequence, scanner_file ? read_scanner(*scanner_file) : scanner);
     return scan_files_in(path);
   }
@@ -140,7 +171,12 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
                   .bits = frames.quantised() ? frames.bits() : 0,
                   .frames = frame_names(path, frames),
                   .scanner = scanner_file};
-  write_frames(files.frames, frames);
+  if (in_colour) {
+    files.frames.resize(files.frames.size() / 3);
+    write_colour_frames(files.frames, frames);
+  } else {
+    write_frames(files.frames, frames);
+  }
   if (scanner && !scanner_file) {
     files.scanner = path / "scanner.yaml";
     write_scanner(*files.scanner, *scanner);

@@ -31,11 +31,12 @@ Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {
 /// Writes a scan into a folder, which is made: its frames as frame_00.png and so on, .tiff where
 /// they are not quantised, scan.yaml, and scanner.yaml where the scanner is known, or
 /// `scanner_file` in its place, which is there already; or, where the path ends in .slip, as a
-/// recording of one cycle. Returns what that says. Throws Error for a recording of unquantised
-/// frames.
+/// recording of one cycle. `in_colour`: three frames to a picture, see colour_channels.h. Returns
+/// what that says. Throws Error for a recording of unquantised frames or in colour.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
-                    const std::optional<std::filesystem::path>& scanner_file = std::nullopt);
+                    const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
+                    bool in_colour = false);
 
 /// A path in `parent` that is not there yet, named by the time: "WHAT-20260131-142530ENDING", with
 /// -2, -3 and so on before the ending where there is one already.

@@ -142,7 +142,7 @@ PatternLight read_light(const YamlMap& map) {
 ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   constexpr int largest_picture = 65536;
   map.require_known_keys({"slipstream", "strategy", "exposures", "projector", "bits", "frames",
-                          "scanner", "second_camera"});
+                          "scanner", "white", "second_camera"});
   [[maybe_unused]] const int version = map.whole_number("slipstream", 1, 1);
 
   ScanFiles scan;
@@ -168,6 +168,7 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
       scan.frames.push_back(folder / name);
   }
   if (map.has("scanner")) scan.scanner = folder / map.value<std::string>("scanner", "a file");
+  if (map.has("white")) scan.white = folder / map.value<std::string>("white", "a picture");
   if (map.has("second_camera")) {
     scan.second_camera = folder / map.value<std::string>("second_camera", "a folder");
   }
@@ -272,6 +273,9 @@ std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   if (scan.scanner) {
     yaml << YAML::Key << "scanner" << YAML::Value
          << scan.scanner->lexically_proximate(folder).string();
+  }
+  if (scan.white) {
+    yaml << YAML::Key << "white" << YAML::Value << scan.white->lexically_proximate(folder).string();
   }
   if (scan.second_camera) {
     yaml << YAML::Key << "second_camera" << YAML::Value

@@ -42,6 +42,8 @@ struct VirtualScan {
   Image<double> reflectivity;  ///< alpha, shading and gloss included; 0 where there is no surface
   std::shared_ptr<const SeenScene> seen{};  ///< when the first frame was taken
   Size projector{};
+  bool in_colour = false;  ///< three frames are the channels of one picture
+  FrameSet white{};        ///< in colour: the channels of a picture under all the light
 };
 
 /// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each

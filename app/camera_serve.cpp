@@ -69,7 +69,7 @@ void require_good(const ServeFlags& flags) {
   }
 }
 
-void serve(const ServeFlags& flags, Output& output) {
+void serve_camera(const ServeFlags& flags, Output& output) {
   require_good(flags);
   const VirtualWorld world = world_from(flags.scene);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
@@ -108,7 +108,7 @@ void serve(const ServeFlags& flags, Output& output) {
 
 void add_camera_serve(CLI::App& camera, Command& chosen) {
   const auto [command, flags] =
-      add_command(camera, chosen, serve, "serve",
+      add_command(camera, chosen, serve_camera, "serve",
                   "the virtual scanner as a GigE Vision camera of this machine, until Ctrl-C");
   command.add("--address", flags.address, "of the network interface to serve on");
   command.add("--serial", flags.serial, "the camera's name to clients");

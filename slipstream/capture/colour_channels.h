@@ -19,10 +19,10 @@ void require_valid(const ColourMixture& mixture);
 
 /// Frames of 16 bits of each projector colour alone; as many as there were, three for each picture.
 /// They are right of a surface that reflects all colours alike; of others where `white`, the
-/// channels of a picture of it under all the projector's light, says what it does to each. Where a
-/// channel of a picture, or of the white one, is saturated all three frames are; where the white
-/// one is dark they are dark. Throws Error for a number of frames that is no multiple of three, and
-/// for a white picture of other frames.
+/// channels of a picture of it under an even grey of the projector, says what it does to each.
+/// Where a channel of a picture, or of the white one, is saturated all three frames are; where the
+/// white one is dark they are dark. Throws Error for a number of frames that is no multiple of
+/// three, and for a white picture of other frames.
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture,
                  const FrameViews& white = {});
 

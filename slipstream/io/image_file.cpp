@@ -73,8 +73,8 @@ cv::Mat read_colour_mat(const fs::path& path) {
   cv::Mat mat = read_mat(path);
   if (mat.channels() < 3 || mat.depth() > CV_16U) {
     throw Error(
-        fmt::format("{}: a grey picture; one in colour, 8 or 16 bits, is wanted, for its "
-                    "channels are frames of their own",
+        fmt::format("{}: a grey picture; as few as these would have to be in colour, with a "
+                    "frame in each channel",
                     path.string()));
   }
   return mat;

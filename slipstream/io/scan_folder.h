@@ -19,7 +19,7 @@ struct ScanFiles {
   std::vector<int> order{};  ///< which frame shows each pattern; as they come where empty
   std::optional<std::uint64_t> window{};  ///< of a recording, see window_at; else its first cycle
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
-  /// Of pictures in colour: the same under all the projector's light, see unmixed.
+  /// Of pictures in colour: the same under an even grey of the projector, see unmixed.
   std::optional<std::filesystem::path> white{};
   /// The scan folder of a second camera that saw the same projector at the same time.
   std::optional<std::filesystem::path> second_camera{};

@@ -9,9 +9,10 @@ namespace slipstream {
 /// What a projector in colour shows for its mixture to be measured, all over, by name.
 inline constexpr std::array primary_names{"black", "red", "green", "blue"};
 
-/// All the light that a projector has: what tells paint from pattern.
+/// Half of the light that a projector has, of all colours, as patterns have in the mean: it tells
+/// paint from pattern.
 inline PatternSet white_pattern(const PatternLight& light) {
-  return {.count = 3, .light = light, .shape = [](int, double) { return 1.0; }};
+  return {.count = 3, .light = light, .shape = [](int, double) { return 0.5; }};
 }
 
 /// The pictures of those names as three patterns each, of their channels.

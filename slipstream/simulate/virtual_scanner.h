@@ -43,7 +43,7 @@ struct VirtualScan {
   std::shared_ptr<const SeenScene> seen{};  ///< when the first frame was taken
   Size projector{};
   bool in_colour = false;  ///< three frames are the channels of one picture
-  FrameSet white{};        ///< in colour: the channels of a picture under all the light
+  FrameSet white{};        ///< in colour: the channels of a picture under an even grey
 };
 
 /// Takes the frames of `patterns` with a camera and a projector as `scanner` says, one ray for each

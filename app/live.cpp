@@ -280,7 +280,6 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
         .settings = [&session] { return settings_of(session); },
         .change = [&session](const std::string& setting,
                              const std::string& value) { change_setting(session, setting, value); },
-        .strategy = session.setup.sequence.strategy.name(),
     };
     publisher.add(name, open_sink(name, std::move(run)));
   }

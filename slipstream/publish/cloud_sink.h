@@ -23,7 +23,6 @@ struct PublishedRun {
   std::function<std::vector<RunSetting>()> settings{};
   /// Sets the one of that name to a value that it can have: throws Error as require_settable.
   std::function<void(const std::string& name, const std::string& value)> change{};
-  std::string strategy{};  ///< the name of what is shown
 };
 
 /// Where clouds go: a file, other programs, a browser. A Publisher gives each its thread.

@@ -4,7 +4,6 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -17,8 +16,10 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
 #include "slipstream/gige/gige_block.h"
 #include "slipstream/gige/gige_sockets.h"
+#include "slipstream/publish/detail/cloud_block.h"
 #include "slipstream/publish/detail/scan3d_description.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/thread_priority.h"
@@ -42,6 +43,7 @@ constexpr double slowest = 50e6, fastest = 400e6, spread = 0.8;
 constexpr auto most_behind = 500us;
 constexpr std::chrono::duration<double> longest_block = 1s;
 constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
+constexpr auto between_looks = 200ms;
 constexpr float default_scale = 0.05F;  // mm, of 16 bits: 3.3 m
 constexpr std::uint32_t depth = 2;      // of the coordinates
 
@@ -51,8 +53,9 @@ std::uint32_t bits_of(double number) {
 
 /// What a camera says of itself before anybody asks.
 std::vector<std::uint8_t> memory_of(const std::string& address, const PublishedRun& run,
+                                    const std::vector<RunSetting>& settings,
                                     std::uint16_t stream_port_here) {
-  const std::string description = scan3d_description(run.strategy);
+  const std::string description = scan3d_description(settings);
   std::vector<std::uint8_t> memory(0x10000);
   const auto text = [&](std::size_t at, const std::string& words) {
     std::copy(words.begin(), words.end(), memory.begin() + static_cast<std::ptrdiff_t>(at));
@@ -107,65 +110,10 @@ std::vector<std::uint8_t> memory_of(const std::string& address, const PublishedR
 }
 
 GigeControl::Writable writable() {
-  return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},   {0x30c, 0x310},
-          {0x938, 0x93c},   {0xa00, 0xa04},   {0xd00, 0xd0c},   {0xd18, 0xd1c},   {0xd24, 0xd28},
-          {0x8000, 0x8010}, {0x8020, 0x802c}, {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c}};
-}
-
-/// How what is sent is made of a cloud.
-struct Packing {
-  std::vector<std::pair<GigeComponent, GigePixels>> parts;
-  float scale = 1, offset = 0;  ///< of 16 bits
-  bool is_multipart = false;
-};
-
-template <class Value, class ValueAt>
-void append_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, std::size_t each,
-                   ValueAt value_at) {
-  bytes.resize(static_cast<std::size_t>(region.size.width) *
-               static_cast<std::size_t>(region.size.height) * each * sizeof(Value));
-  std::uint8_t* to = bytes.data();
-  for (int row = region.y; row < region.y + region.size.height; ++row) {
-    for (int column = region.x; column < region.x + region.size.width; ++column) {
-      for (std::size_t i = 0; i < each; ++i, to += sizeof(Value)) {
-        const Value value = value_at(column, row, i);
-        std::memcpy(to, &value, sizeof value);
-      }
-    }
-  }
-}
-
-/// 0 where there is no point, or where 16 bits cannot tell its depth.
-std::uint16_t depth_steps(float z, const Packing& packing) {
-  const float steps = std::round((z - packing.offset) / packing.scale);
-  return steps >= 1 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
-}
-
-void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,
-                GigePart& part) {
-  switch (part.pixels) {
-    case GigePixels::mono8:
-      return append_values<std::uint8_t>(part.bytes, region, 1, [&](int column, int row, auto) {
-        return grey_level(cloud.intensity(column, row));
-      });
-    case GigePixels::confidence8:
-      return append_values<std::uint8_t>(part.bytes, region, 1, [&](int column, int row, auto) {
-        return cloud.validity(column, row) == Validity::valid ? std::uint8_t{255} : std::uint8_t{0};
-      });
-    case GigePixels::coord3d_c16:
-      return append_values<std::uint16_t>(part.bytes, region, 1, [&](int column, int row, auto) {
-        return depth_steps(cloud.z(column, row), packing);
-      });
-    case GigePixels::coord3d_c32f:
-      return append_values<float>(part.bytes, region, 1,
-                                  [&](int column, int row, auto) { return cloud.z(column, row); });
-    case GigePixels::coord3d_abc32f: {
-      const std::array axes{&cloud.x, &cloud.y, &cloud.z};
-      return append_values<float>(part.bytes, region, 3, [&](int column, int row, std::size_t i) {
-        return (*axes[i])(column, row);
-      });
-    }
-  }
+  return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},
+          {0x30c, 0x310},   {0x938, 0x93c},   {0xa00, 0xa04},   {0xd00, 0xd0c},
+          {0xd18, 0xd1c},   {0xd24, 0xd28},   {0x8000, 0x8010}, {0x8020, 0x802c},
+          {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c}, {0x8100, 0x8200}};
 }
 
 /// A block that was sent and may be asked for again, as much of it as it has.
@@ -178,10 +126,11 @@ struct SentBlock {
 class GenicamSink final : public CloudSink {
  public:
   GenicamSink(const std::string& address, const PublishedRun& run)
-      : lens_(run.camera),
+      : run_(run),
+        settings_(run.settings ? run.settings() : std::vector<RunSetting>()),
         sockets_(address),
         stream_socket_(host_from(address), 0, false),
-        control_(memory_of(address, run, stream_socket_.port()), writable(),
+        control_(memory_of(address, run, settings_, stream_socket_.port()), writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
         thread_([this](const std::stop_token& stop) { serve(stop); }) {
     refresh();
@@ -199,6 +148,8 @@ class GenicamSink final : public CloudSink {
   void serve(const std::stop_token& stop);
   GigeStatus accept(GigeRegister which, std::uint32_t value);
   GigeStatus choose(GigePixels pixels);
+  void look_at_settings();
+  GigeStatus change_setting(std::size_t i, std::uint32_t value);
   [[nodiscard]] GigeStatus accept_steps(GigeRegister which, float number) const;
   [[nodiscard]] Packing packing() const;
   void refresh();
@@ -207,14 +158,16 @@ class GenicamSink final : public CloudSink {
   std::shared_ptr<SentBlock> next_block(bool is_multipart);
   void send(const GigeBlock& block, const GigeStream& stream) const;
 
-  const Lens lens_;
+  const PublishedRun run_;
+  const std::vector<RunSetting> settings_;  ///< at the start
   const GigeControlSockets sockets_;
   const UdpSocket stream_socket_;
   std::mutex mutex_;  ///< of what follows
   GigeControl control_;
   std::array<std::shared_ptr<SentBlock>, 2> sent_;  ///< the newest first
   steady_clock::time_point triggered_{};
-  bool told_silent_ = false;
+  std::atomic<bool> fell_silent_ = false;  ///< a client
+  bool told_silent_ = false;               ///< of who asks for news
   std::uint64_t number_ = 0;        ///< of the newest block, since the client opened its port
   steady_clock::time_point due_{};  ///< of the publisher's thread, as what follows
   bool gives_way_ = false;
@@ -222,7 +175,12 @@ class GenicamSink final : public CloudSink {
 };
 
 void GenicamSink::serve(const std::stop_token& stop) {
+  auto looked = steady_clock::now() - between_looks;
   while (!stop.stop_requested()) {
+    if (run_.settings && steady_clock::now() - looked >= between_looks) {
+      look_at_settings();
+      looked = steady_clock::now();
+    }
     sockets_.answer(50ms, [this](auto packet, const sockaddr_in& from) {
       std::unique_lock lock(mutex_);
       auto answer = control_.answer(packet, from, steady_clock::now());
@@ -232,6 +190,38 @@ void GenicamSink::serve(const std::stop_token& stop) {
       if (resend) send_again(*resend);
       return answer;
     });
+  }
+}
+
+/// What any sink or the viewer has changed. One that is gone stays as it was.
+void GenicamSink::look_at_settings() try {
+  const std::vector<RunSetting> all = run_.settings();
+  const std::lock_guard lock(mutex_);
+  for (std::uint32_t i = 0; i < settings_.size(); ++i) {
+    for (const RunSetting& now : all) {
+      if (now.name != settings_[i].name) continue;
+      const auto choice = std::find(now.choices.begin(), now.choices.end(), now.value);
+      control_.write(at(Scan3dRegister::setting, i),
+                     now.choices.empty()
+                         ? bits_of(number_in<double>(now.value).value_or(0) * feature_scale(now))
+                         : static_cast<std::uint32_t>(choice - now.choices.begin()));
+    }
+  }
+} catch (const std::exception&) {  // the camera is going
+}
+
+GigeStatus GenicamSink::change_setting(std::size_t i, std::uint32_t value) {
+  if (i >= settings_.size()) return invalid_address;
+  const RunSetting& setting = settings_[i];
+  const double number = std::bit_cast<float>(value);
+  if (!setting.choices.empty() && value >= setting.choices.size()) return invalid_parameter;
+  try {
+    run_.change(setting.name, setting.choices.empty()
+                                  ? fmt::format("{:.6g}", number / feature_scale(setting))
+                                  : setting.choices[value]);
+    return success;
+  } catch (const std::exception&) {
+    return invalid_parameter;
   }
 }
 
@@ -254,6 +244,10 @@ GigeStatus GenicamSink::accept(GigeRegister which, std::uint32_t value) {
   if (which == at(component_selector) || which == at(coordinate_selector)) return within(0, 2);
   const bool is_of_every_camera = which >= heartbeat_timeout && which < at(component_selector);
   const bool is_of_blocks = which == packet_size || which == stream_configuration;
+  if (which >= at(setting)) {
+    return change_setting((static_cast<std::size_t>(which) - static_cast<std::size_t>(setting)) / 4,
+                          value);
+  }
   if (which == stream_port) number_ = 0;
   if (is_of_every_camera && !is_of_blocks) return success;
   if (control_.read(acquisition) != 0) return access_denied;
@@ -331,8 +325,8 @@ void GenicamSink::refresh() {
   for (const auto& [component, pixels] : packing().parts) bytes += bytes_per_pixel(pixels);
   control_.change(at(payload_size),
                   static_cast<std::uint32_t>(bytes) * control_.read(width) * control_.read(height));
-  control_.change(at(principal_u), bits_of(lens_.intrinsic(0, 2) - control_.read(left)));
-  control_.change(at(principal_v), bits_of(lens_.intrinsic(1, 2) - control_.read(top)));
+  control_.change(at(principal_u), bits_of(run_.camera.intrinsic(0, 2) - control_.read(left)));
+  control_.change(at(principal_v), bits_of(run_.camera.intrinsic(1, 2) - control_.read(top)));
   const std::uint32_t size = control_.read(packet_size);
   if ((size & fire_test_packet) == 0) return;
   control_.change(packet_size, size & ~fire_test_packet);
@@ -368,6 +362,7 @@ void GenicamSink::send_again(const GigeResend& asked) {
 std::optional<GigeStream> GenicamSink::stream_for(const LiveCloud& cloud) {
   const auto now = steady_clock::now();
   const auto stream = control_.stream(now);
+  fell_silent_ = control_.silent_clients() > 0;
   if (!stream || (!stream->is_free && !stream->is_triggered)) return std::nullopt;
   const bool is_due =
       stream->is_free ? now >= due_ : cloud.frames.front()->stamp.host_time >= triggered_;
@@ -440,8 +435,7 @@ void GenicamSink::send(const GigeBlock& block, const GigeStream& stream) const {
 }
 
 std::vector<std::string> GenicamSink::news() {
-  const std::lock_guard lock(mutex_);
-  if (control_.silent_clients() == 0 || std::exchange(told_silent_, true)) return {};
+  if (!fell_silent_ || std::exchange(told_silent_, true)) return {};
   return {"a client that fell silent was let go"};
 }
 

@@ -2,7 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <map>
+#include <mutex>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include "slipstream/error/error.h"
 #include "slipstream/gige/big_endian.h"
 #include "slipstream/gige/gige_block.h"
-#include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/detail/scan3d_description.h"
+#include "slipstream/publish/named_sink.h"
 #include "tests/camera/gvcp_packets.h"
 #include "tests/publish/any_cloud.h"
 
@@ -133,7 +133,7 @@ class GenicamSink : public testing::Test {
  protected:
   void SetUp() override {
     try {
-      sink_ = open_sink("genicam:127.0.0.1", {.camera = camera(), .strategy = "dual-frequency"});
+      sink_ = open_sink("genicam:127.0.0.1", run_);
     } catch (const WorldError& error) {
       GTEST_SKIP() << error.what();
     }
@@ -145,6 +145,22 @@ class GenicamSink : public testing::Test {
     return client.take();
   }
 
+  std::vector<RunSetting> settings_{
+      {.name = "exposure", .help = "", .unit = "ms", .value = "2.5", .least = 0.1, .most = 30},
+      {.name = "strategy", .help = "", .value = "b", .choices = {"a", "b"}}};
+  std::mutex mutex_;  ///< of the settings
+  PublishedRun run_{.camera = camera(),
+                    .settings =
+                        [this] {
+                          const std::lock_guard lock(mutex_);
+                          return settings_;
+                        },
+                    .change =
+                        [this](const std::string& name, const std::string& value) {
+                          const std::lock_guard lock(mutex_);
+                          require_settable(settings_, name, value);
+                          settings_[name == "strategy" ? 1 : 0].value = value;
+                        }};
   std::unique_ptr<CloudSink> sink_;
 };
 
@@ -331,6 +347,28 @@ TEST_F(GenicamSink, refuses_what_it_cannot_do) {
   }
 }
 
+TEST_F(GenicamSink, changes_settings_of_the_run_and_shows_what_others_changed) {
+  const Client client;
+  client.open();
+  const auto wait_for = [&](GigeRegister which, std::uint32_t value) {
+    for (int i = 0; i < 200 && client.read(which) != value; ++i) std::this_thread::sleep_for(50ms);
+    EXPECT_EQ(client.read(which), value);
+  };
+  wait_for(at(setting), bits(2500));  // us
+  wait_for(at(setting, 1), 1);
+  EXPECT_EQ(client.write(at(setting), bits(1234.5F)), success);
+  EXPECT_EQ(client.write(at(setting, 1), 0), success);
+  EXPECT_EQ(run_.settings()[0].value, "1.2345");
+  EXPECT_EQ(run_.settings()[1].value, "a");
+  for (const float bad : {0.0F, 30001.0F, NAN}) {
+    EXPECT_EQ(client.write(at(setting), bits(bad)), invalid_parameter);
+  }
+  EXPECT_EQ(client.write(at(setting, 1), 2), invalid_parameter);
+  EXPECT_EQ(client.write(at(setting, 2), 0), invalid_address);
+  run_.change("exposure", "7");
+  wait_for(at(setting), bits(7000));
+}
+
 TEST_F(GenicamSink, lets_a_silent_client_go_and_says_so_once) {
   for (int i = 0; i < 2; ++i) {
     const Client client;
@@ -383,7 +421,7 @@ TEST_F(GenicamSink, its_own_client_may_send_anything) {
     const std::uint32_t where = random() % 2 == 0 ? 0x8000 + 4 * any(40) : 0x100 + 4 * any(16);
     client.control.send(i % 2 == 0 ? hostile_packet(random)
                                    : command(write_register, {where, any(4)}));
-    if (i % 8 == 0) sink_->put(any_cloud(0));
+    if (i % 512 == 0) sink_->put(any_cloud(0));
     if (i % 4 == 0) std::this_thread::sleep_for(100us);  // so that all are read
   }
   for (const std::uint32_t which : {0xa00, 0x938}) {

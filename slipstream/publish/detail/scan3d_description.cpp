@@ -1,6 +1,5 @@
 #include "slipstream/publish/detail/scan3d_description.h"
 
-#include <algorithm>
 #include <initializer_list>
 #include <tuple>
 #include <utility>
@@ -74,11 +73,10 @@ class Features {
         fmt::format("{}<pValue>{}Kept</pValue>{}", text_of(entries), name, selected));
     keep("IntReg", name, static_cast<std::uint32_t>(where), access, selector);
   }
-  void choice(const std::string& name, const std::string& only, const std::string& shown = "") {
-    const std::string title = shown.empty() ? "" : "<DisplayName>" + shown + "</DisplayName>";
+  void choice(const std::string& name, const std::string& only) {
     add("Enumeration", name,
         fmt::format("<ImposedAccessMode>RO</ImposedAccessMode>{}<Value>0</Value>",
-                    text_of({{only, 0, title}})));
+                    text_of({{only, 0}})));
   }
 
   [[nodiscard]] std::string text() const {
@@ -191,14 +189,8 @@ void add_acquisition(Features& features) {
   features.keep("IntReg", "SoftwareTrigger", static_cast<std::uint32_t>(software_trigger), "RW");
 }
 
-void add_scan3d(Features& features, const std::string& strategy) {
+void add_scan3d(Features& features) {
   features.begin_category("Scan3dControl");
-  std::string name = strategy.empty() ? "Unknown" : strategy;
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
-  std::replace_if(
-      name.begin(), name.end(), [&](char c) { return !is_letter(c) && !(c >= '0' && c <= '9'); },
-      '_');
-  features.choice("Strategy", is_letter(name.front()) ? name : "Strategy_" + name);
   features.choice("Scan3dDistanceUnit", "Millimeter");
   features.choice("Scan3dCoordinateSystem", "Cartesian");
   features.choice("Scan3dCoordinateSystemReference", "Anchor");
@@ -220,6 +212,65 @@ void add_scan3d(Features& features, const std::string& strategy) {
   features.keep("IntReg", "Scan3dInvalidDataFlag",
                 static_cast<std::uint32_t>(Scan3dRegister::invalid_flag), "RO", coordinate);
   features.number("Scan3dInvalidDataValue", at(Scan3dRegister::invalid_value), "RO", coordinate);
+}
+
+bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
+/// A name as GenApi wants them: "MinModulation" of "min-modulation".
+std::string name_from(const std::string& words) {
+  std::string name;
+  bool begins = true;
+  for (const char c : words) {
+    const bool is_part = is_letter(c) || (c >= '0' && c <= '9');
+    if (is_part) name += begins && c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    begins = !is_part;
+    if (begins && !name.empty() && name.back() != '_' && c != '-') name += '_';
+  }
+  return !name.empty() && is_letter(name.front()) ? name : "N" + name;
+}
+
+std::string escaped(const std::string& words) {
+  std::string text;
+  for (const char c : words) text += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
+  return text;
+}
+
+/// Settings that SFNC has a name for, and one that would be taken for another.
+std::string feature_name(const RunSetting& setting) {
+  return setting.name == "exposure" ? "ExposureTime"
+         : setting.name == "rate"   ? "CameraFrameRate"
+                                    : name_from(setting.name);
+}
+
+void add_setting(Features& features, const RunSetting& setting, GigeRegister where) {
+  const auto& [name, help, unit, value, choices, least, most, state] = setting;
+  const std::string shown = feature_name(setting);
+  const std::string words = "<ToolTip>" + escaped(help) + "</ToolTip>";
+  const std::string kept = "<pValue>" + shown + "Kept</pValue>";
+  const bool is_switch = choices == std::vector<std::string>{"off", "on"};
+  if (choices.empty()) {
+    const double scale = feature_scale(setting);
+    features.add("Float", shown,
+                 fmt::format("{}{}<Min>{:.6g}</Min><Max>{:.6g}</Max><Unit>{}</Unit>", words, kept,
+                             least * scale, most * scale,
+                             scale != 1      ? "us"
+                             : !unit.empty() ? escaped(unit)
+                                             : "1"));
+  } else if (is_switch) {
+    features.add("Boolean", shown, words + kept);
+  } else {
+    std::string entries;
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      entries += fmt::format(
+          "<EnumEntry Name=\"{}\"><DisplayName>{}</DisplayName><Value>{}</Value></EnumEntry>",
+          name_from(choices[i]), escaped(choices[i]), i);
+    }
+    features.add("Enumeration", shown, words + entries + kept);
+  }
+  features.keep(choices.empty() ? "FloatReg" : "IntReg", shown, static_cast<std::uint32_t>(where),
+                "RW");
 }
 
 void add_transport(Features& features) {
@@ -247,12 +298,20 @@ void add_transport(Features& features) {
 
 }  // namespace
 
-std::string scan3d_description(const std::string& strategy) {
+double feature_scale(const RunSetting& setting) {
+  return setting.name == "exposure" ? 1000 : 1;
+}
+
+std::string scan3d_description(const std::vector<RunSetting>& settings) {
   Features features;
   add_device(features);
   add_pictures(features);
   add_acquisition(features);
-  add_scan3d(features, strategy);
+  add_scan3d(features);
+  features.begin_category("ScannerControl");
+  for (std::uint32_t i = 0; i < settings.size(); ++i) {
+    add_setting(features, settings[i], at(Scan3dRegister::setting, i));
+  }
   add_transport(features);
   return fmt::format(
       R"(<?xml version="1.0" encoding="utf-8"?>

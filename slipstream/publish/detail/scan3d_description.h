@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "slipstream/gige/gige_control.h"
+#include "slipstream/publish/run_setting.h"
 
 namespace slipstream {
 
@@ -25,6 +27,7 @@ enum class Scan3dRegister : std::uint32_t {
   coordinate_offset = 0x8060,
   invalid_value = 0x8070,
   invalid_flag = 0x8080,
+  setting = 0x8100,  ///< of the run, in their order: float, or which of the choices
 };
 
 constexpr GigeRegister at(Scan3dRegister which, std::uint32_t index = 0) {
@@ -35,8 +38,11 @@ enum Scan3dOutputMode : std::uint32_t { calibrated_abc_grid = 2, projected_c = 1
 
 inline constexpr std::uint32_t smallest_gige_packet = 576, largest_gige_packet = 65500;
 
+/// How much of a setting's number there is to one of its feature's: 1000 us are 1 ms.
+double feature_scale(const RunSetting& setting);
+
 /// What the camera can do and where its registers are, as GenApi describes it: the features of the
-/// SFNC's Scan3d cameras, and the name of the strategy.
-std::string scan3d_description(const std::string& strategy);
+/// SFNC's Scan3d cameras, and what can be changed of the run.
+std::string scan3d_description(const std::vector<RunSetting>& settings);
 
 }  // namespace slipstream

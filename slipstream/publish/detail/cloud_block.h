@@ -1,0 +1,22 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/gige/gige_block.h"
+
+namespace slipstream {
+
+/// How what is sent is made of a cloud.
+struct Packing {
+  std::vector<std::pair<GigeComponent, GigePixels>> parts;
+  float scale = 1, offset = 0;  ///< of 16 bits
+  bool is_multipart = false;
+};
+
+/// One picture of a region of the cloud, as its pixels say.
+void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,
+                GigePart& part);
+
+}  // namespace slipstream

@@ -307,7 +307,7 @@ bool is_name(std::string_view part) {
 
 /// "scanner" of "scanner" and "/scanner"; throws Error where ROS 2 would not take it.
 std::string ros_namespace(const std::string& given) {
-  const std::string name = given.substr(given.starts_with('/') ? 1 : 0);
+  std::string name = given.substr(given.starts_with('/') ? 1 : 0);
   std::size_t begin = 0;
   while (true) {
     const std::size_t end = std::min(name.find('/', begin), name.size());

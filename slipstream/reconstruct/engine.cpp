@@ -230,7 +230,6 @@ void Engine::run_pass(const FrameViews& frames, const FusedOutput& output,
     } catch (const GpuError&) {  // the same comes from the processor
       tables_->gpu->device().lose();
       tables_->gpu_failed = true;
-      memory_->gpu = {};
     }
   }
   (*tables_->fused)(frames, output, memory_->fused, coarse);

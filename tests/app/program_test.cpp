@@ -449,7 +449,7 @@ TEST_F(Program, BadFlags) {
       {"reconstruct"},
       {"reconstruct", path("nowhere")},
       {"reconstruct", path("scan/scan.yaml")},
-      {"reconstruct", path("scan"), "--backend", "gpu"},
+      {"reconstruct", path("scan"), "--backend", "cuda"},
       {"reconstruct", path("scan"), "--min-modulation", "many"},
       {"reconstruct", path("scan"), "--min-modulation", "nan"},
       {"reconstruct", path("scan"), "--projector", "1824"},

@@ -65,8 +65,7 @@ class Domain {
     }
     dds_set_log_sink(
         [](void* self, const dds_log_data_t* said) {
-          static_cast<Domain*>(self)->hear(
-              {said->message + said->hdrsize, said->size - said->hdrsize});
+          static_cast<Domain*>(self)->hear({said->message, said->size});
         },
         this);
     // These messages are not made for memory that processes share.

@@ -384,6 +384,24 @@ TEST(Ros2, names_that_ROS_2_does_not_take_are_refused) {
   require_sink("ros2:/cell_1/scanner");
   ::setenv("ROS_DOMAIN_ID", "233", 1);
   EXPECT_THROW(open_sink("ros2:scanner", {}), Error);
+  choose_domain();
+  const auto sink = open_sink("ros2:scanner", {});
+  EXPECT_THROW(open_sink("ros2:another", {}), Error) << "one namespace";
+}
+
+TEST(Ros2, says_why_there_is_no_network) {
+  choose_domain();
+  ::unsetenv("ROS_LOCALHOST_ONLY");
+  ::setenv("CYCLONEDDS_URI",
+           "<CycloneDDS><Domain><General><Interfaces><NetworkInterface name=\"none\"/>"
+           "</Interfaces></General></Domain></CycloneDDS>",
+           1);
+  try {
+    open_sink("ros2:scanner", {});
+    FAIL();
+  } catch (const WorldError& error) {
+    EXPECT_NE(std::string(error.what()).find(": none: "), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

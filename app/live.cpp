@@ -18,7 +18,6 @@
 #include "app/save_folder.h"
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
-#include "app/service_manager.h"
 #include "app/stop_signal.h"
 #include "slipstream/check/checked_scan.h"
 #include "slipstream/cycle/window_frames.h"

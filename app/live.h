@@ -33,6 +33,9 @@ struct LiveFlags {
 /// Adds all but --headless.
 void add_live_flags(const FlagGroup& command, LiveFlags& flags);
 
+/// Tells systemd, where it started the program and wants to know: "READY=1", "STATUS=...".
+void tell_service_manager(const std::string& state);
+
 /// From the source to clouds until it ends, or a signal ends it.
 void live(const LiveFlags& flags, Output& output);
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -76,6 +78,30 @@ TEST(StillSource, ReconstructsItsFramesAnewForAnotherSetup) {
   setup.settings.nearest = -1;
   EXPECT_THROW(source.change(setup), Error);
   EXPECT_TRUE(source.newest().is(second)) << "what cannot be changed stays as it was";
+}
+
+TEST(CloudScreen, TakesOverWhatOthersChanged) {
+  const EngineSetup setup = statue_setup();
+  EngineSetup other = setup;
+  other.settings.minimum_modulation = 60;
+  ViewSource source = still_source(statue_frames(setup), setup);
+  source.strategies = {{"one", GrayCode{}}, {"given", setup.sequence.strategy}};
+  std::optional<EngineSetup> changed = other;
+  source.changed = [&] { return std::exchange(changed, std::nullopt); };
+  try {
+    const opengl::OffScreenContext context;
+    CloudScreen clouds(source, {}, nullptr);
+    const opengl::RenderTarget target({320, 240});
+    target.bind();
+    clouds.draw({.window = {320, 240}, .framebuffer = {320, 240}});
+    EXPECT_EQ(clouds.state().setup, other);
+    EXPECT_EQ(clouds.state().strategy, 1U);
+    clouds.state().setup.settings.minimum_modulation = 20;  // is being chosen
+    clouds.draw({.window = {320, 240}, .framebuffer = {320, 240}});
+    EXPECT_EQ(clouds.state().setup.settings.minimum_modulation, 20);
+  } catch (const WorldError& error) {
+    GTEST_SKIP() << error.what();
+  }
 }
 
 TEST(StillSource, KeepsTheFramesOfACloudThatIsHeld) {

@@ -150,7 +150,7 @@ function(slipstream_shaders room)
         COMMAND ${GLSLC} -O --target-env=vulkan1.1 -mfmt=c -o ${words} ${folder}/${shader}.comp
         DEPENDS ${folder}/${shader}.comp ${folder}/stages.glsl)
     else()
-      file(CONFIGURE OUTPUT ${words} CONTENT "{}")
+      file(CONFIGURE OUTPUT ${words} CONTENT "{0}")  # for no device
     endif()
     target_sources(slipstream_${room} PRIVATE ${words})
     list(APPEND all ${words})

@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -38,7 +39,7 @@ constexpr std::array default_pixels{GigePixels::coord3d_abc32f, GigePixels::mono
 constexpr std::uint32_t multipart = 0x40, fire_test_packet = 0x80000000, is_test_whole = 0x40000000;
 /// A receiver's socket holds some hundred kilobytes: a block is spread over the time to the next,
 /// within these, bytes per second.
-constexpr double slowest = 50e6, fastest = 400e6, spread = 0.8;
+constexpr double slowest = 50e6, fastest = 400e6, spread = 0.5;
 /// How far the packets may fall behind and come at once after that.
 constexpr auto most_behind = 500us;
 constexpr std::chrono::duration<double> longest_block = 1s;
@@ -69,36 +70,39 @@ std::vector<std::uint8_t> memory_of(const std::string& address, const PublishedR
   memory.resize((memory.size() + 3) / 4 * 4);  // clients read four bytes at a time
 
   GigeControl registers(std::move(memory));
-  const auto number = [&](std::uint32_t at, std::uint32_t value) {
-    registers.write(static_cast<GigeRegister>(at), value);
-  };
-  const std::uint32_t host = ntohl(host_from(address).s_addr), version = 0x00020001;
-  number(0x0, version);
-  number(0x4, 0x80000001);  // big-endian, UTF-8
-  number(0x8, 0x0200);      // a locally administered MAC address
-  number(0xc, host);
-  number(0x10, 4), number(0x14, 4);  // address given by the link
-  number(0x24, host);
-  number(0x600, 1);              // interfaces
-  number(0x904, 1);              // streams
-  number(0x934, 0x40000006);     // has a serial number, writes memory, sends packets again
-  number(0x940, 1'000'000'000);  // ticks per second
-  number(0xd1c, stream_port_here);
-  number(0xd20, multipart);
-  registers.write(heartbeat_timeout, 3000);
-  registers.write(packet_size, host >> 24 == 127 ? 16'000 : 1500);
-  registers.write(trigger_source, 1);
-  registers.write(frame_period, 33'333);
-  const auto side = [](int pixels) { return static_cast<std::uint32_t>(pixels); };
-  registers.write(sensor_width, side(run.camera.size.width));
-  registers.write(sensor_height, side(run.camera.size.height));
-  registers.write(width, side(run.camera.size.width));
-  registers.write(height, side(run.camera.size.height));
+  const std::uint32_t host = ntohl(host_from(address).s_addr);
+  const auto wide = static_cast<std::uint32_t>(run.camera.size.width);
+  const auto high = static_cast<std::uint32_t>(run.camera.size.height);
+  const auto standard = [](std::uint32_t at) { return static_cast<GigeRegister>(at); };
   using enum Scan3dRegister;
-  registers.write(at(acquisition_mode), 1);
-  registers.write(at(output_mode), calibrated_abc_grid);
-  registers.write(at(component_enable), 1);
-  registers.write(at(focal_length), bits_of(run.camera.intrinsic(0, 0)));
+  for (const auto& [which, value] : std::initializer_list<std::pair<GigeRegister, std::uint32_t>>{
+           {standard(0x0), 0x00020001},       // version of the standard
+           {standard(0x4), 0x80000001},       // big-endian, UTF-8
+           {standard(0x8), 0x0200},           // a locally administered MAC address, and
+           {standard(0xc), host},             // the rest of it
+           {standard(0x10), 4},               // can have an address from its link
+           {standard(0x14), 4},               // and has
+           {standard(0x24), host},            //
+           {standard(0x600), 1},              // interfaces
+           {standard(0x904), 1},              // streams
+           {standard(0x934), 0x40000006},     // serial number, memory written, packets sent again
+           {standard(0x940), 1'000'000'000},  // ticks per second
+           {standard(0xd1c), stream_port_here},
+           {standard(0xd20), multipart},
+           {heartbeat_timeout, 3000},
+           {packet_size, host >> 24 == 127 ? 16'000 : 1500},
+           {trigger_source, 1},
+           {frame_period, 33'333},
+           {sensor_width, wide},
+           {sensor_height, high},
+           {width, wide},
+           {height, high},
+           {at(acquisition_mode), 1},
+           {at(output_mode), calibrated_abc_grid},
+           {at(component_enable), 1},
+           {at(focal_length), bits_of(run.camera.intrinsic(0, 0))}}) {
+    registers.write(which, value);
+  }
   for (std::uint32_t i = 0; i < 3; ++i) {
     registers.write(at(component_id, i), static_cast<std::uint32_t>(components[i]));
     registers.write(at(pixel_format, i), static_cast<std::uint32_t>(default_pixels[i]));
@@ -132,9 +136,7 @@ class GenicamSink final : public CloudSink {
         stream_socket_(host_from(address), 0, false),
         control_(memory_of(address, run, settings_, stream_socket_.port()), writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
-        thread_([this](const std::stop_token& stop) { serve(stop); }) {
-    refresh();
-  }
+        thread_([this](const std::stop_token& stop) { serve(stop); }) {}
 
   bool wants(const LiveCloud& cloud) override;
   void put(const Pooled<LiveCloud>& cloud) override;
@@ -168,6 +170,7 @@ class GenicamSink final : public CloudSink {
   steady_clock::time_point triggered_{};
   std::atomic<bool> fell_silent_ = false;  ///< a client
   bool told_silent_ = false;               ///< of who asks for news
+  std::atomic<bool> is_sending_ = false;
   std::uint64_t number_ = 0;        ///< of the newest block, since the client opened its port
   steady_clock::time_point due_{};  ///< of the publisher's thread, as what follows
   bool gives_way_ = false;
@@ -176,6 +179,9 @@ class GenicamSink final : public CloudSink {
 
 void GenicamSink::serve(const std::stop_token& stop) {
   auto looked = steady_clock::now() - between_looks;
+  std::unique_lock at_the_start(mutex_);
+  refresh();
+  at_the_start.unlock();
   while (!stop.stop_requested()) {
     if (run_.settings && steady_clock::now() - looked >= between_looks) {
       look_at_settings();
@@ -364,12 +370,14 @@ std::optional<GigeStream> GenicamSink::stream_for(const LiveCloud& cloud) {
   const auto stream = control_.stream(now);
   fell_silent_ = control_.silent_clients() > 0;
   if (!stream || (!stream->is_free && !stream->is_triggered)) return std::nullopt;
+  const auto early = stream->period / 4;  // clouds come a little early and late
   const bool is_due =
-      stream->is_free ? now >= due_ : cloud.frames.front()->stamp.host_time >= triggered_;
+      stream->is_free ? now + early >= due_ : cloud.frames.front()->stamp.host_time >= triggered_;
   return is_due ? stream : std::nullopt;
 }
 
 bool GenicamSink::wants(const LiveCloud& cloud) {
+  if (is_sending_) return false;
   const std::unique_lock lock(mutex_, std::try_to_lock);
   return !lock || stream_for(cloud);  // who makes clouds waits for nobody
 }
@@ -391,13 +399,14 @@ void GenicamSink::put(const Pooled<LiveCloud>& cloud) {
   std::unique_lock lock(mutex_);
   const auto stream = stream_for(*cloud);
   if (!stream) return;
-  due_ = std::max(due_ + stream->period, steady_clock::now());
+  due_ = std::max(due_ + stream->period, steady_clock::now() + stream->period / 2);
   control_.change(software_trigger, 0);
   if (control_.read(at(Scan3dRegister::acquisition_mode)) == 2) control_.change(acquisition, 0);
   const Packing packing = this->packing();
   if (packing.parts.empty()) return;
   const auto next = next_block(packing.is_multipart);
   lock.unlock();
+  is_sending_ = true;
   GigeBlock& block = next->block;
   block.time = cloud->newest.host_time.time_since_epoch();
   block.region = stream->region;
@@ -411,6 +420,7 @@ void GenicamSink::put(const Pooled<LiveCloud>& cloud) {
   sent_ = {next, std::move(sent_[0])};
   lock.unlock();
   send(block, *stream);
+  is_sending_ = false;
 }
 
 void GenicamSink::send(const GigeBlock& block, const GigeStream& stream) const {

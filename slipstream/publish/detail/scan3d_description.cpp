@@ -12,10 +12,10 @@
 namespace slipstream {
 namespace {
 
-struct Entry {
-  std::string name;
-  std::uint32_t value;
-  std::string more = "";  ///< elements before its value
+/// Elements of a node around its value, in the order of the schema, and the feature that says which
+/// of several it is.
+struct Around {
+  std::string before = "", after = "", selector = "";
 };
 
 /// Nodes of GenApi, feature by feature.
@@ -23,60 +23,56 @@ class Features {
  public:
   void begin_category(const std::string& name) { categories_.emplace_back(name, ""); }
 
-  /// A node that is shown; `content`: its elements, in the order of the schema.
-  void add(const std::string& kind, const std::string& name, const std::string& content) {
-    categories_.back().second += fmt::format("<pFeature>{}</pFeature>", name);
-    node(kind, name, content);
-  }
   void node(const std::string& kind, const std::string& name, const std::string& content) {
     nodes_ += fmt::format("<{0} Name=\"{1}\">{2}</{0}>\n", kind, name, content);
   }
-  /// Where a value is kept; `selector`: the feature that says which of several.
-  void keep(const std::string& kind, const std::string& name, std::uint32_t address,
-            const std::string& access, const std::string& selector = "") {
-    std::string index;
-    if (!selector.empty()) index = fmt::format("<pIndex Offset=\"4\">{}Kept</pIndex>", selector);
+  /// A node that is shown.
+  void show(const std::string& kind, const std::string& name, const std::string& content) {
+    categories_.back().second += fmt::format("<pFeature>{}</pFeature>", name);
+    node(kind, name, content);
+  }
+  /// Where a value is kept.
+  void keep(const std::string& kind, const std::string& name, GigeRegister where,
+            const std::string& access, const std::string& before = "",
+            const std::string& after = "") {
     node(kind, name + "Kept",
          fmt::format("<Address>0x{:X}</Address>{}<Length>4</Length><AccessMode>{}</AccessMode>"
                      "<pPort>Device</pPort><Cachable>NoCache</Cachable>{}<Endianess>BigEndian"
                      "</Endianess>",
-                     address, index, access, kind == "IntReg" ? "<Sign>Unsigned</Sign>" : ""));
+                     static_cast<std::uint32_t>(where), before, access, after));
   }
-  void integer(const std::string& name, GigeRegister where, const std::string& access,
-               const std::string& limits = "", const std::string& selector = "") {
-    add("Integer", name, fmt::format("<pValue>{}Kept</pValue>{}", name, limits));
-    keep("IntReg", name, static_cast<std::uint32_t>(where), access, selector);
+  /// A feature of a register, which is written where it is "RW".
+  void add(const std::string& kind, const std::string& name, GigeRegister where,
+           const std::string& access, const Around& around = {}) {
+    const auto& [before, after, selector] = around;
+    show(kind, name, fmt::format("{}<pValue>{}Kept</pValue>{}", before, name, after));
+    std::string index;
+    if (!selector.empty()) index = fmt::format("<pIndex Offset=\"4\">{}Kept</pIndex>", selector);
+    const bool is_float = kind == "Float";
+    keep(is_float ? "FloatReg" : "IntReg", name, where, access, index, is_float ? "" : unsigned_);
   }
-  void constant(const std::string& name, std::int64_t value) {
-    add("Integer", name,
-        fmt::format("<ImposedAccessMode>RO</ImposedAccessMode><Value>{}</Value>", value));
-  }
-  void number(const std::string& name, GigeRegister where, const std::string& access,
-              const std::string& selector = "") {
-    add("Float", name, fmt::format("<pValue>{}Kept</pValue>", name));
-    keep("FloatReg", name, static_cast<std::uint32_t>(where), access, selector);
-  }
-  void command(const std::string& name, const std::string& kept, int value) {
-    add("Command", name,
-        fmt::format("<pValue>{}Kept</pValue><CommandValue>{}</CommandValue>", kept, value));
+  /// One that has a single value.
+  void constant(const std::string& name, const std::string& only) {
+    show("Enumeration", name,
+         fmt::format("<ImposedAccessMode>RO</ImposedAccessMode><EnumEntry Name=\"{}\"><Value>0"
+                     "</Value></EnumEntry><Value>0</Value>",
+                     only));
   }
   void text(const std::string& name, std::uint32_t address, int length) {
-    add("StringReg", name,
-        fmt::format("<Address>0x{:X}</Address><Length>{}</Length><AccessMode>RO</AccessMode>"
-                    "<pPort>Device</pPort>",
-                    address, length));
+    show("StringReg", name,
+         fmt::format("<Address>0x{:X}</Address><Length>{}</Length><AccessMode>RO</AccessMode>"
+                     "<pPort>Device</pPort>",
+                     address, length));
   }
-  void choice(const std::string& name, std::initializer_list<Entry> entries, GigeRegister where,
-              const std::string& access, const std::string& selector = "",
-              const std::string& selected = "") {
-    add("Enumeration", name,
-        fmt::format("{}<pValue>{}Kept</pValue>{}", text_of(entries), name, selected));
-    keep("IntReg", name, static_cast<std::uint32_t>(where), access, selector);
+  /// Bits of the register of the packets' size.
+  void part(const std::string& kind, const std::string& name, const std::string& bits,
+            const std::string& after) {
+    show(kind, name, fmt::format("<pValue>{}Kept</pValue>{}", name, after));
+    keep("MaskedIntReg", name, GigeRegister::packet_size, "RW", "", bits + unsigned_);
   }
-  void choice(const std::string& name, const std::string& only) {
-    add("Enumeration", name,
-        fmt::format("<ImposedAccessMode>RO</ImposedAccessMode>{}<Value>0</Value>",
-                    text_of({{only, 0}})));
+  void command(const std::string& name, const std::string& kept, int value) {
+    show("Command", name,
+         fmt::format("<pValue>{}Kept</pValue><CommandValue>{}</CommandValue>", kept, value));
   }
 
   [[nodiscard]] std::string text() const {
@@ -89,18 +85,14 @@ class Features {
   }
 
  private:
-  static std::string text_of(std::initializer_list<Entry> entries) {
-    std::string text;
-    for (const auto& [name, value, more] : entries) {
-      text +=
-          fmt::format("<EnumEntry Name=\"{}\">{}<Value>{}</Value></EnumEntry>", name, more, value);
-    }
-    return text;
-  }
-
+  const std::string unsigned_ = "<Sign>Unsigned</Sign>";
   std::string nodes_;
   std::vector<std::pair<std::string, std::string>> categories_;
 };
+
+std::string entry(const std::string& name, std::size_t value, const std::string& more = "") {
+  return fmt::format("<EnumEntry Name=\"{}\">{}<Value>{}</Value></EnumEntry>", name, more, value);
+}
 
 std::string selects(std::initializer_list<const char*> features) {
   std::string text;
@@ -108,110 +100,109 @@ std::string selects(std::initializer_list<const char*> features) {
   return text;
 }
 
+std::string formula(const std::string& a, const std::string& b, const std::string& of_both) {
+  return fmt::format(
+      "<pVariable Name=\"A\">{}Kept</pVariable><pVariable Name=\"B\">{}Kept"
+      "</pVariable><Formula>{}</Formula>",
+      a, b, of_both);
+}
+
 void add_device(Features& features) {
   features.begin_category("DeviceControl");
-  features.choice("DeviceType", "Transmitter");
-  features.choice("DeviceScanType", "Areascan3D");
+  features.constant("DeviceType", "Transmitter");
+  features.constant("DeviceScanType", "Areascan3D");
   features.text("DeviceVendorName", 0x48, 32);
   features.text("DeviceModelName", 0x68, 32);
   features.text("DeviceVersion", 0x88, 32);
   features.text("DeviceSerialNumber", 0xd8, 16);
-  features.constant("DeviceSFNCVersionMajor", 2);
-  features.constant("DeviceSFNCVersionMinor", 7);
-  features.constant("DeviceSFNCVersionSubMinor", 0);
 }
 
 void add_pictures(Features& features) {
   using enum GigeRegister;
+  using enum Scan3dRegister;
   features.begin_category("ImageFormatControl");
-  for (const auto& [name, where] :
-       {std::pair{"SensorWidth", sensor_width}, std::pair{"SensorHeight", sensor_height},
-        std::pair{"WidthMax", sensor_width}, std::pair{"HeightMax", sensor_height}}) {
-    features.integer(name, where, "RO");
+  features.add("Integer", "SensorWidth", sensor_width, "RO");
+  features.add("Integer", "SensorHeight", sensor_height, "RO");
+  features.add("Integer", "WidthMax", sensor_width, "RO");
+  features.add("Integer", "HeightMax", sensor_height, "RO");
+  features.add("Integer", "Width", width, "RW", {.after = "<Min>1</Min><pMax>WidthMaxKept</pMax>"});
+  features.add("Integer", "Height", height, "RW",
+               {.after = "<Min>1</Min><pMax>HeightMaxKept</pMax>"});
+  features.add("Integer", "OffsetX", left, "RW", {.after = "<Min>0</Min><pMax>MostX</pMax>"});
+  features.add("Integer", "OffsetY", top, "RW", {.after = "<Min>0</Min><pMax>MostY</pMax>"});
+  features.node("IntSwissKnife", "MostX", formula("WidthMax", "Width", "A-B"));
+  features.node("IntSwissKnife", "MostY", formula("HeightMax", "Height", "A-B"));
+  const std::string selector = "ComponentSelector";
+  features.add("Enumeration", selector, at(component_selector), "RW",
+               {.before = entry("Range", 0) + entry("Intensity", 1) + entry("Confidence", 2),
+                .after = selects({"ComponentEnable", "ComponentIDValue", "PixelFormat"})});
+  features.add("Boolean", "ComponentEnable", at(component_enable), "RW", {.selector = selector});
+  features.add("Integer", "ComponentIDValue", at(component_id), "RO", {.selector = selector});
+  std::string formats;
+  for (const auto& [name, pixels, component] :
+       {std::tuple{"Coord3D_ABC32f", GigePixels::coord3d_abc32f, 0},
+        std::tuple{"Coord3D_C32f", GigePixels::coord3d_c32f, 0},
+        std::tuple{"Coord3D_C16", GigePixels::coord3d_c16, 0},
+        std::tuple{"Mono8", GigePixels::mono8, 1},
+        std::tuple{"Confidence8", GigePixels::confidence8, 2}}) {
+    const std::string condition = fmt::format("IsOf{}", name);
+    formats += entry(name, static_cast<std::size_t>(pixels),
+                     fmt::format("<pIsAvailable>{}</pIsAvailable>", condition));
+    features.node("IntSwissKnife", condition,
+                  formula(selector, selector, fmt::format("A={}", component)));
   }
-  features.integer("Width", width, "RW", "<Min>1</Min><pMax>WidthMaxKept</pMax><Inc>1</Inc>");
-  features.integer("Height", height, "RW", "<Min>1</Min><pMax>HeightMaxKept</pMax><Inc>1</Inc>");
-  for (const auto& [name, whole, taken, where] :
-       {std::tuple{"OffsetX", "WidthMax", "Width", left},
-        std::tuple{"OffsetY", "HeightMax", "Height", top}}) {
-    features.integer(name, where, "RW", fmt::format("<Min>0</Min><pMax>{}Most</pMax>", name));
-    features.node("IntSwissKnife", fmt::format("{}Most", name),
-                  fmt::format("<pVariable Name=\"A\">{}Kept</pVariable><pVariable Name=\"B\">{}Kept"
-                              "</pVariable><Formula>A-B</Formula>",
-                              whole, taken));
-  }
-  features.choice("ComponentSelector", {{"Range", 0}, {"Intensity", 1}, {"Confidence", 2}},
-                  at(Scan3dRegister::component_selector), "RW", "",
-                  selects({"ComponentEnable", "ComponentIDValue", "PixelFormat"}));
-  features.add("Boolean", "ComponentEnable", "<pValue>ComponentEnableKept</pValue>");
-  features.keep("IntReg", "ComponentEnable",
-                static_cast<std::uint32_t>(Scan3dRegister::component_enable), "RW",
-                "ComponentSelector");
-  features.integer("ComponentIDValue", at(Scan3dRegister::component_id), "RO", "",
-                   "ComponentSelector");
-  const auto format = [](const char* name, GigePixels pixels, int component) {
-    return Entry{name, static_cast<std::uint32_t>(pixels),
-                 fmt::format("<pIsAvailable>IsComponent{}</pIsAvailable>", component)};
-  };
-  features.choice(
-      "PixelFormat",
-      {format("Coord3D_ABC32f", GigePixels::coord3d_abc32f, 0),
-       format("Coord3D_C32f", GigePixels::coord3d_c32f, 0),
-       format("Coord3D_C16", GigePixels::coord3d_c16, 0), format("Mono8", GigePixels::mono8, 1),
-       format("Confidence8", GigePixels::confidence8, 2)},
-      at(Scan3dRegister::pixel_format), "RW", "ComponentSelector");
-  for (int component = 0; component < 3; ++component) {
-    features.node("IntSwissKnife", fmt::format("IsComponent{}", component),
-                  fmt::format("<pVariable Name=\"A\">ComponentSelectorKept</pVariable>"
-                              "<Formula>A={}</Formula>",
-                              component));
-  }
+  features.add("Enumeration", "PixelFormat", at(pixel_format), "RW",
+               {.before = formats, .selector = selector});
 }
 
 void add_acquisition(Features& features) {
   using enum GigeRegister;
   features.begin_category("AcquisitionControl");
-  features.choice("AcquisitionMode", {{"Continuous", 1}, {"SingleFrame", 2}},
-                  at(Scan3dRegister::acquisition_mode), "RW");
+  features.add("Enumeration", "AcquisitionMode", at(Scan3dRegister::acquisition_mode), "RW",
+               {.before = entry("Continuous", 1) + entry("SingleFrame", 2)});
   features.command("AcquisitionStart", "Acquisition", 1);
   features.command("AcquisitionStop", "Acquisition", 0);
-  features.keep("IntReg", "Acquisition", static_cast<std::uint32_t>(acquisition), "RW");
-  features.add("Float", "AcquisitionFrameRate",
-               "<pValue>FrameRate</pValue><Min>0.1</Min><Max>1000</Max><Unit>Hz</Unit>");
+  features.command("TriggerSoftware", "SoftwareTrigger", 1);
+  features.constant("TriggerSelector", "FrameStart");
+  features.add("Enumeration", "TriggerMode", trigger_mode, "RW",
+               {.before = entry("Off", 0) + entry("On", 1)});
+  features.add("Enumeration", "TriggerSource", trigger_source, "RW",
+               {.before = entry("Software", 1)});
+  features.show("Float", "AcquisitionFrameRate",
+                "<pValue>FrameRate</pValue><Min>0.1</Min><Max>1000</Max><Unit>Hz</Unit>");
   features.node("Converter", "FrameRate",
                 "<FormulaTo>1000000/FROM</FormulaTo><FormulaFrom>1000000/TO</FormulaFrom>"
                 "<pValue>FramePeriodKept</pValue><Slope>Decreasing</Slope>");
-  features.keep("IntReg", "FramePeriod", static_cast<std::uint32_t>(frame_period), "RW");
-  features.choice("TriggerSelector", "FrameStart");
-  features.choice("TriggerMode", {{"Off", 0}, {"On", 1}}, trigger_mode, "RW");
-  features.choice("TriggerSource", {{"Software", 1}}, trigger_source, "RW");
-  features.command("TriggerSoftware", "SoftwareTrigger", 1);
-  features.keep("IntReg", "SoftwareTrigger", static_cast<std::uint32_t>(software_trigger), "RW");
+  for (const auto& [name, where] :
+       {std::pair{"FramePeriod", frame_period}, std::pair{"Acquisition", acquisition},
+        std::pair{"SoftwareTrigger", software_trigger}}) {
+    features.keep("IntReg", name, where, "RW", "", "<Sign>Unsigned</Sign>");
+  }
 }
 
 void add_scan3d(Features& features) {
+  using enum Scan3dRegister;
   features.begin_category("Scan3dControl");
-  features.choice("Scan3dDistanceUnit", "Millimeter");
-  features.choice("Scan3dCoordinateSystem", "Cartesian");
-  features.choice("Scan3dCoordinateSystemReference", "Anchor");
-  features.choice("Scan3dOutputMode",
-                  {{"CalibratedABC_Grid", calibrated_abc_grid}, {"ProjectedC", projected_c}},
-                  at(Scan3dRegister::output_mode), "RW");
-  features.number("Scan3dFocalLength", at(Scan3dRegister::focal_length), "RO");
-  features.number("Scan3dPrincipalPointU", at(Scan3dRegister::principal_u), "RO");
-  features.number("Scan3dPrincipalPointV", at(Scan3dRegister::principal_v), "RO");
-  const std::string coordinate = "Scan3dCoordinateSelector";
-  features.choice(coordinate, {{"CoordinateA", 0}, {"CoordinateB", 1}, {"CoordinateC", 2}},
-                  at(Scan3dRegister::coordinate_selector), "RW", "",
-                  selects({"Scan3dCoordinateScale", "Scan3dCoordinateOffset",
-                           "Scan3dInvalidDataFlag", "Scan3dInvalidDataValue"}));
-  features.number("Scan3dCoordinateScale", at(Scan3dRegister::coordinate_scale), "RW", coordinate);
-  features.number("Scan3dCoordinateOffset", at(Scan3dRegister::coordinate_offset), "RW",
-                  coordinate);
-  features.add("Boolean", "Scan3dInvalidDataFlag", "<pValue>Scan3dInvalidDataFlagKept</pValue>");
-  features.keep("IntReg", "Scan3dInvalidDataFlag",
-                static_cast<std::uint32_t>(Scan3dRegister::invalid_flag), "RO", coordinate);
-  features.number("Scan3dInvalidDataValue", at(Scan3dRegister::invalid_value), "RO", coordinate);
+  features.constant("Scan3dDistanceUnit", "Millimeter");
+  features.constant("Scan3dCoordinateSystem", "Cartesian");
+  features.constant("Scan3dCoordinateSystemReference", "Anchor");
+  features.add("Enumeration", "Scan3dOutputMode", at(output_mode), "RW",
+               {.before = entry("CalibratedABC_Grid", calibrated_abc_grid) +
+                          entry("ProjectedC", projected_c)});
+  features.add("Float", "Scan3dFocalLength", at(focal_length), "RO");
+  features.add("Float", "Scan3dPrincipalPointU", at(principal_u), "RO");
+  features.add("Float", "Scan3dPrincipalPointV", at(principal_v), "RO");
+  const std::string selector = "Scan3dCoordinateSelector";
+  const Around of_each{.selector = selector};
+  features.add(
+      "Enumeration", selector, at(coordinate_selector), "RW",
+      {.before = entry("CoordinateA", 0) + entry("CoordinateB", 1) + entry("CoordinateC", 2),
+       .after = selects({"Scan3dCoordinateScale", "Scan3dCoordinateOffset", "Scan3dInvalidDataFlag",
+                         "Scan3dInvalidDataValue"})});
+  features.add("Float", "Scan3dCoordinateScale", at(coordinate_scale), "RW", of_each);
+  features.add("Float", "Scan3dCoordinateOffset", at(coordinate_offset), "RW", of_each);
+  features.add("Boolean", "Scan3dInvalidDataFlag", at(invalid_flag), "RO", of_each);
+  features.add("Float", "Scan3dInvalidDataValue", at(invalid_value), "RO", of_each);
 }
 
 bool is_letter(char c) {
@@ -248,52 +239,35 @@ void add_setting(Features& features, const RunSetting& setting, GigeRegister whe
   const auto& [name, help, unit, value, choices, least, most, state] = setting;
   const std::string shown = feature_name(setting);
   const std::string words = "<ToolTip>" + escaped(help) + "</ToolTip>";
-  const std::string kept = "<pValue>" + shown + "Kept</pValue>";
-  const bool is_switch = choices == std::vector<std::string>{"off", "on"};
   if (choices.empty()) {
     const double scale = feature_scale(setting);
-    features.add("Float", shown,
-                 fmt::format("{}{}<Min>{:.6g}</Min><Max>{:.6g}</Max><Unit>{}</Unit>", words, kept,
-                             least * scale, most * scale,
-                             scale != 1      ? "us"
-                             : !unit.empty() ? escaped(unit)
-                                             : "1"));
-  } else if (is_switch) {
-    features.add("Boolean", shown, words + kept);
-  } else {
-    std::string entries;
-    for (std::size_t i = 0; i < choices.size(); ++i) {
-      entries += fmt::format(
-          "<EnumEntry Name=\"{}\"><DisplayName>{}</DisplayName><Value>{}</Value></EnumEntry>",
-          name_from(choices[i]), escaped(choices[i]), i);
-    }
-    features.add("Enumeration", shown, words + entries + kept);
+    return features.add(
+        "Float", shown, where, "RW",
+        {.before = words,
+         .after = fmt::format("<Min>{:.6g}</Min><Max>{:.6g}</Max>", least * scale, most * scale)});
   }
-  features.keep(choices.empty() ? "FloatReg" : "IntReg", shown, static_cast<std::uint32_t>(where),
-                "RW");
+  std::string entries;
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    entries +=
+        entry(name_from(choices[i]), i, "<DisplayName>" + escaped(choices[i]) + "</DisplayName>");
+  }
+  const bool is_switch = choices == std::vector<std::string>{"off", "on"};
+  features.add(is_switch ? "Boolean" : "Enumeration", shown, where, "RW",
+               {.before = words + (is_switch ? "" : entries)});
 }
 
 void add_transport(Features& features) {
   using enum GigeRegister;
   features.begin_category("TransportLayerControl");
-  features.integer("PayloadSize", at(Scan3dRegister::payload_size), "RO");
-  features.constant("TLParamsLocked", 0);
-  features.integer("GevHeartbeatTimeout", heartbeat_timeout, "RW");
-  features.integer("GevSCPD", packet_delay, "RW");
-  const auto part = [&](const std::string& name, const std::string& bits) {
-    features.node("MaskedIntReg", name + "Kept",
-                  fmt::format("<Address>0x{:X}</Address><Length>4</Length><AccessMode>RW"
-                              "</AccessMode><pPort>Device</pPort><Cachable>NoCache</Cachable>{}"
-                              "<Sign>Unsigned</Sign><Endianess>BigEndian</Endianess>",
-                              static_cast<std::uint32_t>(packet_size), bits));
-  };
-  features.add("Integer", "GevSCPSPacketSize",
-               fmt::format("<pValue>GevSCPSPacketSizeKept</pValue><Min>{}</Min><Max>{}</Max>"
-                           "<Inc>4</Inc>",
-                           smallest_gige_packet, largest_gige_packet));
-  part("GevSCPSPacketSize", "<LSB>31</LSB><MSB>16</MSB>");
-  features.command("GevSCPSFireTestPacket", "GevSCPSFireTestPacket", 1);
-  part("GevSCPSFireTestPacket", "<Bit>0</Bit>");
+  features.add("Integer", "PayloadSize", at(Scan3dRegister::payload_size), "RO");
+  features.show("Integer", "TLParamsLocked", "<Value>0</Value><Min>0</Min><Max>1</Max>");
+  features.add("Integer", "GevHeartbeatTimeout", heartbeat_timeout, "RW");
+  features.add("Integer", "GevSCPD", packet_delay, "RW");
+  features.part("Integer", "GevSCPSPacketSize", "<LSB>31</LSB><MSB>16</MSB>",
+                fmt::format("<Min>{}</Min><Max>{}</Max><Inc>4</Inc>", smallest_gige_packet,
+                            largest_gige_packet));
+  features.part("Command", "GevSCPSFireTestPacket", "<Bit>0</Bit>",
+                "<CommandValue>1</CommandValue>");
 }
 
 }  // namespace

@@ -129,12 +129,12 @@ struct SentBlock {
 /// The camera: one thread answers, the publisher's sends clouds.
 class GenicamSink final : public CloudSink {
  public:
-  GenicamSink(const std::string& address, const PublishedRun& run)
-      : run_(run),
-        settings_(run.settings ? run.settings() : std::vector<RunSetting>()),
+  GenicamSink(const std::string& address, PublishedRun run)
+      : run_(std::move(run)),
+        settings_(run_.settings ? run_.settings() : std::vector<RunSetting>()),
         sockets_(address),
         stream_socket_(host_from(address), 0, false),
-        control_(memory_of(address, run, settings_, stream_socket_.port()), writable(),
+        control_(memory_of(address, run_, settings_, stream_socket_.port()), writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
         thread_([this](const std::stop_token& stop) { serve(stop); }) {}
 
@@ -471,7 +471,7 @@ const SinkKind genicam_sink{
         throw Error(
             fmt::format("--publish genicam:{}: a 3-D camera has points; give a --scanner", where));
       }
-      return std::make_unique<GenicamSink>(address_from(where), run);
+      return std::make_unique<GenicamSink>(address_from(where), std::move(run));
     }};
 
 }  // namespace slipstream

@@ -15,7 +15,7 @@ namespace {
 /// Elements of a node around its value, in the order of the schema, and the feature that says which
 /// of several it is.
 struct Around {
-  std::string before = "", after = "", selector = "";
+  std::string before{}, after{}, selector{};
 };
 
 /// Nodes of GenApi, feature by feature.

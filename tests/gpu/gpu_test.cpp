@@ -333,6 +333,9 @@ std::size_t resident() {
 
 /// SLIPSTREAM_GPU_SCANS: how many, where not a thousand.
 TEST_F(OnGpu, KeepsItsMemoryFlat) {
+#if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "a sanitizer keeps memory of its own";
+#endif
   const Scanner scanner = example_scanner({64, 48});
   const Strategy strategy = DualFrequency{};
   EngineSetup setup = setup_of(scanner, strategy, Axis::x);

@@ -225,6 +225,7 @@ ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Map
 void Engine::run_pass(const FrameViews& frames, const FusedOutput& output,
                       const Image<float>* coarse) {
   if (tables_->gpu && !tables_->gpu_failed) {
+    require_frames(frames, tables_->fused->stages());
     try {
       return (*tables_->gpu)(frames, output, memory_->gpu, coarse);
     } catch (const GpuError&) {  // the same comes from the processor

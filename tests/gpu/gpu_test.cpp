@@ -248,6 +248,10 @@ TEST_F(OnGpu, GivesDepthAlone) {
   EXPECT_EQ(engine.backend_for(frames), "gpu");
   Cloud cloud;
   Depth depth;
+  const FrameSet larger(
+      FrameSet::Images8(static_cast<std::size_t>(frames.count()), Image<std::uint8_t>({640, 480})));
+  EXPECT_THROW(engine.cloud(larger, cloud), Error);
+  EXPECT_THROW(engine.cloud(frames.views().part(0, 2), cloud), Error);
   engine.cloud(frames, cloud);
   engine.depth(frames, depth);
   EXPECT_TRUE(std::equal(cloud.validity.begin(), cloud.validity.end(), depth.validity.begin()));

@@ -394,19 +394,6 @@ int band_count(int height, bool votes) {
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
 
-template <class Pixel>
-void require_frames(const Frames<Pixel>& frames, int count, Size camera) {
-  if (static_cast<int>(frames.size()) != count) {
-    throw Error(fmt::format("{} frames given; the strategy takes {}", frames.size(), count));
-  }
-  for (const auto& frame : frames) {
-    if (frame.size() != camera) {
-      throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
-                              frame.width(), frame.height(), camera.width, camera.height));
-    }
-  }
-}
-
 /// All bands of a scan, on as many threads as there are.
 template <class Pixel>
 void run_bands(const Pass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
@@ -434,6 +421,18 @@ void run_bands(const Pass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
 
 }  // namespace
 
+void require_frames(const FrameViews& frames, const FusedStages& stages) {
+  const Size camera = stages.rays.E_x.size();
+  if (frames.count() != stages.frames) {
+    throw Error(
+        fmt::format("{} frames given; the strategy takes {}", frames.count(), stages.frames));
+  }
+  if (frames.size() != camera) {
+    throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
+                            text_of(frames.size()), text_of(camera)));
+  }
+}
+
 FusedEngine::FusedEngine(FusedStages stages, ReconstructSettings settings)
     : stages_(std::move(stages)), settings_(std::move(settings)) {}
 
@@ -449,10 +448,10 @@ void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output
   if ((coarse != nullptr) != stages_.coarse_given) {
     throw Error("a coordinate is given where, and only where, the picture gives the fringe order");
   }
+  require_frames(frames, stages_);
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
       const Size size = stages_.rays.E_x.size();
-      require_frames(views, stages_.frames, size);
       const double full_scale = frames.full_scale();
       const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
       memory.limits.clear();

@@ -45,6 +45,9 @@ struct FusedOutput {
   Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
 };
 
+/// Throws Error where the frames are not as many as the strategy's or not of the camera's size.
+void require_frames(const FrameViews& frames, const FusedStages& stages);
+
 /// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, rows
 /// shared among threads in bands, no allocation once outputs and memory have been used. Thread-safe
 /// with an output and memory for each thread.

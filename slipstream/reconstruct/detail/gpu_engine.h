@@ -29,7 +29,8 @@ class GpuEngine {
   /// None where gpu_stages has none. Throws what Gpu::open throws.
   static std::optional<GpuEngine> make(const FusedEngine& fused, std::optional<int> device);
 
-  /// As FusedEngine's. Throws GpuError where the device fails: the output is then undefined.
+  /// As FusedEngine's, of frames that require_frames takes. Throws GpuError where the device fails:
+  /// the output is then undefined.
   void operator()(const FrameViews& frames, const FusedOutput& output, GpuScanMemory& memory,
                   const Image<float>* coarse = nullptr) const;
 

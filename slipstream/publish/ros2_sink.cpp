@@ -70,11 +70,12 @@ class Domain {
         this);
     // These messages are not made for memory that processes share.
     std::string config = "<SharedMemory><Enable>false</Enable></SharedMemory>";
-    if (variable("ROS_LOCALHOST_ONLY") == "1") {
+    const std::string own = variable("CYCLONEDDS_URI");
+    // An interface that is named twice is refused.
+    if (variable("ROS_LOCALHOST_ONLY") == "1" && own.find("<NetworkInterface") == own.npos) {
       config +=
           "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>";
     }
-    const std::string own = variable("CYCLONEDDS_URI");
     config = fmt::format("{}{}<CycloneDDS><Domain>{}</Domain></CycloneDDS>", own,
                          own.empty() ? "" : ",", config);
     domain_ = dds_create_domain(*id, config.c_str());

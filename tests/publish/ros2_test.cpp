@@ -38,7 +38,8 @@ void choose_domain() {
   ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 200).c_str(), 1);
   ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
   ::setenv("CYCLONEDDS_URI",
-           "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General>"
+           "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
+           "<Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>"
            "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
            "<Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery>"
            "<Internal><SocketReceiveBufferSize min=\"4MB\"/></Internal></Domain></CycloneDDS>",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "slipstream/image/parallel_rows.h"
@@ -36,16 +37,13 @@ void mean_along(const float* from, float* to, int length, std::ptrdiff_t stride,
   }
 }
 
-/// All passes over some lines; `line` and `other` hold them, the result is in `line`.
+/// All passes over some lines; `line` and `other` hold them, the result is in `other`.
 template <int lanes>
 void smooth(float* line, float* other, int length, std::ptrdiff_t stride, int reach,
             const float* inverse) {
   mean_along<lanes>(line, other, length, stride, reach, inverse);
   mean_along<lanes>(other, line, length, stride, reach, inverse);
   mean_along<lanes>(line, other, length, stride, reach, inverse);
-  for (int at = 0; at < length; ++at) {
-    std::copy_n(other + at * stride, lanes, line + at * stride);
-  }
 }
 
 }  // namespace
@@ -65,18 +63,20 @@ void take_moving_mean(Image<float>& picture, Size window, Image<float>& scratch)
   constexpr int group = 16;
   for_each_row((height + group - 1) / group, [&](int block) {
     const int first = block * group, rows = std::min(group, height - first);
-    std::vector<float> turned(2 * static_cast<std::size_t>(width) * group);
+    thread_local std::vector<float> turned;
+    turned.resize(2 * static_cast<std::size_t>(width) * group);
     for (int i = 0; i < rows; ++i) {
       const float* const row = picture.row(first + i);
       for (int column = 0; column < width; ++column) {
         turned[static_cast<std::size_t>(column * group + i)] = row[column];
       }
     }
-    smooth<group>(turned.data(), turned.data() + width * group, width, group, beside, along.data());
+    float* const result = turned.data() + width * group;
+    smooth<group>(turned.data(), result, width, group, beside, along.data());
     for (int i = 0; i < rows; ++i) {
       float* const row = picture.row(first + i);
       for (int column = 0; column < width; ++column) {
-        row[column] = turned[static_cast<std::size_t>(column * group + i)];
+        row[column] = result[column * group + i];
       }
     }
   });
@@ -92,6 +92,7 @@ void take_moving_mean(Image<float>& picture, Size window, Image<float>& scratch)
       }
     }
   });
+  std::swap(picture, scratch);
 }
 
 }  // namespace slipstream

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
+#include <limits>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -23,17 +24,23 @@ bool is_of(const SpectralFrame& frame, const SpectralFrame& other) {
   return frame.periods == other.periods && frame.across == other.across;
 }
 
-void resize(Image<float>& image, Size size) {
-  if (image.size() != size) image = Image<float>(size);
+template <class Pixel>
+void resize(Image<Pixel>& image, Size size) {
+  if (image.size() != size) image = Image<Pixel>(size);
 }
 
-/// Calls `body(column, row)` for every pixel.
-template <class Body>
-void for_each_pixel(Size size, const Body& body) {
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) body(column, row);
-  });
-}
+/// exp(i k x) at 0, 1, ...: a number for each place.
+struct Wave {
+  Wave(double cycles, int length) : cosine(static_cast<std::size_t>(length)), sine(cosine.size()) {
+    for (std::size_t i = 0; i < cosine.size(); ++i) {
+      const double turns = cycles * static_cast<double>(i);
+      const double angle = 2 * std::numbers::pi * (turns - std::rint(turns));
+      cosine[i] = static_cast<float>(std::cos(angle));
+      sine[i] = static_cast<float>(std::sin(angle));
+    }
+  }
+  std::vector<float> cosine, sine;
+};
 
 double distance(const Carrier& a, const Carrier& b) {
   return std::hypot(a.right - b.right, a.down - b.down);
@@ -61,16 +68,12 @@ const FrameViews& Demodulator::operator()(const FrameViews& shown) {
   find_carriers();
   const bool alone = bands_.size() == 1;
   const int square = odd_length(alone ? longest_ / 2 : longest_);
-  take_mean(alone ? bands_.front().window : Size{square, square});
-  for (Band& band : bands_) start(band);
-  for (Band& band : bands_) take_near(band);
-  if (alone) take_mean({square, square});
-  for (Band& band : bands_) take_near(band);
-  leave_out_unexplained();
-  for (std::size_t n = 0; n < images_.size(); ++n) {
-    if (images_[n].size() != shown.size()) images_[n] = Image<std::uint16_t>(shown.size());
-    write(how_.frames[n], bands_[band_of_[n]], images_[n]);
-  }
+  take_mean(alone ? bands_.front().window : Size{square, square}, false);
+  for (Band& band : bands_) take_near(band, false);
+  if (alone) take_mean({square, square}, true);
+  for (Band& band : bands_) take_near(band, true);
+  square_what_is_left();
+  write();
   views_.assign<std::uint16_t>(images_, bits, [](const Image<std::uint16_t>& image) {
     return ImageView<const std::uint16_t>(image);
   });
@@ -83,23 +86,30 @@ FrameSet Demodulator::frames() && {
 
 void Demodulator::take(const FrameViews& shown) {
   const Size size = shown.size();
-  for (Image<float>* const image : {&frame_, &mean_, &varying_, &near_cosine_, &near_sine_}) {
+  for (Image<float>* const image : {&frame_, &mean_, &near_cosine_, &near_sine_}) {
     resize(*image, size);
   }
   for (Band& band : bands_) {
-    band.cosine = Image<float>(size);
+    resize(band.cosine, size);
     resize(band.sine, size);
   }
-  saturated_ = saturation_mask(shown);
+  for (Image<std::uint16_t>& image : images_) resize(image, size);
+  resize(saturated_, size);
   const auto grey = static_cast<float>(255 / shown.full_scale());
-  shown.visit([&](const auto& frames) {
-    for_each_pixel(size, [&](int column, int row) {
-      const float I = grey * static_cast<float>(frames[0](column, row));
-      frame_(column, row) = I;
-      if (how_.shown == 1) return;
-      const float J = grey * static_cast<float>(frames[1](column, row));
-      frame_(column, row) = (I - J) / 2;
-      mean_(column, row) = (I + J) / 2;
+  shown.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    const auto full = std::is_integral_v<Pixel> ? static_cast<float>(shown.saturation())
+                                                : std::numeric_limits<float>::infinity();
+    for_each_row(size.height, [&](int row) {
+      const Pixel *const first = frames.front().row(row), *const second = frames.back().row(row);
+      float *const frame = frame_.row(row), *const mean = mean_.row(row);
+      std::uint8_t* const saturated = saturated_.row(row);
+      const bool two = how_.shown == 2;
+      for (int column = 0; column < size.width; ++column) {
+        const auto I = static_cast<float>(first[column]), J = static_cast<float>(second[column]);
+        frame[column] = grey * (two ? (I - J) / 2 : I);
+        if (two) mean[column] = grey * (I + J) / 2;
+        saturated[column] = static_cast<std::uint8_t>(std::max(I, J) >= full ? 1 : 0);
+      }
     });
   });
 }
@@ -134,63 +144,54 @@ void Demodulator::find_carriers() {
   }
 }
 
-/// Of one frame: the mean of what the carriers leave, and what varies about it.
-void Demodulator::take_mean(Size window) {
-  if (how_.shown == 2) {
-    varying_ = frame_;
-    return;
-  }
-  mean_ = frame_;
-  for (const Band& band : bands_) {
-    for_each_pixel(mean_.size(),
-                   [&](int column, int row) { mean_(column, row) -= band.cosine(column, row); });
-  }
-  take_moving_mean(mean_, window, scratch_);
-  for_each_pixel(mean_.size(), [&](int column, int row) {
-    varying_(column, row) = frame_(column, row) - mean_(column, row);
-  });
-}
-
-/// To exp(i k x): that of the columns, turned on from row to row.
-void Demodulator::start(Band& band) const {
-  const auto turn = [](double cycles) {
-    return std::polar(1.0F,
-                      static_cast<float>(2 * std::numbers::pi * (cycles - std::rint(cycles))));
-  };
-  std::vector<std::complex<float>> along(static_cast<std::size_t>(frame_.width()));
-  for (std::size_t i = 0; i < along.size(); ++i) {
-    along[i] = turn(band.carrier.right * static_cast<double>(i));
-  }
+/// Of one frame: the mean of what the carriers leave.
+void Demodulator::take_mean(Size window, bool started) {
+  if (how_.shown == 2) return;
   for_each_row(frame_.height(), [&](int row) {
-    const std::complex<float> down = turn(band.carrier.down * row);
-    for (int column = 0; column < frame_.width(); ++column) {
-      const std::complex<float> at = along[static_cast<std::size_t>(column)];
-      band.cosine(column, row) = at.real() * down.real() - at.imag() * down.imag();
-      band.sine(column, row) = at.real() * down.imag() + at.imag() * down.real();
+    float* const mean = mean_.row(row);
+    std::copy_n(frame_.row(row), frame_.width(), mean);
+    if (!started) return;
+    for (const Band& band : bands_) {
+      const float* const C = band.cosine.row(row);
+      for (int column = 0; column < frame_.width(); ++column) mean[column] -= C[column];
     }
   });
+  take_moving_mean(mean_, window, scratch_);
 }
 
-/// C and S by what is near the phase that they have.
-void Demodulator::take_near(Band& band) {
-  for_each_row(varying_.height(), [&](int row) {
-    const float* const v = varying_.row(row);
+/// C and S by what is near the phase that they have; where they are not started that of the
+/// carrier, exp(i k x).
+void Demodulator::take_near(Band& band, bool started) {
+  const auto [width, height] = frame_.size();
+  const float of_mean = how_.shown == 2 ? 0 : 1;
+  const Wave along(started ? 0 : band.carrier.right, width),
+      down(started ? 0 : band.carrier.down, height);
+  for_each_row(height, [&](int row) {
+    const float *const I = frame_.row(row), *const A = mean_.row(row);
     float *const c = band.cosine.row(row), *const s = band.sine.row(row);
     float *const C = near_cosine_.row(row), *const S = near_sine_.row(row);
-    for (int column = 0; column < varying_.width(); ++column) {
+    const float *const right = along.cosine.data(), *const right_sine = along.sine.data();
+    const float turn = down.cosine[static_cast<std::size_t>(row)],
+                turn_sine = down.sine[static_cast<std::size_t>(row)];
+    for (int column = 0; column < width && !started; ++column) {
+      c[column] = right[column] * turn - right_sine[column] * turn_sine;
+      s[column] = right[column] * turn_sine + right_sine[column] * turn;
+    }
+    for (int column = 0; column < width; ++column) {
+      const float v = I[column] - of_mean * A[column];
       const float norm = 1 / (std::sqrt(c[column] * c[column] + s[column] * s[column]) + smallest);
       c[column] *= norm;
       s[column] *= norm;
-      C[column] = 2 * v[column] * c[column];
-      S[column] = 2 * v[column] * s[column];
+      C[column] = 2 * v * c[column];
+      S[column] = 2 * v * s[column];
     }
   });
   take_moving_mean(near_cosine_, band.window, scratch_);
   take_moving_mean(near_sine_, band.window, scratch_);
-  for_each_row(varying_.height(), [&](int row) {
+  for_each_row(height, [&](int row) {
     float *const c = band.cosine.row(row), *const s = band.sine.row(row);
     const float *const C = near_cosine_.row(row), *const S = near_sine_.row(row);
-    for (int column = 0; column < varying_.width(); ++column) {
+    for (int column = 0; column < width; ++column) {
       const float turned = C[column] * s[column] - S[column] * c[column];
       c[column] = C[column] * c[column] + S[column] * s[column];
       s[column] = turned;
@@ -198,50 +199,66 @@ void Demodulator::take_near(Band& band) {
   });
 }
 
-void Demodulator::leave_out_unexplained() {
-  constexpr float most = 0.2F;
+/// What the carriers do not explain, as mean squares in near_sine_, and their squares in
+/// near_cosine_.
+void Demodulator::square_what_is_left() {
   Size window{1, 1};
   for (const Band& band : bands_) {
     window = {std::max(window.width, band.window.width),
               std::max(window.height, band.window.height)};
   }
-  const Size size = varying_.size();
-  Image<float>&unexplained = varying_, &explained = near_cosine_;
-  for_each_pixel(size, [&](int column, int row) {
-    float rest = varying_(column, row), squares = 0;
-    for (const Band& band : bands_) {
-      const float C = band.cosine(column, row), S = band.sine(column, row);
-      rest -= C;
-      squares += C * C + S * S;
+  const float of_mean = how_.shown == 2 ? 0 : 1;
+  for_each_row(frame_.height(), [&](int row) {
+    const float *const I = frame_.row(row), *const A = mean_.row(row);
+    float *const rest = near_sine_.row(row), *const squares = near_cosine_.row(row);
+    for (int column = 0; column < frame_.width(); ++column) {
+      rest[column] = I[column] - of_mean * A[column];
+      squares[column] = 0;
     }
-    unexplained(column, row) = rest * rest;
-    explained(column, row) = squares;
+    for (const Band& band : bands_) {
+      const float *const C = band.cosine.row(row), *const S = band.sine.row(row);
+      for (int column = 0; column < frame_.width(); ++column) {
+        rest[column] -= C[column];
+        squares[column] += C[column] * C[column] + S[column] * S[column];
+      }
+    }
+    for (int column = 0; column < frame_.width(); ++column) rest[column] *= rest[column];
   });
-  take_moving_mean(unexplained, window, scratch_);
-  for (Band& band : bands_) {
-    for_each_pixel(size, [&](int column, int row) {
-      if (unexplained(column, row) <= most * most * explained(column, row)) return;
-      band.cosine(column, row) = band.sine(column, row) = 0;
-    });
-  }
+  take_moving_mean(near_sine_, window, scratch_);
 }
 
-void Demodulator::write(const SpectralFrame& frame, const Band& band,
-                        Image<std::uint16_t>& image) const {
+/// The carriers as frames; none where too much is left.
+void Demodulator::write() {
   using Kind = SpectralFrame::Kind;
-  constexpr float saturated = 65535;
-  const auto gain = static_cast<float>(1 / frame.share);
-  const auto c = static_cast<float>(std::cos(frame.angle)),
-             s = static_cast<float>(std::sin(frame.angle));
-  for_each_row(image.height(), [&](int row) {
-    for (int column = 0; column < image.width(); ++column) {
-      const float C = band.cosine(column, row), S = band.sine(column, row);
-      float level = mean_(column, row);
-      if (frame.kind == Kind::sinusoid) level += gain / 2 * (c * C + s * S);
-      if (frame.kind == Kind::envelope) level = gain * std::sqrt(C * C + S * S);
-      level = std::clamp(levels * level + 0.5F, 0.0F, saturated - 1);
-      image(column, row) =
-          static_cast<std::uint16_t>(saturated_(column, row) != 0 ? saturated : level);
+  constexpr float most = 0.2F, saturated = 65535;
+  const int width = frame_.width();
+  for_each_row(frame_.height(), [&](int row) {
+    float *const rest = near_sine_.row(row), *const mean = mean_.row(row);
+    const float* const squares = near_cosine_.row(row);
+    const std::uint8_t* const full = saturated_.row(row);
+    for (int column = 0; column < width; ++column) {
+      rest[column] = rest[column] <= most * most * squares[column] ? 1.0F : 0.0F;
+    }
+    for (std::size_t n = 0; n < images_.size(); ++n) {
+      const SpectralFrame& frame = how_.frames[n];
+      const Band& band = bands_[band_of_[n]];
+      const float *const C = band.cosine.row(row), *const S = band.sine.row(row);
+      const auto gain = static_cast<float>(levels / frame.share);
+      const bool envelope = frame.kind == Kind::envelope;
+      const float of_mean = envelope ? 0 : levels, of_strength = envelope ? gain : 0;
+      const float of_wave = frame.kind == Kind::sinusoid ? gain / 2 : 0;
+      const auto c = of_wave * static_cast<float>(std::cos(frame.angle)),
+                 s = of_wave * static_cast<float>(std::sin(frame.angle));
+      std::uint16_t* const image = images_[n].row(row);
+      for (int column = 0; column < width; ++column) {
+        const float strength = std::sqrt(C[column] * C[column] + S[column] * S[column]);
+        const float level =
+            of_mean * mean[column] +
+            rest[column] * (of_strength * strength + c * C[column] + s * S[column]) + 0.5F;
+        const float shown = std::min(std::max(level, 0.0F), saturated - 1);
+        image[column] = static_cast<std::uint16_t>(
+            static_cast<std::int32_t>(full[column] != 0 ? saturated : shown));
+      }
     }
   });
 }

@@ -42,11 +42,10 @@ class Demodulator {
 
   void take(const FrameViews& shown);
   void find_carriers();
-  void take_mean(Size window);
-  void start(Band& band) const;
-  void take_near(Band& band);
-  void leave_out_unexplained();
-  void write(const SpectralFrame& frame, const Band& band, Image<std::uint16_t>& image) const;
+  void take_mean(Size window, bool started);
+  void take_near(Band& band, bool started);
+  void square_what_is_left();
+  void write();
 
   Demodulation how_;
   Axis axis_;
@@ -54,7 +53,7 @@ class Demodulator {
   std::vector<std::size_t> band_of_;  ///< of each frame; a mean has any
   double longest_ = 1;                ///< pixels, of the carriers' periods
   Image<float> frame_;                ///< grey levels of 8 bits; of two, half their difference
-  Image<float> mean_, varying_;
+  Image<float> mean_;
   Image<std::uint8_t> saturated_;
   Image<float> near_cosine_, near_sine_, scratch_;
   FrameSet::Images16 images_;

@@ -18,6 +18,7 @@
 #include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/detail/gpu_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -122,6 +123,8 @@ struct Engine::Memory {
   std::optional<Demodulator> demodulate;
   Image<float> modulation;
   Image<float> coarse;  ///< coordinates whose orders the picture gives
+  Maps phases;          ///< by which it does
+  DepthOrders orders;
   FrameMotion motion;
   Cleaner clean;
 };
@@ -236,18 +239,43 @@ void Engine::run_pass(const FrameViews& frames, const FusedOutput& output,
   (*tables_->fused)(frames, output, memory_->fused, coarse);
 }
 
+/// The coordinates whose orders the picture gives, and why there is none, where that is known.
+const Image<Validity>* Engine::find_coarse(const FrameViews& frames) {
+  Memory& memory = *memory_;
+  const DepthUnwrapper* const by_depth = tables_->reference().by_depth();
+  if (by_depth == nullptr) {
+    convert(tables_->reference().maps(frames).coordinate, memory.coarse);
+    return nullptr;
+  }
+  if (memory.coarse.size() != frames.size()) memory.coarse = Image<float>(frames.size());
+  run_pass(frames, {.maps = &memory.phases}, &memory.coarse);
+  const Image<float>& phase = memory.phases.wrapped_phase;
+  (*by_depth)(phase, memory.phases.modulation, frames.full_scale(), memory.orders);
+  for_each_row(phase.height(), [&](int row) {
+    const int* const order = memory.orders.order.row(row);
+    for (int column = 0; column < phase.width(); ++column) {
+      const double y = unwrapped_coordinate(phase(column, row), order[column], by_depth->periods());
+      memory.coarse(column, row) = order[column] == SurfaceOrders::none
+                                       ? std::numeric_limits<float>::quiet_NaN()
+                                       : static_cast<float>(y);
+    }
+  });
+  return &memory.orders.validity;
+}
+
 void Engine::run_fused(const FrameViews& frames, const FusedOutput& output) {
   if (!tables_->fused->wants_coarse()) return run_pass(frames, output, nullptr);
-  Image<Validity> order;
-  convert(tables_->reference().maps(frames, order).coordinate, memory_->coarse);
+  const Image<Validity>* const order = find_coarse(frames);
   run_pass(frames, output, &memory_->coarse);
   const auto say_why = [&](Image<Validity>& validity) {
-    for (std::size_t i = 0; i < validity.pixel_count(); ++i) {
-      Validity& pixel = validity.begin()[i];
-      const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
-      if (unmeasured || !std::isnan(memory_->coarse.begin()[i])) continue;
-      pixel = order.empty() ? Validity::doubtful_order : order.begin()[i];
-    }
+    for_each_row(validity.height(), [&](int row) {
+      for (int column = 0; column < validity.width(); ++column) {
+        Validity& pixel = validity(column, row);
+        const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
+        if (unmeasured || !std::isnan(memory_->coarse(column, row))) continue;
+        pixel = order == nullptr ? Validity::doubtful_order : (*order)(column, row);
+      }
+    });
   };
   if (output.cloud != nullptr) say_why(output.cloud->validity);
   if (output.depth != nullptr) say_why(output.depth->validity);

@@ -69,6 +69,7 @@ class Engine {
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
 
  private:
+  const Image<Validity>* find_coarse(const FrameViews& frames);
   void run_fused(const FrameViews& frames, const FusedOutput& output);
   void run_pass(const FrameViews& frames, const FusedOutput& output, const Image<float>* coarse);
   template <class LeaveOut>

@@ -21,17 +21,19 @@ class SurfaceByFrames {
         periods_(layout.bands.front().periods),
         shown_(layout.single_frames) {}
 
-  std::optional<int> operator()(const std::vector<SurfacePixel>& surface) const {
-    const auto [first, last] =
-        std::minmax_element(surface.begin(), surface.end(),
-                            [](const auto& a, const auto& b) { return a.order < b.order; });
+  std::optional<int> operator()(const Surface& surface) const {
+    int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+    surface.for_each([&](int, int, int order) {
+      first = std::min(first, order);
+      last = std::max(last, order);
+    });
     constexpr std::size_t fewest = 2000;
     constexpr int least_span = 4;  // periods
-    if (surface.size() < fewest || last->order - first->order < least_span) return {};
-    const int most = static_cast<int>(std::ceil(periods_)) - last->order;
+    if (surface.pixels < fewest || last - first < least_span) return {};
+    const int most = static_cast<int>(std::ceil(periods_)) - last;
     double least = std::numeric_limits<double>::infinity(), next = least;
     std::optional<int> best;
-    for (int shift = -first->order - 1; shift <= most; ++shift) {
+    for (int shift = -first - 1; shift <= most; ++shift) {
       const double left = misfit(surface, shift);
       if (left < least) {
         next = least;
@@ -47,13 +49,14 @@ class SurfaceByFrames {
 
  private:
   /// The part of the frames' squares that is left.
-  [[nodiscard]] double misfit(const std::vector<SurfacePixel>& surface, int shift) const {
+  [[nodiscard]] double misfit(const Surface& surface, int shift) const {
     constexpr std::size_t every = 7;
     const std::size_t count = shown_.size();
     std::vector<double> squares(count), models(count), products(count);
     frames_.visit([&](const auto& frames) {
-      for (std::size_t i = 0; i < surface.size(); i += every) {
-        const auto& [column, row, order] = surface[i];
+      std::size_t seen = 0;
+      surface.for_each([&](int column, int row, int order) {
+        if (seen++ % every != 0) return;
         const double y =
             unwrapped_coordinate(measuring_.wrapped_phase(column, row), order + shift, periods_);
         const double B = measuring_.modulation(column, row);
@@ -65,7 +68,7 @@ class SurfaceByFrames {
           models[n] += model * model;
           products[n] += I * model;
         }
-      }
+      });
     });
     double left = 0, all = 0;
     for (std::size_t n = 0; n < count; ++n) {

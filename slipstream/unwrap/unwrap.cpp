@@ -67,16 +67,23 @@ Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
 UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& phases,
                                    double least_modulation) {
   const PhaseMaps& band = phases.bands.front();
-  Image<double> phase = band.wrapped_phase;
-  std::transform(phase.begin(), phase.end(), band.modulation.begin(), phase.begin(),
-                 [&](double phi, double B) {
-                   return B > least_modulation ? phi : std::numeric_limits<double>::quiet_NaN();
-                 });
-  UnwrappedPhases result{.coordinate = coordinate_by_surfaces(phase, measuring_band(layout).periods,
-                                                              order_by_frames(layout, phases)),
-                         .doubt = Image<double>(phase.size())};
-  std::transform(result.coordinate.begin(), result.coordinate.end(), result.doubt.begin(),
-                 [](double y) { return std::isnan(y) ? 0.5 : 0; });
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const Size size = band.wrapped_phase.size();
+  Image<float> phase(size);
+  std::transform(
+      band.wrapped_phase.begin(), band.wrapped_phase.end(), band.modulation.begin(), phase.begin(),
+      [&](double phi, double B) { return static_cast<float>(B > least_modulation ? phi : nan); });
+  SurfaceOrders by_surfaces;
+  const Image<int>& orders = by_surfaces(phase, order_by_frames(layout, phases));
+  const double periods = layout.bands.front().periods;
+  UnwrappedPhases result{.coordinate = Image<double>(size, nan), .doubt = Image<double>(size, 0.5)};
+  for_each_pixel(size, [&](int column, int row) {
+    const int order = orders(column, row);
+    if (order == SurfaceOrders::none) return;
+    result.coordinate(column, row) =
+        unwrapped_coordinate(band.wrapped_phase(column, row), order, periods);
+    result.doubt(column, row) = 0;
+  });
   return result;
 }
 

@@ -11,7 +11,6 @@
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/noise/predicted_variance.h"
-#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -64,10 +63,11 @@ void require_narrow(const EngineSetup& setup, double periods) {
 
 DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
     : periods_(highest_frequency(setup.sequence.strategy)),
-      noise_(std::sqrt(coordinate_variance(setup.sequence.strategy.layout(), 1,
-                                           cue_settings(setup).noise_variance))),
+      noise_(static_cast<float>(
+          periods_ * std::sqrt(coordinate_variance(setup.sequence.strategy.layout(), 1,
+                                                   cue_settings(setup).noise_variance)))),
       by_surfaces_(setup.sequence.strategy.is_spectral()),
-      least_modulation_(setup.settings.minimum_modulation),
+      least_modulation_(static_cast<float>(setup.settings.minimum_modulation)),
       bounds_(setup.scanner.camera.size) {
   require_narrow(setup, periods_);
   const double end = farthest_past_field(projector_length(setup));
@@ -77,55 +77,62 @@ DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
       const double near = coordinate_at(setup, ray, *setup.settings.nearest);
       const double far = coordinate_at(setup, ray, *setup.settings.farthest);
       const bool known = std::isfinite(near) && std::isfinite(far);
-      bounds_(column, row) = known ? Bounds{std::max(std::min(near, far), -end),
-                                            std::min(std::max(near, far), 1 + end)}
-                                   : Bounds{nan, nan};
+      const double least = std::max(std::min(near, far), -end),
+                   largest = std::min(std::max(near, far), 1 + end);
+      bounds_(column, row) = {static_cast<float>(known ? least * periods_ : nan),
+                              static_cast<float>(known ? largest * periods_ : nan)};
     }
   });
 }
 
-OrderRange DepthUnwrapper::possible(double phi, double modulation, const Bounds& bounds) const {
-  constexpr double sigmas = 4;
-  if (std::isnan(bounds.least)) return {};
-  const double cycles = phi / (2 * std::numbers::pi);
-  const double margin = sigmas * noise_ / std::max(modulation, 1e-3);
-  return {static_cast<int>(std::ceil((bounds.least - margin) * periods_ - cycles)),
-          static_cast<int>(std::floor((bounds.largest + margin) * periods_ - cycles))};
-}
-
-DepthUnwrapper::Result DepthUnwrapper::operator()(const BasicMaps<double>& maps,
-                                                  double full_scale) const {
-  const double grey_level = full_scale / 255;
+void DepthUnwrapper::operator()(const Image<float>& wrapped_phase, const Image<float>& modulation,
+                                double full_scale, DepthOrders& to) const {
   const Size size = bounds_.size();
-  Image<OrderRange> orders(size);
-  Image<double> phase = maps.wrapped_phase;
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      const double B = maps.modulation(column, row) / grey_level;
-      if (by_surfaces_ && B < least_modulation_) {
-        phase(column, row) = nan;
-      } else {
-        orders(column, row) = possible(phase(column, row), B, bounds_(column, row));
-      }
-    }
-  });
-  Result result{Image<double>(size, nan), Image<Validity>(size, Validity::doubtful_order)};
-  if (by_surfaces_) {
-    result.coordinate = coordinate_by_surfaces(phase, periods_, by_possible_orders(orders));
+  if (to.order.size() != size) {
+    to.order = Image<int>(size);
+    to.validity = Image<Validity>(size);
+    to.possible = Image<OrderRange>(size);
+    to.phase = Image<float>(size);
   }
+  const auto grey_level = static_cast<float>(full_scale / 255);
   for_each_row(size.height, [&](int row) {
+    const float *const phi = wrapped_phase.row(row), *const B = modulation.row(row);
+    float* const phase = to.phase.row(row);
     for (int column = 0; column < size.width; ++column) {
-      const auto [first, last] = orders(column, row);
-      const bool known = !std::isnan(bounds_(column, row).least);
-      if (known && first > last) result.validity(column, row) = Validity::out_of_range;
-      double& coordinate = result.coordinate(column, row);
-      if (!by_surfaces_ && first == last) {
-        coordinate = unwrapped_coordinate(phase(column, row), first, periods_);
-      }
-      if (!std::isnan(coordinate)) result.validity(column, row) = Validity::valid;
+      const float levels = B[column] / grey_level;
+      const bool lit = !by_surfaces_ || levels >= least_modulation_;
+      phase[column] = lit ? phi[column] : std::numeric_limits<float>::quiet_NaN();
+      to.possible(column, row) = possible(phi[column], levels, bounds_(column, row));
     }
   });
-  return result;
+  const Image<int>* const orders =
+      by_surfaces_ ? &to.by_surfaces(to.phase, by_possible_orders(to.possible)) : nullptr;
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      const auto [first, last] = to.possible(column, row);
+      const bool known = !std::isnan(bounds_(column, row).least);
+      int order = first == last ? first : SurfaceOrders::none;
+      if (orders != nullptr) order = (*orders)(column, row);
+      to.order(column, row) = order;
+      Validity& validity = to.validity(column, row);
+      validity = known && first > last ? Validity::out_of_range : Validity::doubtful_order;
+      if (order != SurfaceOrders::none) validity = Validity::valid;
+    }
+  });
+}
+
+/// The orders by which a coordinate lies between the bounds, but for noise.
+OrderRange DepthUnwrapper::possible(float phi, float modulation, const Bounds& bounds) const {
+  constexpr float sigmas = 4;
+  if (std::isnan(bounds.least)) return {};
+  const float cycles = phi / (2 * std::numbers::pi_v<float>);
+  const float margin = sigmas * noise_ / std::max(modulation, 1e-3F);
+  const auto floor = [](float value) {
+    const int towards_0 = static_cast<int>(std::clamp(value, -1e4F, 1e4F));
+    return towards_0 - (static_cast<float>(towards_0) > value ? 1 : 0);
+  };
+  return {static_cast<std::int16_t>(-floor(cycles + margin - bounds.least)),
+          static_cast<std::int16_t>(floor(bounds.largest + margin - cycles))};
 }
 
 }  // namespace slipstream

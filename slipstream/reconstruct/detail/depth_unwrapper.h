@@ -1,12 +1,21 @@
 #pragma once
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
 #include "slipstream/image/image.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/unwrap/surface_orders.h"
 
 namespace slipstream {
+
+/// The order of every pixel, and the memory that finding it takes.
+struct DepthOrders {
+  Image<int> order{};  ///< SurfaceOrders::none where not valid
+  /// `out_of_range` where there is no candidate, `doubtful_order` where there are several.
+  Image<Validity> validity{};
+  Image<OrderRange> possible{};
+  Image<float> phase{};
+  SurfaceOrders by_surfaces{};
+};
 
 /// The fringe order from the range of depth asked for (An, Hyun, Zhang 2016): along a pixel's ray
 /// the nearest and the farthest depth bound the projector coordinate, and an order whose coordinate
@@ -19,27 +28,25 @@ class DepthUnwrapper {
   /// spectrum, covers a period or more there, so that little would have one candidate alone.
   explicit DepthUnwrapper(const EngineSetup& setup);
 
-  struct Result {
-    Image<double> coordinate{};  ///< y, see BasicMaps; NaN where not valid
-    /// `out_of_range` where there is no candidate, `doubtful_order` where there are several.
-    Image<Validity> validity{};
-  };
-  /// `full_scale`: the largest grey level of the frames.
-  [[nodiscard]] Result operator()(const BasicMaps<double>& maps, double full_scale) const;
+  /// `full_scale`: the largest grey level of the frames, whose levels the modulation has.
+  void operator()(const Image<float>& wrapped_phase, const Image<float>& modulation,
+                  double full_scale, DepthOrders& to) const;
+
+  [[nodiscard]] double periods() const { return periods_; }
 
  private:
-  /// Between which y lies, least first; NaN where that is not known.
+  /// Between which y lies, in periods, least first; NaN where that is not known.
   struct Bounds {
-    double least = 0;
-    double largest = 0;
+    float least = 0;
+    float largest = 0;
   };
 
-  [[nodiscard]] OrderRange possible(double phi, double modulation, const Bounds& bounds) const;
+  [[nodiscard]] OrderRange possible(float phi, float modulation, const Bounds& bounds) const;
 
   double periods_;
-  double noise_;  ///< standard deviation of y where B is one grey level of 8 bits
+  float noise_;  ///< standard deviation in periods where B is one grey level of 8 bits
   bool by_surfaces_;
-  double least_modulation_;  ///< grey levels of 8 bits
+  float least_modulation_;  ///< grey levels of 8 bits
   Image<Bounds> bounds_;
 };
 

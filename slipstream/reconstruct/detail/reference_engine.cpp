@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/phase/modulation_mask.h"
+#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -57,9 +59,21 @@ BasicMaps<double> ReferenceEngine::maps(const FrameViews& frames, Image<Validity
   BasicMaps<double> decoded =
       decode_(frames, least_neighbour_modulation(setup_.settings, frames.full_scale()));
   if (unwrap_by_depth_) {
-    auto [coordinate, validity] = (*unwrap_by_depth_)(decoded, frames.full_scale());
-    decoded.coordinate = std::move(coordinate);
-    order = std::move(validity);
+    DepthOrders orders;
+    Image<float> phase, modulation;
+    convert(decoded.wrapped_phase, phase);
+    convert(decoded.modulation, modulation);
+    (*unwrap_by_depth_)(phase, modulation, frames.full_scale(), orders);
+    decoded.coordinate = Image<double>(camera, std::numeric_limits<double>::quiet_NaN());
+    for_each_row(camera.height, [&](int row) {
+      for (int column = 0; column < camera.width; ++column) {
+        const int k = orders.order(column, row);
+        if (k == SurfaceOrders::none) continue;
+        decoded.coordinate(column, row) = unwrapped_coordinate(decoded.wrapped_phase(column, row),
+                                                               k, unwrap_by_depth_->periods());
+      }
+    });
+    order = std::move(orders.validity);
   }
   return decoded;
 }

@@ -33,6 +33,11 @@ class ReferenceEngine {
   /// `validity`: of the fringe order, where the range of depth gives it; else empty.
   [[nodiscard]] BasicMaps<double> maps(const FrameViews& frames, Image<Validity>& validity) const;
 
+  /// Null where no range of depth gives the fringe order.
+  [[nodiscard]] const DepthUnwrapper* by_depth() const {
+    return unwrap_by_depth_ ? &*unwrap_by_depth_ : nullptr;
+  }
+
   /// See Engine::uncertainty.
   [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
                                         double full_scale) const;

@@ -2,8 +2,10 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <new>
 #include <optional>
+#include <span>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -116,38 +118,48 @@ int run(const Command& command, const SharedFlags& shared, Output& output) {
   return output.exit_code;
 }
 
+struct ProgramCommand {
+  std::string_view name;
+  void (*add)(CLI::App& program, Command& chosen);
+};
+
+/// In the order of --help.
+constexpr ProgramCommand program_commands[] = {
+    {"demo", add_demo},           {"patterns", add_patterns}, {"simulate", add_simulate},
+    {"calibrate", add_calibrate}, {"design", add_design},     {"reconstruct", add_reconstruct},
+    {"batch", add_batch},         {"check", add_check},       {"measure", add_measure},
+    {"convert", add_convert},     {"unwrap", add_unwrap},     {"height", add_height},
+    {"verify", add_verify},       {"compare", add_compare},   {"assist", add_assist},
+    {"live", add_live},           {"serve", add_serve},
+#ifdef SLIPSTREAM_VIEW
+    {"project", add_project},     {"view", add_view},
+#endif
+    {"capture", add_capture},     {"record", add_record},     {"camera", add_camera},
+    {"reproduce", add_reproduce}, {"bench", add_bench},       {"gpu", add_gpu},
+};
+
+/// Only the one that the arguments begin with, as all of them take milliseconds to add; all where
+/// that is none, or a rig file is read, which may hold settings of any.
+void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
+  const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
+  const bool has_rig =
+      first == "serve" || std::any_of(arguments.begin(), arguments.end(), [](const char* argument) {
+        return std::string_view(argument).starts_with("--rig");
+      });
+  const auto is_first = [&](const ProgramCommand& command) { return command.name == first; };
+  const bool alone =
+      !has_rig && std::any_of(std::begin(program_commands), std::end(program_commands), is_first);
+  for (const ProgramCommand& command : program_commands) {
+    if (!alone || is_first(command)) command.add(program, chosen);
+  }
+}
+
 int run_program(int argc, char** argv, Output& output) {
   CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
   program.require_subcommand(1);
   program.set_version_flag("--version", program_version);
   Command chosen;
-  add_demo(program, chosen);
-  add_patterns(program, chosen);
-  add_simulate(program, chosen);
-  add_calibrate(program, chosen);
-  add_design(program, chosen);
-  add_reconstruct(program, chosen);
-  add_batch(program, chosen);
-  add_check(program, chosen);
-  add_measure(program, chosen);
-  add_convert(program, chosen);
-  add_unwrap(program, chosen);
-  add_height(program, chosen);
-  add_verify(program, chosen);
-  add_compare(program, chosen);
-  add_assist(program, chosen);
-  add_live(program, chosen);
-  add_serve(program, chosen);
-#ifdef SLIPSTREAM_VIEW
-  add_project(program, chosen);
-  add_view(program, chosen);
-#endif
-  add_capture(program, chosen);
-  add_record(program, chosen);
-  add_camera(program, chosen);
-  add_reproduce(program, chosen);
-  add_bench(program, chosen);
-  add_gpu(program, chosen);
+  add_commands(program, chosen, {argv, static_cast<std::size_t>(argc)});
   SharedFlags shared;
   add_shared_flags(program, program, shared);
 

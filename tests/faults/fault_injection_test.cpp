@@ -2,9 +2,9 @@
 // and a line, and what it was to write is there whole, as it was, or, where there was nothing, not
 // at all; nor is memory leaked, where the leak sanitizer of the compiler is there to tell. By
 // default some of the calls fail, spread evenly. SLIPSTREAM_FAULTS=100 tries about so many of each
-// kind in each command, SLIPSTREAM_FAULTS=all every one; but of malloc, of each place in the code
-// (see fault_protocol.h) that no command before has tried, the first call and one of those after
-// it. SLIPSTREAM_FAULTS_OF=malloc leaves the other kinds out.
+// kind in each command, so that 1000000 are all; SLIPSTREAM_FAULTS=all every one, but of malloc, of
+// each place in the code (see fault_protocol.h) that no command before has tried, the first call
+// and one of those after it. SLIPSTREAM_FAULTS_OF=malloc leaves the other kinds out.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -42,9 +42,9 @@ struct Case {
 
 const std::vector<Case> cases{
     {"simulate",
-     {"simulate", "@/scan", "--camera", "64x48"},
+     {"simulate", "@/scan", "--camera", "16x12"},
      {"scan/scan.yaml", "scan/frame_00.png"}},
-    {"simulate_recording", {"simulate", "@/frames.slip", "--camera", "64x48"}, {"frames.slip"}},
+    {"simulate_recording", {"simulate", "@/frames.slip", "--camera", "16x12"}, {"frames.slip"}},
     {"reconstruct",
      {"reconstruct", "%/scan", "--anyway", "-o", "@/cloud.ply", "--mesh", "@/mesh.obj", "--depth",
       "@/depth.tiff", "--preview", "@/preview.png"},

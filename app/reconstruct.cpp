@@ -265,6 +265,9 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
 void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFlags& flags,
                       std::optional<Engine>& engine) {
   Output& output = result.words;
+  // The system makes the pages of a new cloud as slowly as the engine its tables.
+  auto memory = std::async(parallel_threads() == 1 ? std::launch::deferred : std::launch::async,
+                           [&] { result.cloud = Cloud(scan.frames.size()); });
   Stopwatch watch;
   result.sound = sound_scan(scan, text_of(result.name), flags.cloud, output);
   const EngineSetup& setup = result.sound.setup;
@@ -291,6 +294,7 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   if (!result.sound.gamma.sentence.empty()) {
     output.say("{}: {}", text_of(result.name), result.sound.gamma.sentence);
   }
+  memory.get();
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
   if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
   result.counts = count_by_validity(result.cloud);

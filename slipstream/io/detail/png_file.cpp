@@ -121,9 +121,12 @@ int paeth(int left, int above, int corner) {
 template <std::size_t step>
 bool unfilter(int filter, const std::uint8_t* above, std::span<std::uint8_t> row) {
   const auto add = [&](const auto& predicted) {
+    std::array<std::uint8_t, step> left{}, corner{};  // read back from the row they would wait
     for (std::size_t i = 0; i < row.size(); ++i) {
-      const int left = i < step ? 0 : row[i - step], corner = i < step ? 0 : above[i - step];
-      row[i] = static_cast<std::uint8_t>(row[i] + predicted(left, above[i], corner));
+      std::uint8_t &before = left[i % step], &above_before = corner[i % step];
+      before = static_cast<std::uint8_t>(row[i] + predicted(before, above[i], above_before));
+      above_before = above[i];
+      row[i] = before;
     }
   };
   switch (filter) {

@@ -1,4 +1,12 @@
 // Packets to the served camera, and the answers of a driver.
+#include <cerrno>
+#include <cstring>
+#include <list>
+
+#include <linux/videodev2.h>
+
+#include "slipstream/camera/v4l2_source.h"
+#include "slipstream/error/error.h"
 #include "slipstream/gige/gige_block.h"
 #include "tests/camera/gvcp_packets.h"
 #include "tests/fuzz/target.h"
@@ -57,7 +65,79 @@ void answer_packets(std::span<const std::uint8_t> input) {
   }
 }
 
-const bool known = add_fuzz_target({"gvcp", conversations, answer_packets});
+/// A driver whose answers are an input's bytes.
+class AnyDriver : public VideoDevice {
+ public:
+  explicit AnyDriver(InputNumbers& answers) : answers_(answers) {}
+
+  int control(unsigned long request, void* argument) override {
+    const auto how = answers_.next<std::uint8_t>();
+    if (answers_.rest().empty() || how % 32 == 31) {
+      errno = how % 64 == 63 ? EINVAL : how < 128 ? EAGAIN : ENODEV;
+      return -1;
+    }
+    if ((_IOC_DIR(request) & _IOC_READ) == 0 || how % 2 == 0) return likely(request, argument);
+    const auto bytes =
+        answers_.rest().first(std::min<std::size_t>(_IOC_SIZE(request), answers_.rest().size()));
+    std::memcpy(argument, bytes.data(), bytes.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i) (void)answers_.next<std::uint8_t>();
+    return 0;
+  }
+  void* map(std::size_t length, std::size_t) override {
+    constexpr std::size_t longest = 1 << 12, most = 16;
+    if (length > longest || memory_.size() == most) return nullptr;
+    return memory_.emplace_back(length, std::uint8_t{0x5a}).data();
+  }
+  void unmap(void*, std::size_t) override {}
+  bool wait(std::chrono::milliseconds) override { return !answers_.rest().empty(); }
+
+ private:
+  /// What lets the next call come.
+  int likely(unsigned long request, void* argument) {
+    if (request == VIDIOC_QUERYCAP) {
+      static_cast<v4l2_capability*>(argument)->capabilities =
+          V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+    }
+    if (request == VIDIOC_QUERYBUF) {
+      static_cast<v4l2_buffer*>(argument)->length = answers_.next<std::uint16_t>() % 256;
+    }
+    if (request == VIDIOC_DQBUF) static_cast<v4l2_buffer*>(argument)->bytesused = 256;
+    return 0;
+  }
+
+  InputNumbers& answers_;
+  std::list<Bytes> memory_;
+};
+
+/// Frames of a driver of any answers, with its controls looked at and set between.
+void hear_driver(std::span<const std::uint8_t> input) {
+  InputNumbers answers(input);
+  CameraSettings settings;
+  const auto how = answers.next<std::uint8_t>();
+  settings.region = Rectangle{.size = {1 + how % 8, 3}};
+  settings.pixel_format = how < 128 ? MonoFormat::mono8 : MonoFormat::mono12;
+  if (how % 3 == 0) settings.frame_rate = 30;
+  if (how % 5 == 0) settings.exposure = 0.01;
+  try {
+    V4l2Source source(
+        "any", [&] { return std::make_unique<AnyDriver>(answers); }, settings);
+    source.start();
+    Frame frame(source.format());
+    for (int i = 0; i < 20 && !answers.rest().empty(); ++i) {
+      (void)source.next(frame, {});
+      (void)source.control(i % 2 == 0 ? CameraControl::exposure : CameraControl::gain);
+    }
+    source.stop();
+  } catch (const WorldError&) {  // no such camera
+  }
+}
+
+std::vector<Bytes> drivers() {
+  return {Bytes(400, 0x10), Bytes(400, 0x80)};
+}
+
+const bool known = add_fuzz_target({"gvcp", conversations, answer_packets}) &&
+                   add_fuzz_target({"v4l2", drivers, hear_driver});
 
 }  // namespace
 }  // namespace slipstream

@@ -262,12 +262,26 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   return loaded;
 }
 
+/// What one scan leaves to the next.
+struct Reused {
+  std::optional<Engine> engine;
+  std::vector<Cloud> clouds;
+};
+
 void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFlags& flags,
-                      std::optional<Engine>& engine) {
+                      Reused& reused) {
+  std::optional<Engine>& engine = reused.engine;
   Output& output = result.words;
+  if (!reused.clouds.empty()) {
+    result.cloud = std::move(reused.clouds.back());
+    reused.clouds.pop_back();
+  }
   // The system makes the pages of a new cloud as slowly as the engine its tables.
-  auto memory = std::async(parallel_threads() == 1 ? std::launch::deferred : std::launch::async,
-                           [&] { result.cloud = Cloud(scan.frames.size()); });
+  auto memory =
+      std::async(parallel_threads() == 1 ? std::launch::deferred : std::launch::async, [&] {
+        const Size size = scan.frames.size();
+        if (result.cloud.size() != size) result.cloud = Cloud(size);
+      });
   Stopwatch watch;
   result.sound = sound_scan(scan, text_of(result.name), flags.cloud, output);
   const EngineSetup& setup = result.sound.setup;
@@ -308,12 +322,11 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   result.rms = error_against_truth(result.name.path, result.cloud);
 }
 
-ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags,
-                                std::optional<Engine>& engine) {
+ReconstructedScan reconstructed(LoadedScan loaded, const ReconstructFlags& flags, Reused& reused) {
   ReconstructedScan& result = loaded.result;
   if (result.done_before || !result.failure.empty()) return std::move(result);
   try {
-    reconstruct_scan(loaded.scan, result, flags, engine);
+    reconstruct_scan(loaded.scan, result, flags, reused);
   } catch (const Error& error) {
     result.failure = error.what();
   }
@@ -326,10 +339,6 @@ ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flag
   write_files(flags, result);
   if (!flags.manifest.empty()) result.entry["outputs"] = sums_of(result.files.written());
   result.written = watch.lap();
-  for (Image<float>* told_no_more :
-       {&result.cloud.x, &result.cloud.y, &result.cloud.z, &result.cloud.intensity}) {
-    *told_no_more = {};
-  }
   result.maps = {};
   result.uncertainty.reset();
   return result;
@@ -372,7 +381,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   const std::size_t most_written = threads == 1 ? 0 : threads;
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
-  std::optional<Engine> engine;
+  Reused reused;
   Progress progress("scans", static_cast<int>(count));
   const auto next_of = [](auto& waiting) {
     auto next = waiting.front().get();
@@ -381,10 +390,11 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   };
   std::size_t done_before = 0;
   const auto tell_next = [&] {
-    const ReconstructedScan scan = next_of(writing);
+    ReconstructedScan scan = next_of(writing);
     progress.finish();
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
     scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
+    reused.clouds.push_back(std::move(scan.cloud));
     progress.advance();
   };
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
@@ -394,7 +404,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
       }));
     }
     writing.push_back(std::async(
-        start, [&flags, scan = reconstructed(next_of(loading), flags, engine)]() mutable {
+        start, [&flags, scan = reconstructed(next_of(loading), flags, reused)]() mutable {
           return written(std::move(scan), flags);
         }));
     while (writing.size() > most_written) tell_next();

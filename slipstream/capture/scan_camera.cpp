@@ -44,22 +44,20 @@ bool is_still(const FrameViews& before, const FrameViews& after) {
   });
 }
 
-FrameSet frame_set_of(int count, const std::function<const Frame&(int n)>& frame_at) {
-  const Frame& first = frame_at(0);
+FrameSet frame_set_of(std::vector<Frame> frames) {
   return std::visit(
       [&]<class Pixel>(const Image<Pixel>&) {
         std::vector<Image<Pixel>> images;
-        images.reserve(static_cast<std::size_t>(count));
-        for (int n = 0; n < count; ++n) {
-          images.push_back(std::get<Image<Pixel>>(frame_at(n).pixels));
+        for (Frame& frame : frames) {
+          images.push_back(std::move(std::get<Image<Pixel>>(frame.pixels)));
         }
         if constexpr (sizeof(Pixel) == 1) {
           return FrameSet(std::move(images));
         } else {
-          return FrameSet(std::move(images), first.bits);
+          return FrameSet(std::move(images), frames.front().bits);
         }
       },
-      first.pixels);
+      frames.at(0).pixels);
 }
 
 }  // namespace slipstream

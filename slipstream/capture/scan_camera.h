@@ -1,7 +1,6 @@
 #pragma once
 
 #include <chrono>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -34,7 +33,7 @@ class ScanCamera {
 /// third of a pixel does. False where they differ in size or count.
 bool is_still(const FrameViews& before, const FrameViews& after);
 
-/// Copies of frames of one format as a set, in the order in which `frame_at(n)` gives `count`.
-FrameSet frame_set_of(int count, const std::function<const Frame&(int n)>& frame_at);
+/// Frames of one format, one or more, as a set.
+FrameSet frame_set_of(std::vector<Frame> frames);
 
 }  // namespace slipstream

@@ -23,10 +23,6 @@ void set_exposure(FrameSource& source, double seconds) {
   controls->set_control(CameraControl::exposure, seconds * 1e3);
 }
 
-FrameSet set_of(const Frame& frame) {
-  return frame_set_of(1, [&](int) -> const Frame& { return frame; });
-}
-
 }  // namespace
 
 ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
@@ -77,7 +73,7 @@ bool ShownScans::show(std::size_t pattern, milliseconds timeout) {
 std::optional<Glimpse> ShownScans::look(milliseconds timeout) {
   if (lit_ && settings_.triggered) source_.trigger();
   if (!(lit_ ? next(timeout) : show(light_, timeout))) return std::nullopt;
-  FrameSet seen = set_of(frame_);
+  FrameSet seen = frame_set_of({frame_});
   const bool still = is_still(glimpse_, seen);
   glimpse_ = std::move(seen);
   return Glimpse{{glimpse_}, still};
@@ -96,12 +92,11 @@ std::optional<std::vector<FrameSet>> ShownScans::take() {
       if (!show(pattern, longest_wait)) return std::nullopt;
       frames.push_back(frame_);
     }
-    scans.push_back(frame_set_of(static_cast<int>(count), [&](int n) -> const Frame& {
-      return frames[static_cast<std::size_t>(n)];
-    }));
+    scans.push_back(frame_set_of(std::move(frames)));
   }
   if (settings_.exposures.size() > 1) set_exposure(source_, settings_.exposures.front());
-  if (!show(light_, longest_wait) || !is_still(glimpse_, set_of(frame_))) return std::nullopt;
+  if (!show(light_, longest_wait) || !is_still(glimpse_, frame_set_of({frame_})))
+    return std::nullopt;
   return scans;
 }
 

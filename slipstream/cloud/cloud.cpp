@@ -30,7 +30,7 @@ std::string_view name_of(Validity validity) {
 }
 
 std::uint8_t grey_level(float intensity) {
-  return static_cast<std::uint8_t>(std::lround(std::clamp(intensity, 0.0F, 255.0F)));
+  return static_cast<std::uint8_t>(std::clamp(double{intensity}, 0.0, 255.0) + 0.5);
 }
 
 ValidityCounts count_by_validity(const Image<Validity>& validity) {

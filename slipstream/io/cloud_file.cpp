@@ -1,5 +1,6 @@
 #include "slipstream/io/cloud_file.h"
 
+#include <array>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -50,9 +51,7 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
 }
 
 void append_place(std::string& bytes, const Cloud& cloud, int column, int row) {
-  append_bytes(bytes, cloud.x(column, row));
-  append_bytes(bytes, cloud.y(column, row));
-  append_bytes(bytes, cloud.z(column, row));
+  append_bytes(bytes, std::array{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)});
 }
 
 void append_extras(std::string& bytes, const std::vector<Extra>& extras, int column, int row) {
@@ -75,15 +74,16 @@ void for_each_point(const Cloud& cloud, const Visit& visit) {
 
 std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
                      const std::vector<std::string>& remarks) {
+  const std::size_t points = point_count(cloud);
   std::string file = fmt::format(
       "ply\nformat binary_little_endian 1.0\ncomment slipstream, camera frame, mm\n{}"
       "element vertex {}\nproperty float x\nproperty float y\nproperty float z\n"
       "{}",
-      comments_of(remarks, "comment"), point_count(cloud), ply_intensity);
+      comments_of(remarks, "comment"), points, ply_intensity);
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   constexpr std::size_t place_intensity_colour = 12 + 8 + 3;
-  file.reserve(file.size() + point_count(cloud) * (place_intensity_colour + 4 * extras.size()));
+  file.reserve(file.size() + points * (place_intensity_colour + 4 * extras.size()));
   for_each_point(cloud, [&](int column, int row) {
     append_place(file, cloud, column, row);
     append_bytes(file, double{cloud.intensity(column, row)});

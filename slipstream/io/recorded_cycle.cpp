@@ -47,9 +47,9 @@ std::optional<FrameSet> cycle_among(const RecordingReader& recording, const Sequ
     if (begins_earlier || (least && sequence_of(window.front()) > sequence_of(window.back()))) {
       continue;
     }
-    return frame_set_of(static_cast<int>(window.size()), [&](int place) -> const Frame& {
-      return *window[static_cast<std::size_t>(place)];
-    });
+    std::vector<Frame> frames;  // nobody else reads them any more
+    for (Pooled<Frame>& placed : window) frames.push_back(std::move(placed.fill()));
+    return frame_set_of(std::move(frames));
   }
   return std::nullopt;
 }

@@ -66,9 +66,11 @@ std::optional<std::vector<FrameSet>> CyclicScans::cycle_of(
   newest_ = newest;
   std::vector<FrameSet> scans;
   for (int scan = 0; scan < scans_; ++scan) {
-    scans.push_back(frame_set_of(frames_, [&](int n) -> const Frame& {
-      return *window[static_cast<std::size_t>(scan * frames_ + n)];
-    }));
+    std::vector<Frame> frames;
+    for (int n = 0; n < frames_; ++n) {
+      frames.push_back(*window[static_cast<std::size_t>(scan * frames_ + n)]);
+    }
+    scans.push_back(frame_set_of(std::move(frames)));
   }
   return scans;
 }

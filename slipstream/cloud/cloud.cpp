@@ -35,12 +35,18 @@ std::uint8_t grey_level(float intensity) {
 
 ValidityCounts count_by_validity(const Image<Validity>& validity) {
   // A counter waits for its last increment, and neighbours most often count the same.
-  std::array<ValidityCounts, 8> of_each{};
-  std::size_t next = 0;
-  for (const Validity value : validity) ++of_each[next++ % 8][static_cast<std::size_t>(value)];
+  constexpr std::size_t at_once = 8;
+  std::array<std::array<std::uint32_t, 16>, at_once> of_each{};
+  const std::size_t whole = validity.pixel_count() / at_once * at_once;
+  for (const Validity* pixel = validity.begin(); pixel != validity.begin() + whole;
+       pixel += at_once) {
+    for (std::size_t i = 0; i < at_once; ++i) ++of_each[i][static_cast<std::size_t>(pixel[i])];
+  }
   ValidityCounts counts{};
-  for (const ValidityCounts& one : of_each) {
-    std::transform(one.begin(), one.end(), counts.begin(), counts.begin(), std::plus<>());
+  std::for_each(validity.begin() + whole, validity.end(),
+                [&](Validity rest) { ++counts[static_cast<std::size_t>(rest)]; });
+  for (const auto& one : of_each) {
+    std::transform(counts.begin(), counts.end(), one.begin(), counts.begin(), std::plus<>());
   }
   return counts;
 }

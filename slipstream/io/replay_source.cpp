@@ -10,7 +10,6 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -54,14 +53,15 @@ void ReplaySource::open_recording(const fs::path& path) {
 
 void ReplaySource::open_folder(const fs::path& folder) {
   const ScanFiles files = scan_files_in(folder, settings_.scan);
-  const Scan scan = load_frames(files);
+  const Scan scan = load_scan(files);
   frames_ = frames_of(scan.frames, folder.string());
   count_ = frames_.size();
   paced_ = settings_.rate.value_or(0) > 0;
   header_.format = frames_.front().format();
   header_.sequence = scan.sequence;
   header_.sequence->marker = false;  // the folder's frames are the patterns alone
-  if (files.scanner) header_.scanner = read_scanner(*files.scanner);
+  header_.scanner = scan.scanner;
+  warning_ = fmt::format("{}", fmt::join(scan.warnings, "; "));
 }
 
 void ReplaySource::measure_round(const fs::path& path) {

@@ -11,6 +11,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/dual_frequency.h"
@@ -194,6 +195,32 @@ TEST(ReplaySource, RefusesPicturesOf16BitsThatAreSaidToHave8) {
   write_scan_files(folder.path() / "scan.yaml", scan);
   expect_error([&] { ReplaySource(folder.path(), {}); },
                {folder.path().string(), "pictures of 16 bits", "bits is 8"});
+}
+
+TEST(ReplaySource, TakesPicturesInColourApart) {
+  const TemporaryFolder folder;
+  Scanner scanner = example_scanner({48, 36});
+  const Strategy strategy = PhaseMeasuring{.steps = 3};
+  const VirtualScan taken =
+      take_colour_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x), {},
+                       {.mixture = usual_mixture});
+  scanner.photometry.colour_mixture = usual_mixture;
+  save_scan(folder.path(), taken.frames, {.strategy = strategy}, scanner, std::nullopt, true);
+  ReplaySource source(folder.path(), {.rate = 0});
+  EXPECT_NE(source.warning().find("without a white one"), std::string::npos);
+  const FrameSet apart = unmixed(taken.frames, usual_mixture);
+  Frame frame(source.format());
+  source.start();
+  apart.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
+      for (const auto& one : frames) {
+        ASSERT_EQ(source.next(frame, 1s), Arrival::frame);
+        const auto& replayed = std::get<Image<std::uint16_t>>(frame.pixels);
+        EXPECT_TRUE(std::equal(replayed.begin(), replayed.end(), one.row(0)));
+      }
+    }
+  });
+  EXPECT_EQ(source.next(frame, 1s), Arrival::ended);
 }
 
 template <class Pixel>

@@ -8,6 +8,7 @@
 
 #include "app/flag_group.h"
 #include "app/output.h"
+#include "app/rig_flag.h"
 
 namespace slipstream::app {
 
@@ -51,7 +52,7 @@ void add_compare(CLI::App& program, Command& chosen);
 void add_verify(CLI::App& program, Command& chosen);
 void add_project(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_live(CLI::App& program, Command& chosen);
-void add_serve(CLI::App& program, Command& chosen);
+void add_serve(CLI::App& program, Command& chosen, const RigSaid& rig);
 void add_view(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_reproduce(CLI::App& program, Command& chosen);
 void add_bench(CLI::App& program, Command& chosen);

@@ -146,25 +146,6 @@ void wait_until_over(LiveSession& session, std::vector<LiveFinding>& findings, O
   }
 }
 
-void require_good(const LiveFlags& flags) {
-  require_duration(flags.duration);
-  if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
-  for (const std::string& file : {flags.output, flags.model}) {
-    if (!file.empty()) require_cloud_ending(file);
-  }
-  if (!flags.track.empty()) (void)tracked_shape_named(flags.track);
-  std::set<std::string> sinks;
-  for (const std::string& sink : flags.publish) {
-    require_sink(sink);
-    if (!sinks.insert(sink).second) throw Error(fmt::format("--publish {} is given twice", sink));
-  }
-#ifdef SLIPSTREAM_VIEW
-  require_good(flags.view);
-#else
-  if (!flags.headless) throw Error("this build has no viewer; add --headless");
-#endif
-}
-
 /// Runs the session to its end; what a stage threw comes out here.
 void run_session(LiveSession& session, [[maybe_unused]] bool headless,
                  std::vector<LiveFinding>& findings, Output& output) {
@@ -286,6 +267,25 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
 
 }  // namespace
 
+void require_good(const LiveFlags& flags) {
+  require_duration(flags.duration);
+  if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
+  for (const std::string& file : {flags.output, flags.model}) {
+    if (!file.empty()) require_cloud_ending(file);
+  }
+  if (!flags.track.empty()) (void)tracked_shape_named(flags.track);
+  std::set<std::string> sinks;
+  for (const std::string& sink : flags.publish) {
+    require_sink(sink);
+    if (!sinks.insert(sink).second) throw Error(fmt::format("--publish {} is given twice", sink));
+  }
+#ifdef SLIPSTREAM_VIEW
+  require_good(flags.view);
+#else
+  if (!flags.headless) throw Error("this build has no viewer; add --headless");
+#endif
+}
+
 void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
   PatternIndexing indexing = pattern_indexing_named(flags.indexing);
@@ -328,6 +328,7 @@ void live(const LiveFlags& flags, Output& output) {
                       setup,
                       [&] {
                         tell_news(publisher, output);
+                        if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
                         const bool at_end = flags.headless || flags.frames;
                         return end.reached() || pipeline.failure() ||
                                (at_end && !pipeline.running());
@@ -348,6 +349,7 @@ void live(const LiveFlags& flags, Output& output) {
     pipeline.start();
   }
   tell_service_manager("READY=1");
+  if (flags.begun) flags.begun();
   output.document["files"] = nlohmann::json::object();
   std::vector<LiveFinding> findings;
   run_session(session, flags.headless, findings, output);

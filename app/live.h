@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "app/clean_flags.h"
 #include "app/flag_group.h"
 #include "app/output.h"
+#include "app/rig_flag.h"
 #include "app/source_flags.h"
 #include "app/view_flags.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
@@ -28,6 +30,12 @@ struct LiveFlags {
   std::string record;
   std::vector<std::string> publish;
   ViewFlags view;
+  // Of serve:
+  const RigSaid* rig = nullptr;      ///< what its file says
+  std::function<LiveFlags()> again;  ///< what the flags are by the file as it is now; throws Error
+  std::function<void()> begun;       ///< called once sinks are open and frames are taken
+  /// At SIGHUP: whether it is to end.
+  std::function<bool()> hung_up;
 };
 
 /// Adds all but --headless.
@@ -35,6 +43,9 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags);
 
 /// Tells systemd, where it started the program and wants to know: "READY=1", "STATUS=...".
 void tell_service_manager(const std::string& state);
+
+/// Throws Error for what cannot be meant, as far as that is known before anything is opened.
+void require_good(const LiveFlags& flags);
 
 /// From the source to clouds until it ends, or a signal ends it.
 void live(const LiveFlags& flags, Output& output);

@@ -120,7 +120,7 @@ int run(const Command& command, const SharedFlags& shared, Output& output) {
 
 struct ProgramCommand {
   std::string_view name;
-  void (*add)(CLI::App& program, Command& chosen);
+  void (*add)(CLI::App& program, Command& chosen);  ///< none: add_serve
 };
 
 /// In the order of --help.
@@ -130,7 +130,7 @@ constexpr ProgramCommand program_commands[] = {
     {"batch", add_batch},         {"check", add_check},       {"measure", add_measure},
     {"convert", add_convert},     {"unwrap", add_unwrap},     {"height", add_height},
     {"verify", add_verify},       {"compare", add_compare},   {"assist", add_assist},
-    {"live", add_live},           {"serve", add_serve},
+    {"live", add_live},           {"serve", nullptr},
 #ifdef SLIPSTREAM_VIEW
     {"project", add_project},     {"view", add_view},
 #endif
@@ -140,7 +140,8 @@ constexpr ProgramCommand program_commands[] = {
 
 /// Only the one that the arguments begin with, as all of them take milliseconds to add; all where
 /// that is none, or a rig file is read, which may hold settings of any.
-void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
+void add_commands(CLI::App& program, Command& chosen, const RigSaid& rig,
+                  std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const bool has_rig =
       first == "serve" || std::any_of(arguments.begin(), arguments.end(), [](const char* argument) {
@@ -150,7 +151,12 @@ void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arg
   const bool alone =
       !has_rig && std::any_of(std::begin(program_commands), std::end(program_commands), is_first);
   for (const ProgramCommand& command : program_commands) {
-    if (!alone || is_first(command)) command.add(program, chosen);
+    if (alone && !is_first(command)) continue;
+    if (command.add == nullptr) {
+      add_serve(program, chosen, rig);
+    } else {
+      command.add(program, chosen);
+    }
   }
 }
 
@@ -159,8 +165,8 @@ int run_program(int argc, char** argv, Output& output) {
   program.require_subcommand(1);
   program.set_version_flag("--version", program_version);
   Command chosen;
-  add_commands(program, chosen, {argv, static_cast<std::size_t>(argc)});
   SharedFlags shared;
+  add_commands(program, chosen, shared.rig, {argv, static_cast<std::size_t>(argc)});
   add_shared_flags(program, program, shared);
 
   try {
@@ -180,7 +186,8 @@ int run_program(int argc, char** argv, Output& output) {
   }
   try {
     require_distinct_files(chosen_command(program));
-    return run(chosen, shared, output);
+    const Command command = chosen;  // serve reads the flags again meanwhile
+    return run(command, shared, output);
   } catch (const Error& error) {
     throw Error(located(shared.rig, error.what()));
   } catch (const WorldError& error) {

@@ -61,7 +61,7 @@ bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& optio
 }
 
 void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
-  said.file = file.string();
+  said = {.file = file.string()};
   std::set<std::string> known;
   collect_settings(program, known);
   for (const RigSetting& setting : read_rig(file)) {

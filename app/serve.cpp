@@ -2,11 +2,14 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <fstream>
-#include <iterator>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include <fmt/format.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -19,22 +22,15 @@
 namespace slipstream::app {
 namespace {
 
-/// With the same arguments, in the same process, which whoever watches it knows.
-void start_anew() {
+std::vector<std::string> own_arguments() {
   std::ifstream file("/proc/self/cmdline");
-  std::string words{std::istreambuf_iterator<char>(file), {}};
-  std::vector<char*> arguments;
-  for (std::size_t at = 0; at < words.size(); at = words.find('\0', at) + 1) {
-    arguments.push_back(words.data() + at);
-  }
-  arguments.push_back(nullptr);
-  if (arguments.front() != nullptr) ::execvp(arguments.front(), arguments.data());
-  throw WorldError("cannot start anew");
+  std::vector<std::string> words;
+  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+  return words;
 }
 
-void serve(const LiveFlags& given, Output& output) {
-  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written
-  LiveFlags flags = given;
+/// What can be served of that.
+LiveFlags served(LiveFlags flags) {
   flags.headless = true;
   if (flags.publish.empty() && flags.record.empty()) {
     throw Error(
@@ -42,10 +38,40 @@ void serve(const LiveFlags& given, Output& output) {
         "as "
         "publish: [web:8080]");
   }
-  live(flags, output);
-  if (hung_up()) {
-    output.say("starting anew");
-    start_anew();
+  require_good(flags);
+  return flags;
+}
+
+void serve(const LiveFlags& given, Output& output) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written
+  const auto again = given.again;
+  const RigSaid& rig = *given.rig;
+  LiveFlags now = served(given);
+  const auto refuse = [&](const std::exception& error) {
+    output.warn(fmt::format("{}; it goes on as before", located(rig, error.what())));
+  };
+  std::optional<LiveFlags> before;  // until a run by a new file has begun
+  while (true) {
+    std::optional<LiveFlags> next;
+    now.begun = [&] { before.reset(); };
+    now.hung_up = [&] {
+      try {
+        next = served(again());
+        output.say("starting anew");
+      } catch (const std::exception& error) {
+        refuse(error);
+      }
+      return next.has_value();
+    };
+    try {
+      live(now, output);
+      if (!next) return;
+      before = std::exchange(now, *next);
+    } catch (const std::exception& error) {  // of what shows only when all is opened
+      if (!before) throw;
+      refuse(error);
+      now = *std::exchange(before, std::nullopt);
+    }
   }
 }
 
@@ -68,11 +94,20 @@ void tell_service_manager(const std::string& state) {
   ::close(descriptor);
 }
 
-void add_serve(CLI::App& program, Command& chosen) {
+void add_serve(CLI::App& program, Command& chosen, const RigSaid& rig) {
   const auto [command, flags] =
       add_command(program, chosen, serve, "serve",
                   "live without a window, as one file says, until SIGTERM; SIGHUP reads it again");
   add_live_flags(command, flags);
+  flags.rig = &rig;
+  flags.again = [&program, &read = flags, none = flags] {
+    std::vector<std::string> words = own_arguments();
+    std::reverse(words.begin(), words.end());
+    words.pop_back();
+    read = none;
+    program.parse(words);
+    return read;
+  };
   command.app.footer("Example:\n  slipstream serve rig.yaml");
 }
 

@@ -76,12 +76,16 @@ void prepare_process() {
 }
 
 StopSignal::StopSignal() {
-  stop_raised = 0;
-  handle_ends(raise_stop);
+  forget();
 }
 
 StopSignal::~StopSignal() {
   handle_ends(end_program);
+}
+
+void StopSignal::forget() const {
+  stop_raised = 0;
+  handle_ends(raise_stop);
 }
 
 bool StopSignal::raised() const {

@@ -22,9 +22,11 @@ class StopSignal {
   StopSignal& operator=(const StopSignal&) = delete;
 
   [[nodiscard]] bool raised() const;
+  /// Forgets it, and remembers the next.
+  void forget() const;
 };
 
-/// Whether the last StopSignal was raised by SIGHUP.
+/// Whether the last StopSignal was raised by SIGHUP, and that is not forgotten.
 bool hung_up();
 
 /// Throws Error unless --duration is above 0 s, where it is given.
@@ -36,6 +38,8 @@ class RunEnd {
   explicit RunEnd(std::optional<double> duration) : duration_(duration) {}
 
   [[nodiscard]] bool reached() const;
+  /// As if no signal had come.
+  void forget_signal() const { stop_.forget(); }
   /// Since it was made.
   [[nodiscard]] double seconds() const;
 

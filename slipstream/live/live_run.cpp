@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/live/live_check.h"
 
 namespace slipstream {
@@ -219,6 +220,7 @@ void LiveRun::receive(Pooled<Frame> frame) {
 }
 
 void LiveRun::capture() {
+  if (paced_) go_when_woken();
   Frame nobodys(format_);  // what comes while every frame is held
   const auto enough = [this] {
     return settings_.most_frames && frames_captured_ >= *settings_.most_frames;

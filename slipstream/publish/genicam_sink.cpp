@@ -23,7 +23,7 @@
 #include "slipstream/publish/detail/cloud_block.h"
 #include "slipstream/publish/detail/scan3d_description.h"
 #include "slipstream/publish/named_sink.h"
-#include "slipstream/publish/thread_priority.h"
+#include "slipstream/capture/thread_priority.h"
 
 namespace slipstream {
 namespace {

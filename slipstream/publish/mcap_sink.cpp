@@ -4,7 +4,7 @@
 #include "slipstream/publish/mcap_writer.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/ros_messages.h"
-#include "slipstream/publish/thread_priority.h"
+#include "slipstream/capture/thread_priority.h"
 
 namespace slipstream {
 namespace {

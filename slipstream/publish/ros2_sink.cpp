@@ -23,7 +23,7 @@
 #include "slipstream/publish/dds_messages.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/named_sink.h"
-#include "slipstream/publish/thread_priority.h"
+#include "slipstream/capture/thread_priority.h"
 
 namespace slipstream {
 namespace {

@@ -23,7 +23,7 @@
 #include "slipstream/error/number_text.h"
 #include "slipstream/publish/metrics.h"
 #include "slipstream/publish/named_sink.h"
-#include "slipstream/publish/thread_priority.h"
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/publish/web_cloud.h"
 
 namespace slipstream {

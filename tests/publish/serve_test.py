@@ -127,10 +127,35 @@ def test_sighup_reads_the_file_again_in_the_same_process(tmp_path):
         service.process.send_signal(signal.SIGHUP)
         service.wait_until_ready()
         assert service.settings()["min-modulation"]["value"] == "33"
-        (tmp_path / "rig.yaml").write_text("stratgy: pmp\n")
+
+
+@pytest.mark.parametrize("bad, words, shows_at_once", [
+    ("stratgy: pmp\n", "rig.yaml: line 1: no command has a setting 'stratgy'", True),
+    (VIRTUAL + "publish: [wbe:1]\n", "rig.yaml: line 5: --publish wbe:1", True),
+    (VIRTUAL + "mesh: nowhere.ply\npublish: web:0\n", "line 5: nowhere.ply: no such file", False),
+    (VIRTUAL + "publish: [web:0, mcap:nowhere/x.mcap]\n", "line 5: cannot write nowhere/x.mcap", False)])
+def test_it_goes_on_with_the_old_file_where_the_new_one_is_no_good(tmp_path, bad, words,
+                                                                 shows_at_once):
+    with Service(tmp_path, VIRTUAL + "publish: web:0\nmin-modulation: 33\n") as service:
+        service.wait_until_ready()
+        wait_for(lambda: service.statistics()["clouds"] > 5)
+        (tmp_path / "rig.yaml").write_text(bad)
         service.process.send_signal(signal.SIGHUP)
-        assert service.process.wait(60) == 2
-        assert "rig.yaml: line 1: no command has a setting 'stratgy'" in service.words.read_text()
+        wait_for(lambda: "goes on as before" in service.words.read_text())
+        if not shows_at_once:
+            service.wait_until_ready()
+        before = service.statistics()["clouds"]
+        assert not shows_at_once or before > 5, "the run was interrupted"
+        wait_for(lambda: service.statistics()["clouds"] > before)
+        assert service.settings()["min-modulation"]["value"] == "33"
+        said = [line for line in service.words.read_text().splitlines() if "goes on" in line]
+        assert len(said) == 1 and words in said[0], said
+        (tmp_path / "rig.yaml").write_text(VIRTUAL + "publish: web:0\n")
+        service.process.send_signal(signal.SIGHUP)
+        service.wait_until_ready()
+        assert service.settings()["min-modulation"]["value"] != "33"
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(60) == 0
 
 
 def test_it_goes_on_when_the_camera_goes_away(tmp_path):

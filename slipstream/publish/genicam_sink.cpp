@@ -45,8 +45,7 @@ constexpr auto most_behind = 500us;
 constexpr std::chrono::duration<double> longest_block = 1s;
 constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
 constexpr auto between_looks = 200ms;
-constexpr float default_scale = 0.05F;  // mm, of 16 bits: 3.3 m
-constexpr std::uint32_t depth = 2;      // of the coordinates
+constexpr std::uint32_t depth = 2;  // of the coordinates
 
 std::uint32_t bits_of(double number) {
   return std::bit_cast<std::uint32_t>(static_cast<float>(number));
@@ -289,7 +288,7 @@ GigeStatus GenicamSink::choose(GigePixels pixels) {
   if (!has_steps && !has_axes && pixels != GigePixels::coord3d_c32f) return invalid_parameter;
   control_.change(at(pixel_format), static_cast<std::uint32_t>(pixels));
   control_.change(at(output_mode), has_axes ? calibrated_abc_grid : projected_c);
-  control_.change(at(coordinate_scale, depth), bits_of(has_steps ? default_scale : 1));
+  control_.change(at(coordinate_scale, depth), bits_of(has_steps ? DepthScale().scale : 1));
   control_.change(at(coordinate_offset, depth), bits_of(0));
   control_.change(at(invalid_value, depth),
                   bits_of(has_steps ? 0 : std::numeric_limits<float>::quiet_NaN()));
@@ -312,8 +311,7 @@ Packing GenicamSink::packing() const {
     return std::bit_cast<float>(control_.read(at(which, depth)));
   };
   Packing packing{.parts = {},
-                  .scale = number(coordinate_scale),
-                  .offset = number(coordinate_offset),
+                  .depth = {number(coordinate_scale), number(coordinate_offset)},
                   .is_multipart = (control_.read(stream_configuration) & multipart) != 0};
   for (std::uint32_t i = 0; i < components.size(); ++i) {
     if (control_.read(at(component_enable, i)) == 0) continue;

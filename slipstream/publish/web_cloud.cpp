@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "slipstream/cloud/depth_scale.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
@@ -78,8 +79,11 @@ std::string web_cloud(const LiveCloud& live, int stride) {
   const int width = thinned(size.width, every), height = thinned(size.height, every);
   const DepthRange range = range_of(cloud.z, every);
   const auto nearest = static_cast<float>(range.nearest);
-  const float step = std::max(static_cast<float>((range.farthest - range.nearest) / most_steps),
-                              std::numeric_limits<float>::min());
+  constexpr double finest = 1e-6;  // of the depth, which a float tells
+  const auto step = static_cast<float>(
+      std::max({(range.farthest - range.nearest) / most_steps, finest * range.farthest,
+                double{std::numeric_limits<float>::min()}}));
+  const DepthScale numbers{step, nearest - step};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::string bytes(32 + 3 * pixels, '\0');
   Places head{bytes.data()};
@@ -94,9 +98,7 @@ std::string web_cloud(const LiveCloud& live, int stride) {
   Places greys{head.at + 2 * pixels};
   if (has_depth) {
     each_sent(size, every, [&](int column, int row) {
-      const float z = cloud.z(column, row);
-      const float steps = std::min((z - nearest) / step + 1.5F, float{most_steps + 1});
-      head.put(static_cast<std::uint16_t>(std::isnan(z) ? 0.0F : steps));
+      head.put(numbers(cloud.z(column, row)));
       greys.put(grey_level(cloud.intensity(column, row)));
     });
   } else {

@@ -23,6 +23,13 @@
 namespace slipstream {
 namespace {
 
+bool is_point(Validity pixel) {
+  return pixel == Validity::valid;
+}
+bool is_point(std::uint16_t number) {
+  return number != 0;
+}
+
 /// One scale of brightness for all pixels: that of the shortest exposure.
 void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   if (!frames.merged()) return;
@@ -197,6 +204,21 @@ void Engine::depth(const FrameViews& given, Depth& depth) {
   });
 }
 
+void Engine::depth(const FrameViews& given, const DepthScale& scale,
+                   Image<std::uint16_t>& numbers) {
+  tables_->require_geometry();
+  const FrameViews& frames = merged(given);
+  if (tables_->is_fused(frames)) {
+    run_fused(frames, {.numbers = &numbers, .scale = scale});
+  } else {
+    Image<float> z;
+    convert(tables_->reference()(frames).cloud.z, z);
+    if (numbers.size() != z.size()) numbers = Image<std::uint16_t>(z.size());
+    std::transform(z.begin(), z.end(), numbers.begin(), scale);
+  }
+  leave_out_moved(frames, numbers, [&](int column, int row) { numbers(column, row) = 0; });
+}
+
 void Engine::maps(const FrameViews& given, Maps& maps) {
   const FrameViews& frames = merged(given);
   if (tables_->is_fused(frames)) {
@@ -281,18 +303,18 @@ void Engine::run_fused(const FrameViews& frames, const FusedOutput& output) {
   if (output.depth != nullptr) say_why(output.depth->validity);
 }
 
-template <class LeaveOut>
-void Engine::leave_out_moved(const FrameViews& frames, const Image<Validity>& validity,
+template <class Pixel, class LeaveOut>
+void Engine::leave_out_moved(const FrameViews& frames, const Image<Pixel>& pixels,
                              const LeaveOut& leave_out) {
   if (!tables_->measure_motion) return;
   FrameMotion& motion = memory_->motion;
   (*tables_->measure_motion)(frames, motion);
   constexpr double deviations = 5;
   const auto limit = static_cast<float>(deviations * std::sqrt(tables_->noise_variance_of(frames)));
-  for_each_row(validity.height(), [&](int row) {
-    for (int column = 0; column < validity.width(); ++column) {
-      const bool valid = validity(column, row) == Validity::valid;
-      if (valid && motion.unexplained(column, row) > limit) leave_out(column, row);
+  for_each_row(pixels.height(), [&](int row) {
+    for (int column = 0; column < pixels.width(); ++column) {
+      if (is_point(pixels(column, row)) && motion.unexplained(column, row) > limit)
+        leave_out(column, row);
     }
   });
 }

@@ -5,6 +5,7 @@
 
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/depth_scale.h"
 #include "slipstream/cloud/maps.h"
 #include "slipstream/cloud/uncertainty.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
@@ -48,6 +49,8 @@ class Engine {
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud);
   /// Less is computed and written than for a cloud; nothing is cleaned.
   void depth(const FrameViews& frames, Depth& depth);
+  /// And less: what 16 bits tell of the depth, without reasons.
+  void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers);
   /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
   void maps(const FrameViews& frames, Maps& maps);
   /// Both in one pass; likewise.
@@ -72,8 +75,8 @@ class Engine {
   const Image<Validity>* find_coarse(const FrameViews& frames);
   void run_fused(const FrameViews& frames, const FusedOutput& output);
   void run_pass(const FrameViews& frames, const FusedOutput& output, const Image<float>* coarse);
-  template <class LeaveOut>
-  void leave_out_moved(const FrameViews& frames, const Image<Validity>& validity,
+  template <class Pixel, class LeaveOut>
+  void leave_out_moved(const FrameViews& frames, const Image<Pixel>& pixels,
                        const LeaveOut& leave_out);
   void leave_out_moved(const FrameViews& frames, Cloud& cloud);
 

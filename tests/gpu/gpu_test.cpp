@@ -255,9 +255,22 @@ TEST_F(OnGpu, GivesDepthAlone) {
   engine.cloud(frames, cloud);
   engine.depth(frames, depth);
   EXPECT_TRUE(std::equal(cloud.validity.begin(), cloud.validity.end(), depth.validity.begin()));
+  const DepthScale scale{.scale = 0.02F, .offset = 100};
+  Image<std::uint16_t> numbers;
+  engine.depth(frames, scale, numbers);
   for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
-    if (cloud.validity.begin()[i] != Validity::valid) continue;
-    ASSERT_EQ(cloud.z.begin()[i], depth.z.begin()[i]);
+    if (cloud.validity.begin()[i] != Validity::valid) {
+      ASSERT_EQ(numbers.begin()[i], 0);
+      continue;
+    }
+    const float z = cloud.z.begin()[i];
+    ASSERT_EQ(z, depth.z.begin()[i]);
+    ASSERT_NEAR(numbers.begin()[i], (z - scale.offset) / scale.scale, 0.51);
+  }
+  // What 16 bits cannot tell is no point.
+  for (const float offset : {0.0F, 2000.0F}) {
+    engine.depth(frames, {.scale = 0.001F, .offset = offset}, numbers);
+    EXPECT_TRUE(std::all_of(numbers.begin(), numbers.end(), [](auto n) { return n == 0; }));
   }
 }
 

@@ -52,6 +52,8 @@ void expect_none(const Strategy& strategy, Size size, const FrameViews& frames) 
   Maps maps;
   EXPECT_EQ(allocated_again([&] { engine.cloud(frames, cloud); }), 0);
   EXPECT_EQ(allocated_again([&] { engine.depth(frames, depth); }), 0);
+  Image<std::uint16_t> numbers;
+  EXPECT_EQ(allocated_again([&] { engine.depth(frames, DepthScale(), numbers); }), 0);
   EXPECT_EQ(allocated_again([&] { engine.maps(frames, maps); }), 0);
   EXPECT_EQ(allocated_again([&] { engine.cloud_and_maps(frames, cloud, maps); }), 0);
   // In turns, each with its own output, as a viewer asks.

@@ -110,12 +110,16 @@ TEST(Engine, CloudAndMapsAreThoseOfEachAlone) {
         engine.cloud(frames, cloud_alone);
         engine.maps(frames, maps_alone);
         engine.depth(frames, depth);
+        const DepthScale scale{.scale = 0.02F, .offset = 100};
+        Image<std::uint16_t> numbers;
+        engine.depth(frames, scale, numbers);
         EXPECT_GT(point_count(cloud), 2000U);
         EXPECT_TRUE(same_points(cloud, cloud_alone));
         EXPECT_TRUE(same_bytes(maps, maps_alone));
         EXPECT_TRUE(same_bytes(depth.validity, cloud.validity));
         for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
           ASSERT_NEAR(cloud.intensity.begin()[i], cloud_alone.intensity.begin()[i], 1e-4);
+          ASSERT_EQ(numbers.begin()[i], scale(cloud.z.begin()[i]));
           if (cloud.validity.begin()[i] != Validity::valid) continue;
           ASSERT_EQ(depth.z.begin()[i], cloud.z.begin()[i]);
         }

@@ -121,10 +121,13 @@ TEST(MovedPixels, AreThoseThatEdgesPass) {
   engine.cloud(scan.frames, cloud);
   Depth depth;
   engine.depth(scan.frames, depth);
+  Image<std::uint16_t> numbers;
+  engine.depth(scan.frames, DepthScale(), numbers);
   double moved = 0, wrong = 0;
   for (std::size_t i = 0; i < scan.depth.pixel_count(); ++i) {
     const Validity validity = cloud.validity.begin()[i];
     EXPECT_EQ(validity, depth.validity.begin()[i]);
+    EXPECT_EQ(validity == Validity::valid, numbers.begin()[i] != 0);
     moved += validity == Validity::moved ? 1 : 0;
     const double error = std::abs(cloud.z.begin()[i] - scan.depth.begin()[i]);
     wrong += validity != Validity::valid || error < 30 ? 0 : 1;

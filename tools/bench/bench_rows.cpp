@@ -199,23 +199,29 @@ BenchRow engine_row(const SharedScan& scan, int steps) {
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
 
-/// What a GPU makes of frames in memory: a cloud in memory, or its depths alone. None where there
-/// is no GPU that takes such pictures, or no second thread, without which another clock would be
-/// read.
+/// What is asked of a scan.
+enum class Asked { cloud, depth, depth_in_16_bits };
+
+/// What a GPU makes of frames in memory, in memory. None where there is no GPU that takes such
+/// pictures, or no second thread, without which another clock would be read.
 void add_gpu_row(std::vector<BenchRow>& rows, const SharedScan& scan, std::string name,
-                 const BenchSettings& settings, bool depth_alone = false) {
+                 const BenchSettings& settings, Asked asked = Asked::cloud) {
   if (settings.most_threads == 1 || gpu_devices().empty()) return;
   struct Work {
     Engine engine;
     FrameViews frames;
     Cloud cloud;
     Depth depth;
+    Image<std::uint16_t> numbers;
   };
   const auto work = std::make_shared<Work>(
       Work{Engine(setup_for(*scan, {.engine = EngineKind::gpu, .clean = CleanSettings::none()})),
-           scan->frames, Cloud(), Depth()});
-  BenchRow row = row_for(*scan, std::move(name), 3, 0, [scan, work, depth_alone] {
-    if (depth_alone) return work->engine.depth(work->frames, work->depth);
+           scan->frames, Cloud(), Depth(), Image<std::uint16_t>()});
+  BenchRow row = row_for(*scan, std::move(name), 3, 0, [scan, work, asked] {
+    if (asked == Asked::depth) return work->engine.depth(work->frames, work->depth);
+    if (asked == Asked::depth_in_16_bits) {
+      return work->engine.depth(work->frames, DepthScale(), work->numbers);
+    }
     static_cast<void>(work->engine.cloud(work->frames, work->cloud));
   });
   row.threads = settings.most_threads;
@@ -349,7 +355,8 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
     const SharedScan scan =
         k == 1 ? three_steps : std::make_shared<const Scan>(enlarged(*three_steps, k));
     add_gpu_row(rows, scan, "gpu", settings);
-    add_gpu_row(rows, scan, "gpu-depth", settings, true);
+    add_gpu_row(rows, scan, "gpu-depth", settings, Asked::depth);
+    add_gpu_row(rows, scan, "gpu-depth16", settings, Asked::depth_in_16_bits);
     BenchRow row = fused_row(scan, "fused", 3);
     if (k > 1) rows.push_back(row);
     if (settings.most_threads == 1) continue;

@@ -1,7 +1,6 @@
 #include "slipstream/publish/detail/cloud_block.h"
 
 #include <array>
-#include <cmath>
 #include <cstring>
 
 namespace slipstream {
@@ -23,12 +22,6 @@ void append_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, st
   }
 }
 
-/// 0 where there is no point, or where 16 bits cannot tell its depth.
-std::uint16_t depth_steps(float z, const Packing& packing) {
-  const float steps = std::round((z - packing.offset) / packing.scale);
-  return steps >= 1 && steps <= 65535 ? static_cast<std::uint16_t>(steps) : std::uint16_t{0};
-}
-
 }  // namespace
 
 void write_part(const Cloud& cloud, const Rectangle& region, const Packing& packing,
@@ -44,7 +37,7 @@ void write_part(const Cloud& cloud, const Rectangle& region, const Packing& pack
       });
     case GigePixels::coord3d_c16:
       return append_values<std::uint16_t>(part.bytes, region, 1, [&](int column, int row, auto) {
-        return depth_steps(cloud.z(column, row), packing);
+        return packing.depth(cloud.z(column, row));
       });
     case GigePixels::coord3d_c32f:
       return append_values<float>(part.bytes, region, 1,

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/depth_scale.h"
 #include "slipstream/gige/gige_block.h"
 
 namespace slipstream {
@@ -11,7 +12,7 @@ namespace slipstream {
 /// How what is sent is made of a cloud.
 struct Packing {
   std::vector<std::pair<GigeComponent, GigePixels>> parts;
-  float scale = 1, offset = 0;  ///< of 16 bits
+  DepthScale depth{};  ///< of 16 bits
   bool is_multipart = false;
 };
 

@@ -39,7 +39,8 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
     prepare(scratch.turns, turns);
     prepare(scratch.unwrapped, {width, 2});
     for (Image<float>* row : {&scratch.sum, &scratch.coarse}) prepare(*row, {width, 1});
-    prepare(scratch.mean, {width, 1});
+    for (Image<float>* row : {&scratch.mean, &scratch.z}) prepare(*row, {width, 1});
+    prepare(scratch.validity, {width, 1});
   }
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
 }
@@ -65,6 +66,7 @@ void prepare(const FusedOutput& output, Size size, bool doubtful) {
     prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
   }
   if (output.modulation != nullptr) prepare(*output.modulation, size);
+  if (output.numbers != nullptr) prepare(*output.numbers, size);
 }
 
 /// Where what is written would push out of the cache what is read, and rows start at whole vectors
@@ -89,9 +91,6 @@ struct Pass {
 
   [[nodiscard]] int width() const { return frames.front().width(); }
   [[nodiscard]] int height() const { return frames.front().height(); }
-  [[nodiscard]] bool makes_points() const {
-    return output.cloud != nullptr || output.depth != nullptr;
-  }
 
   const Pixel* const* frame_rows(int row, FusedScratch& scratch) const {
     auto& rows = std::get<std::vector<const Pixel*>>(scratch.frames);
@@ -133,21 +132,29 @@ struct Pass {
                    output.cloud->intensity.row(row), [&](float mean) { return to_8_bits * mean; });
   }
 
-  [[nodiscard]] PointRow point_output(int row) const {
-    PointRow points{
-        .width = width(), .E_x = stages.rays.E_x.row(row), .E_y = stages.rays.E_y.row(row)};
+  [[nodiscard]] PointRow point_output(int row, FusedScratch& scratch) const {
+    PointRow points{.width = width(),
+                    .E_x = stages.rays.E_x.row(row),
+                    .E_y = stages.rays.E_y.row(row),
+                    .z = scratch.z.begin(),
+                    .validity = scratch.validity.begin()};
     if (stages.blocks) points.blocks = stages.blocks->at(row);
     if (output.cloud != nullptr) {
       points.x = output.cloud->x.row(row);
       points.y = output.cloud->y.row(row);
       points.z = output.cloud->z.row(row);
       points.validity = output.cloud->validity.row(row);
-    } else {
+    } else if (output.depth != nullptr) {
       points.z = output.depth->z.row(row);
       points.validity = output.depth->validity.row(row);
     }
-    points.past_cache = written_past_cache(stages.rays.E_x.size());
+    points.past_cache = output.numbers == nullptr && written_past_cache(stages.rays.E_x.size());
     return points;
+  }
+
+  void finish_points(int row, const FusedScratch& scratch) const {
+    if (output.numbers == nullptr) return;
+    std::transform(scratch.z.begin(), scratch.z.end(), output.numbers->row(row), output.scale);
   }
 };
 
@@ -181,24 +188,26 @@ void one_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratc
       pass.finish_maps(row, turn);
       hide(pass.width(), flags, PixelFlag::dark | PixelFlag::saturated, turn);
     }
-    if (!pass.makes_points()) continue;
-    PointRow points = pass.point_output(row);
+    if (!pass.output.makes_points()) continue;
+    PointRow points = pass.point_output(row, scratch);
     points.flags = flags;
     points.coordinate = turn;
     point_row(pass.stages.point, pass.stages.coordinate, points);
+    pass.finish_points(row, scratch);
   }
 }
 
 /// Points of a row whose neighbours confirm it; `coordinates(row)` are padded on both sides.
 template <class Pixel, class Coordinates>
 void confirmed_row(const Pass<Pixel>& pass, int row, const std::int32_t* flags,
-                   const Coordinates& coordinates) {
-  PointRow points = pass.point_output(row);
+                   const Coordinates& coordinates, FusedScratch& scratch) {
+  PointRow points = pass.point_output(row, scratch);
   points.flags = flags;
   points.above = coordinates(row - 1);
   points.coordinate = coordinates(row);
   points.below = coordinates(row + 1);
   point_row(pass.stages.point, pass.stages.consensus, points);
+  pass.finish_points(row, scratch);
 }
 
 /// What the chain begins with: turns, or coordinates.
@@ -258,7 +267,7 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
     unwrap_bands(pass, row, mean, scratch, kept(row), maps);
     if (maps != nullptr) pass.finish_maps(row, scratch.turns.begin());
   };
-  if (!pass.makes_points()) {
+  if (!pass.output.makes_points()) {
     for (int row = first; row < last; ++row) decode(row);
     return;
   }
@@ -266,8 +275,9 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
   decode(first);
   for (int row = first; row < last; ++row) {
     decode(row + 1);
-    confirmed_row(pass, row, kept(row).flags.begin(),
-                  [&](int near) { return coordinates(kept(near)); });
+    confirmed_row(
+        pass, row, kept(row).flags.begin(), [&](int near) { return coordinates(kept(near)); },
+        scratch);
   }
 }
 
@@ -371,9 +381,10 @@ void voted_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scra
     block.clear(decoded, decoded + Block::looks_past);
     ask_until(within(end + Block::voters));
     vote(pass, begin, end, scratch);
-    if (!pass.makes_points()) continue;
+    if (!pass.output.makes_points()) continue;
     for (int row = begin; row < end; ++row) {
-      confirmed_row(pass, row, block.flags(row), [&](int near) { return block.coordinates(near); });
+      confirmed_row(
+          pass, row, block.flags(row), [&](int near) { return block.coordinates(near); }, scratch);
     }
   }
 }

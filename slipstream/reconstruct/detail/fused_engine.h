@@ -8,6 +8,7 @@
 
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/depth_scale.h"
 #include "slipstream/cloud/maps.h"
 #include "slipstream/reconstruct/detail/fused_stages.h"
 #include "slipstream/reconstruct/detail/vote_block.h"
@@ -27,6 +28,8 @@ struct FusedScratch {
   Image<float> sum;         ///< one row, as the next
   Image<float> coarse;
   Image<float> mean;  ///< one row
+  Image<float> z;     ///< one row, as the next
+  Image<Validity> validity;
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
   VoteBlock block;
 };
@@ -37,12 +40,18 @@ struct FusedMemory {
   std::vector<SinusoidLimits> limits;  ///< of each band of the layout
 };
 
-/// What is wanted of a scan; the rest is null. Not a cloud and a depth at once.
+/// What is wanted of a scan; the rest is null. Of cloud, depth and numbers one at most.
 struct FusedOutput {
   Cloud* cloud = nullptr;
   Depth* depth = nullptr;
   Maps* maps = nullptr;  ///< coordinates as each pixel says them, not confirmed by its neighbours
   Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
+  Image<std::uint16_t>* numbers = nullptr;  ///< of the depth, by the scale
+  DepthScale scale{};
+
+  [[nodiscard]] bool makes_points() const {
+    return cloud != nullptr || depth != nullptr || numbers != nullptr;
+  }
 };
 
 /// Throws Error where the frames are not as many as the strategy's or not of the camera's size.

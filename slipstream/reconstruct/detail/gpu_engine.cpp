@@ -112,6 +112,9 @@ PlaneList planes_of(const FusedOutput& output, Size size, bool several_bands) {
   if (Image<Validity>* const reasons = reasons_of(output); reasons && reasons->size() != size) {
     *reasons = Image<Validity>(size);
   }
+  if (output.numbers != nullptr && output.numbers->size() != size) {
+    *output.numbers = Image<std::uint16_t>(size);
+  }
   return list;
 }
 
@@ -123,7 +126,11 @@ void copy_results(const GpuScanMemory::Parts& memory, const PlaneList& planes,
     std::memcpy(image.begin(), memory.output.data() + from, image.pixel_count() * sizeof(float));
   });
   if (Image<Validity>* const reasons = reasons_of(output)) {
-    std::memcpy(reasons->begin(), memory.reasons.data(), reasons->pixel_count());
+    std::memcpy(reasons->begin(), memory.packed.data(), reasons->pixel_count());
+  }
+  if (output.numbers != nullptr) {
+    std::memcpy(output.numbers->begin(), memory.packed.data(),
+                output.numbers->pixel_count() * sizeof(std::uint16_t));
   }
   if (output.cloud == nullptr || output.maps == nullptr) return;
   const Image<float>& mean = output.maps->mean;
@@ -160,7 +167,7 @@ GpuScanMemory::Parts GpuEngine::memory_for(std::size_t frame_bytes, std::size_t 
       .stages = GpuBuffer(gpu_, stage_bytes, GpuMemory::upload),
       .between = GpuBuffer(gpu_, pixels * 2 * sizeof(float), GpuMemory::device),
       .output = GpuBuffer(gpu_, pixels * planes * sizeof(float), GpuMemory::download),
-      .reasons = GpuBuffer(gpu_, pixels, GpuMemory::download),
+      .packed = GpuBuffer(gpu_, pixels * sizeof(std::uint16_t), GpuMemory::download),
       .run = GpuRun(gpu_)};
   std::memcpy(parts.stages.data() + sizeof(GpuStages), text_.words.data(),
               stage_bytes - sizeof(GpuStages));
@@ -184,6 +191,8 @@ void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
   stages.code.mean_to_frames = 1 / (first.mean_scale * static_cast<float>(first.steps));
   const PlaneList planes = planes_of(output, size, stages.links > 0);
   stages.planes = planes.planes;
+  stages.packed = {.wanted = output.makes_points() ? 1 : 0, .offset = output.scale.offset};
+  if (output.numbers != nullptr) stages.packed.numbers_per_mm = 1 / output.scale.scale;
 
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
@@ -206,10 +215,9 @@ void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
       const GpuProgram& coordinates =
           sizeof(Pixel) == 1 ? coordinates_of_8_bits_ : coordinates_of_16_bits_;
       const std::array programs{&coordinates, &points_};
-      const bool makes_points = reasons_of(output) != nullptr;
       memory.parts->run(std::array{&parts.frames, &parts.stages, &rays_, &parts.between,
-                                   &parts.output, &parts.reasons},
-                        std::span(programs).first(makes_points ? 2 : 1),
+                                   &parts.output, &parts.packed},
+                        std::span(programs).first(output.makes_points() ? 2 : 1),
                         padded(size) / whole_words);
       copy_results(parts, planes, output, full_scale);
     } else {

@@ -15,7 +15,7 @@ namespace slipstream {
 /// Memory of the device for one scan at a time, kept from scan to scan.
 struct GpuScanMemory {
   struct Parts {
-    GpuBuffer frames, stages, between, output, reasons;
+    GpuBuffer frames, stages, between, output, packed;
     GpuRun run;
   };
   std::optional<Parts> parts{};

@@ -61,6 +61,12 @@ struct GpuStages {
     Word x = -1, y = -1, z = -1, mean = -1, modulation = -1, phase = -1, coordinate = -1,
          doubt = -1;
   };
+  /// What is made of the points.
+  struct Packed {
+    Word wanted = 0;           ///< points at all
+    float numbers_per_mm = 0;  ///< 0: reasons are wanted
+    float offset = 0;          ///< mm
+  };
 
   Word width = 0, height = 0;
   Word frame_words = 0;  ///< of one frame
@@ -74,6 +80,7 @@ struct GpuStages {
   Code code{};
   Points points{};
   Planes planes{};
+  Packed packed{};
   std::array<Band, most_bands> bands{};
   std::array<Link, most_bands> chain{};
 };

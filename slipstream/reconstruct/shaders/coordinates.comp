@@ -217,7 +217,7 @@ void main() {
   write(phase_plane, fours, floatBitsToUint(wrapped_phases(turns[0])));
   write(coordinate_plane, fours, mix(uvec4(nan), floatBitsToUint(pixels.y), known));
   write(doubt_plane, fours, floatBitsToUint(pixels.doubt));
-  if (z_plane < 0) return;
+  if (wants_points == 0) return;
   const bvec4 lit = equal(pixels.flags & dark, ivec4(0));
   between[2 * fours] = floatBitsToUint(mix(vec4(no_coordinate), pixels.y, lit));
   between[2 * fours + 1] = uvec4(pixels.flags);

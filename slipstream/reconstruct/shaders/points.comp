@@ -9,7 +9,7 @@ layout(local_size_x = 64) in;
 layout(std430, binding = 2) readonly buffer Rays { vec4 rays[]; };  // E_x and E_y in turns
 layout(std430, binding = 3) readonly buffer Between { uint between[]; };
 layout(std430, binding = 4) writeonly buffer Output { uvec4 planes[]; };
-layout(std430, binding = 5) writeonly buffer Reasons { uint reasons[]; };
+layout(std430, binding = 5) writeonly buffer Packed { uint packed[]; };
 
 // Of Validity, the first reason in its order.
 const int valid = 0, too_dark = 1, is_saturated = 2, doubtful = 3, no_point = 4, outside_field = 5,
@@ -84,6 +84,17 @@ ivec4 find_points(vec4 E_x, vec4 E_y, vec4 y, out vec4 z) {
   return why;
 }
 
+// DepthScale::operator().
+void write_numbers(int fours, vec4 z, ivec4 why) {
+  uvec4 numbers = uvec4(0u);
+  for (int k = 0; k < 4; ++k) {
+    float number = (z[k] - depth_offset) * numbers_per_mm + 0.5;
+    if (why[k] == valid && number >= 1.0 && number < 65536.0) numbers[k] = uint(number);
+  }
+  packed[2 * fours] = numbers.x | numbers.y << 16;
+  packed[2 * fours + 1] = numbers.z | numbers.w << 16;
+}
+
 void main() {
   const int first = first_pixel(), fours = first / 4;
   if (first >= pixel_count()) return;
@@ -100,11 +111,15 @@ void main() {
     else if ((flags[k] & saturated) != 0) why[k] = is_saturated;
     else if (points.confirmed != 0 && !is_confirmed(first + k, y[k], flags[k])) why[k] = doubtful;
   }
+  if (numbers_per_mm > 0.0) {
+    write_numbers(fours, z, why);
+    return;
+  }
   const bvec4 good = equal(why, ivec4(valid));
   if (x_plane >= 0) {
     planes[x_plane + fours] = mix(uvec4(nan), floatBitsToUint(E_x * z), good);
     planes[y_plane + fours] = mix(uvec4(nan), floatBitsToUint(E_y * z), good);
   }
   planes[z_plane + fours] = mix(uvec4(nan), floatBitsToUint(z), good);
-  reasons[fours] = uint(why.x | why.y << 8 | why.z << 16 | why.w << 24);
+  packed[fours] = uint(why.x | why.y << 8 | why.z << 16 | why.w << 24);
 }

@@ -51,6 +51,8 @@ layout(std430, binding = 1) readonly buffer Stages {
   // Where planes of the output begin, in fours of pixels; -1 where one is not wanted.
   int x_plane, y_plane, z_plane, mean_plane, modulation_plane, phase_plane, coordinate_plane,
       doubt_plane;
+  int wants_points;
+  float numbers_per_mm, depth_offset;  // 0: reasons are wanted
   Band bands[most_bands];
   Link chain[most_bands];
   int words[];

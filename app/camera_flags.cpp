@@ -16,7 +16,7 @@ void add_camera_flags(CLI::App& command, CameraFlags& flags) {
             "part of the sensor, width x height + x + y, as 640x480+16+8; for v4l2 the size");
   group.add("--pixel-format", flags.pixel_format,
             "Mono8, Mono10, Mono12, Mono16, or packed: Mono10p, Mono12p, Mono10Packed, "
-            "Mono12Packed");
+            "Mono12Packed; RGB8: three patterns to a picture in colour");
   group.add("--trigger", flags.trigger,
             "the camera's input that starts each frame, as Line1; runs freely without");
   group.add("--packet-size", flags.packet_size, "GigE Vision, bytes; 0: the largest that passes");
@@ -25,7 +25,7 @@ void add_camera_flags(CLI::App& command, CameraFlags& flags) {
 CameraSettings camera_settings(const CameraFlags& flags) {
   CameraSettings settings;
   settings.gain = flags.gain;
-  settings.pixel_format = mono_format_named(flags.pixel_format);
+  settings.pixel_format = pixel_format_named(flags.pixel_format);
   settings.trigger = flags.trigger;
   settings.packet_size = flags.packet_size;
   if (flags.exposure) settings.exposure = *flags.exposure / 1e3;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "slipstream/camera/mono_pixels.h"
+#include "slipstream/camera/pixel_format.h"
 #include "slipstream/capture/camera_controls.h"
 #include "slipstream/image/rectangle.h"
 
@@ -17,8 +17,9 @@ struct CameraSettings {
   std::optional<double> frame_rate;  ///< Hz, of a camera that runs freely; V4L2: the nearest
   /// V4L2: begins at 0, 0, and is 640x480 where not given.
   std::optional<Rectangle> region;
-  /// V4L2: mono8 (the driver's GREY, or the luma of its YUYV), mono10 (Y10) or mono12 (Y12).
-  MonoFormat pixel_format = MonoFormat::mono8;
+  /// V4L2: mono8 (the driver's GREY, or the luma of its YUYV), mono10 (Y10), mono12 (Y12) or
+  /// rgb8 (RGB24). Frames in colour are three times as wide as the region: see ColourSource.
+  PixelFormat pixel_format = PixelFormat::mono8;
   /// What starts each frame: empty: the camera runs freely, as V4L2 must; "Software":
   /// FrameSource::trigger; or the camera's name of a line, as "Line1".
   std::string trigger;

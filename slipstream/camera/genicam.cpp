@@ -33,7 +33,7 @@ class AravisSource final : public FrameSource, public CameraControls {
         settings_(std::move(settings)),
         connection_(std::make_shared<AravisConnection>(name_, settings_)),
         address_(connection_->address()),
-        format_{connection_->size(), bits_of(settings_.pixel_format)},
+        format_{frame_size(connection_->size()), bits_of(settings_.pixel_format)},
         count_(settings_.cycle) {
     if (settings_.cycle < 1) {
       throw Error(fmt::format("{} patterns in a scan; at least 1", settings_.cycle));
@@ -124,6 +124,11 @@ class AravisSource final : public FrameSource, public CameraControls {
     last_heard_ = steady_clock::now();
   }
 
+  /// Of frames with pictures of that size.
+  [[nodiscard]] Size frame_size(Size picture) const {
+    return {values_of(settings_.pixel_format) * picture.width, picture.height};
+  }
+
   /// A camera that runs freely and has not been heard of for so long is gone, before its protocol
   /// notices that. One that is triggered may be silent for ever.
   [[nodiscard]] steady_clock::duration longest_silence() const {
@@ -142,7 +147,7 @@ class AravisSource final : public FrameSource, public CameraControls {
     const Size size{arv_buffer_get_image_width(&buffer), arv_buffer_get_image_height(&buffer)};
     std::size_t bytes = 0;
     const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(&buffer, &bytes));
-    if (size != format_.size || data == nullptr) return Arrival::damaged;
+    if (frame_size(size) != format_.size || data == nullptr) return Arrival::damaged;
     if (frame.format() != format_) frame = Frame(format_);
     if (!unpack(settings_.pixel_format, {data, bytes}, frame)) return Arrival::damaged;
     frame.stamp = {.sequence = count(arv_buffer_get_frame_id(&buffer)),
@@ -213,7 +218,7 @@ class AravisSource final : public FrameSource, public CameraControls {
 
   void reopen() {
     std::shared_ptr<AravisConnection> found = open_again();
-    if (found->size() != format_.size) {
+    if (frame_size(found->size()) != format_.size) {
       throw WorldError(fmt::format("camera {} is back with frames of another size", name_));
     }
     {
@@ -227,7 +232,7 @@ class AravisSource final : public FrameSource, public CameraControls {
   [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() const {
     try {
       std::shared_ptr<AravisConnection> connection = open_again();
-      if (connection->size() != format_.size) return nullptr;
+      if (frame_size(connection->size()) != format_.size) return nullptr;
       connection->start();
       return connection;
     } catch (const std::exception&) {

@@ -28,15 +28,17 @@ constexpr unsigned buffer_count = 8;
 struct PixelLayout {
   std::uint32_t code;
   int bits;
-  int bytes;  ///< from one pixel to the next
+  int bytes;       ///< from one value of a pixel to the next
+  int values = 1;  ///< of a pixel
 };
 
 /// The better for a number of bits come first.
-constexpr std::array<PixelLayout, 4> layouts{{
+constexpr std::array<PixelLayout, 5> layouts{{
     {V4L2_PIX_FMT_GREY, 8, 1},
     {V4L2_PIX_FMT_YUYV, 8, 2},
     {V4L2_PIX_FMT_Y10, 10, 2},
     {V4L2_PIX_FMT_Y12, 12, 2},
+    {V4L2_PIX_FMT_RGB24, 8, 1, 3},
 }};
 
 template <class Structure>
@@ -84,10 +86,12 @@ void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pix
 
 /// Throws Error for settings that no such camera has.
 FrameFormat format_from(const CameraSettings& settings) {
-  const MonoFormat pixels = settings.pixel_format;
-  if (pixels != MonoFormat::mono8 && pixels != MonoFormat::mono10 && pixels != MonoFormat::mono12) {
-    throw Error(fmt::format(
-        "--pixel-format {} is not of a v4l2 camera; Mono8, Mono10 or Mono12 are", name_of(pixels)));
+  const PixelFormat pixels = settings.pixel_format;
+  if (pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
+      pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8) {
+    throw Error(
+        fmt::format("--pixel-format {} is not of a v4l2 camera; Mono8, Mono10, Mono12 or RGB8 are",
+                    name_of(pixels)));
   }
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
   if (region.x != 0 || region.y != 0) {
@@ -98,7 +102,7 @@ FrameFormat format_from(const CameraSettings& settings) {
   if (!settings.trigger.empty()) {
     throw Error(fmt::format("--trigger {}: v4l2 cameras run freely", settings.trigger));
   }
-  return {region.size, bits_of(pixels)};
+  return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
 }
 
 constexpr double exposure_step_ms = 0.1;  // V4L2 counts exposure in 100 us
@@ -123,7 +127,7 @@ class V4l2Source::Stream {
     if (!is_camera(*device_, capability)) {
       throw Error(fmt::format("{} is no camera that gives a stream of frames", name_));
     }
-    set_format(format);
+    set_format(format, values_of(settings.pixel_format));
     set_rate(settings);
     set_light(settings);
   }
@@ -223,9 +227,10 @@ class V4l2Source::Stream {
     if (device_->control(request, argument) != 0) fail(what);
   }
 
-  void set_format(const FrameFormat& wanted) {
+  void set_format(const FrameFormat& frames, int values) {
+    const FrameFormat wanted{{frames.size.width / values, frames.size.height}, frames.bits};
     for (const PixelLayout& layout : layouts) {
-      if (layout.bits != wanted.bits) continue;
+      if (layout.bits != wanted.bits || layout.values != values) continue;
       auto format = cleared<v4l2_format>();
       format.fmt.pix.width = static_cast<std::uint32_t>(wanted.size.width);
       format.fmt.pix.height = static_cast<std::uint32_t>(wanted.size.height);
@@ -243,13 +248,13 @@ class V4l2Source::Stream {
                                 wanted.size.width, wanted.size.height, size.width, size.height));
       }
       layout_ = layout;
-      const std::size_t tight =
-          std::size_t{format.fmt.pix.width} * static_cast<std::size_t>(layout.bytes);
+      const auto tight = static_cast<std::size_t>(frames.size.width * layout.bytes);
       row_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, tight);
       return;
     }
-    throw Error(fmt::format("camera {} has no grey frames of {} bits (GREY, YUYV, Y10 or Y12)",
-                            name_, wanted.bits));
+    throw Error(fmt::format("camera {} has no {} frames of {} bits ({})", name_,
+                            values == 1 ? "grey" : "colour", wanted.bits,
+                            values == 1 ? "GREY, YUYV, Y10 or Y12" : "RGB24"));
   }
 
   void set_rate(const CameraSettings& settings) const {

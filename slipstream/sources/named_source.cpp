@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/camera/open_camera.h"
+#include "slipstream/capture/colour_source.h"
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/replay_source.h"
@@ -87,6 +88,15 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   return opened;
 }
 
+void take_colours_apart(NamedSource& opened) {
+  std::optional<ColourMixture> mixture;
+  if (opened.scanner) mixture = opened.scanner->photometry.colour_mixture;
+  opened.warning = mixture ? "pictures in colour: only surfaces of one grey come out right"
+                           : "pictures in colour, and nothing is known of how their channels mix; "
+                             "slipstream calibrate colour measures it";
+  opened.frames = std::make_unique<ColourSource>(std::move(opened.frames), mixture);
+}
+
 /// Of a camera, which does not say what is projected.
 NamedSource open_camera_source(const std::string&, const SourceRequest& request) {
   if (!request.sequence.strategy) {
@@ -100,8 +110,15 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
   settings.frame_rate = pace_from(request.rate);
   settings.cycle =
       cycle_length(opened.sequence) + (request.scans - 1) * frame_count(cycle_of(opened.sequence));
+  const int patterns = values_of(settings.pixel_format);
+  if (settings.cycle % patterns != 0) {
+    throw Error(
+        fmt::format("{} patterns, and {} to a picture in colour", settings.cycle, patterns));
+  }
+  settings.cycle /= patterns;
   opened.frames = open_camera(request.source, settings);
   set_scanner(opened, request, std::nullopt, request.source);
+  if (patterns > 1) take_colours_apart(opened);
   return opened;
 }
 

@@ -162,7 +162,7 @@ V4l2Source::Open opener(const std::shared_ptr<MadeUpCamera>& camera) {
   };
 }
 
-CameraSettings small_frames(MonoFormat format = MonoFormat::mono8) {
+CameraSettings small_frames(PixelFormat format = PixelFormat::mono8) {
   return {.region = Rectangle{.size = {6, 4}}, .pixel_format = format, .cycle = 4};
 }
 
@@ -206,9 +206,25 @@ TEST(V4l2Source, TakesTheLumaOfYuyv) {
   EXPECT_EQ(std::get<0>(frame.pixels)(5, 3), MadeUpCamera::byte(0, 3 * 12 + 10));
 }
 
+TEST(V4l2Source, GivesColoursSideBySide) {
+  const auto camera = std::make_shared<MadeUpCamera>();
+  camera->pixel_format = V4L2_PIX_FMT_RGB24;
+  camera->row_bytes = 20;
+  V4l2Source source("made up", opener(camera), small_frames(PixelFormat::rgb8));
+  EXPECT_EQ(source.format(), (FrameFormat{{18, 4}, 8}));
+  source.start();
+  camera->frames_ready = 1;
+  Frame frame(source.format());
+  ASSERT_EQ(source.next(frame, 0ms), Arrival::frame);
+  EXPECT_EQ(std::get<0>(frame.pixels)(17, 3), MadeUpCamera::byte(0, 3 * 20 + 17));
+  camera->pixel_format = V4L2_PIX_FMT_GREY;
+  expect_error([&] { V4l2Source("grey", opener(camera), small_frames(PixelFormat::rgb8)); },
+               {"no colour frames", "RGB24"});
+}
+
 TEST(V4l2Source, GivesMoreBitsAsTheyAre) {
-  for (const auto& [code, format] :
-       {std::pair{V4L2_PIX_FMT_Y10, MonoFormat::mono10}, {V4L2_PIX_FMT_Y12, MonoFormat::mono12}}) {
+  for (const auto& [code, format] : {std::pair{V4L2_PIX_FMT_Y10, PixelFormat::mono10},
+                                     {V4L2_PIX_FMT_Y12, PixelFormat::mono12}}) {
     const auto camera = std::make_shared<MadeUpCamera>();
     camera->pixel_format = code;
     camera->row_bytes = 16;
@@ -336,7 +352,7 @@ TEST(V4l2Source, SaysWhatTheCameraDoesNotTake) {
                        to.region->size = {640, 480};
                      }); },
                {"made up", "640x480", "6x4"});
-  expect_error([&] { open_with([](auto& to) { to.pixel_format = MonoFormat::mono12; }); },
+  expect_error([&] { open_with([](auto& to) { to.pixel_format = PixelFormat::mono12; }); },
                {"12 bits"});
   expect_error([&] { open_with([](auto& to) { to.exposure = 0; }); }, {"exposure of 0 s"});
   expect_error([&] { open_with([](auto& to) { to.frame_rate = -2; }); }, {"-2"});
@@ -350,8 +366,8 @@ TEST(V4l2Source, RefusesWhatNoSuchCameraHas) {
   const auto open_with = [&](const CameraSettings& settings) {
     const V4l2Source source("made up", opener(camera), settings);
   };
-  expect_error([&] { open_with({.pixel_format = MonoFormat::mono10p}); },
-               {"Mono10p", "Mono8, Mono10 or Mono12"});
+  expect_error([&] { open_with({.pixel_format = PixelFormat::mono10p}); },
+               {"Mono10p", "Mono8, Mono10, Mono12 or RGB8"});
   expect_error([&] { open_with({.region = Rectangle{8, 0, {6, 4}}}); }, {"6x4+8+0", "640x480"});
   expect_error([&] { open_with({.trigger = "Line1"}); }, {"Line1", "run freely"});
   expect_error([&] { open_with({.gain = 1e12}); }, {"--gain"});

@@ -21,6 +21,11 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 
+extern "C" {  // of Aravis
+void arv_enable_interface(const char* name);
+void arv_disable_interface(const char* name);
+}
+
 namespace slipstream {
 namespace {
 using namespace std::chrono_literals;
@@ -369,11 +374,27 @@ TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
   expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, address, "S"); }, {"8 bits"});
 }
 
+TEST(GenICamCamera, GivesColoursSideBySide) {
+  arv_enable_interface("Fake");  // the library's own, without a network
+  const auto source = open_genicam_camera(
+      "Fake_1", {.region = Rectangle{.size = {64, 48}}, .pixel_format = PixelFormat::rgb8});
+  EXPECT_EQ(source->format(), (FrameFormat{{192, 48}, 8}));
+  source->start();
+  Frame frame(source->format());
+  ASSERT_EQ(source->next(frame, 10s), Arrival::frame);
+  const auto& values = std::get<Image<std::uint8_t>>(frame.pixels);
+  // A ramp that wanders, its green apart from its red and blue.
+  EXPECT_NE(values(30, 20), values(31, 20));
+  EXPECT_EQ(values(33, 20), static_cast<std::uint8_t>(values(30, 20) + 4));
+  source->stop();
+  arv_disable_interface("Fake");
+}
+
 TEST(GenICamCamera, SaysWhatItCannotDo) {
   EXPECT_THROW(open_genicam_camera("no such camera", {}), WorldError);
   const auto camera = serve(some_frames(1, {160, 120}));
   REQUIRE_CAMERA(camera);
-  expect_error([] { (void)open_genicam_camera(address, {.pixel_format = MonoFormat::mono12p}); },
+  expect_error([] { (void)open_genicam_camera(address, {.pixel_format = PixelFormat::mono12p}); },
                {"127.0.0.1", "Mono12p"});
   expect_error([] { (void)open_genicam_camera(address, {.cycle = 0}); }, {"0 patterns"});
 }

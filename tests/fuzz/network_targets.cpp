@@ -115,7 +115,7 @@ void hear_driver(std::span<const std::uint8_t> input) {
   CameraSettings settings;
   const auto how = answers.next<std::uint8_t>();
   settings.region = Rectangle{.size = {1 + how % 8, 3}};
-  settings.pixel_format = how < 128 ? MonoFormat::mono8 : MonoFormat::mono12;
+  settings.pixel_format = how < 128 ? PixelFormat::mono8 : PixelFormat::mono12;
   if (how % 3 == 0) settings.frame_rate = 30;
   if (how % 5 == 0) settings.exposure = 0.01;
   try {

@@ -1,5 +1,5 @@
 // Frames: pictures, recordings, and pixels as cameras give them.
-#include "slipstream/camera/mono_pixels.h"
+#include "slipstream/camera/pixel_format.h"
 #include "slipstream/io/height_file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
@@ -72,8 +72,8 @@ void read_recording(std::span<const std::uint8_t> input) {
 /// A packet's pixels in each layout, fewer or more than the frame has.
 void unpack_pixels(std::span<const std::uint8_t> input) {
   InputNumbers numbers(input);
-  const auto names = mono_format_names();
-  const MonoFormat format = mono_format_named(
+  const auto names = pixel_format_names();
+  const PixelFormat format = pixel_format_named(
       names[static_cast<std::size_t>(numbers.below(static_cast<int>(names.size())))]);
   Frame frame({{1 + numbers.below(40), 1 + numbers.below(40)}, bits_of(format)});
   const std::size_t needed = bytes_of(

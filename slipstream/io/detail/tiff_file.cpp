@@ -18,12 +18,12 @@
 namespace slipstream {
 namespace {
 
-/// A file in memory, and what libtiff first said against it.
+/// A file in memory, and what libtiff first said against it. Nothing is thrown through libtiff.
 struct Memory {
   std::span<const std::uint8_t> read;
   std::vector<std::uint8_t> written;
   std::uint64_t at = 0;
-  std::string fault{};
+  std::array<char, 160> fault{};
 
   [[nodiscard]] std::uint64_t size() const { return std::max(read.size(), written.size()); }
 };
@@ -43,13 +43,15 @@ tmsize_t take(thandle_t handle, void* to, tmsize_t count) {
   return static_cast<tmsize_t>(taken);
 }
 
-tmsize_t put(thandle_t handle, void* from, tmsize_t count) {
+tmsize_t put(thandle_t handle, void* from, tmsize_t count) try {
   Memory& file = memory_of(handle);
   const auto bytes = static_cast<std::uint64_t>(count);
   if (file.written.size() < file.at + bytes) file.written.resize(file.at + bytes);
   std::memcpy(&file.written[file.at], from, bytes);
   file.at += bytes;
   return count;
+} catch (const std::bad_alloc&) {
+  return -1;
 }
 
 toff_t seek(thandle_t handle, toff_t by, int whence) {
@@ -67,10 +69,8 @@ toff_t size_of(thandle_t handle) {
 }
 
 int keep_fault(TIFF*, void* memory, const char*, const char* format, va_list values) {
-  std::string& fault = static_cast<Memory*>(memory)->fault;
-  std::array<char, 160> text{};
-  std::vsnprintf(text.data(), text.size(), format, values);
-  if (fault.empty()) fault = text.data();
+  std::array<char, 160>& fault = static_cast<Memory*>(memory)->fault;
+  if (fault.front() == 0) std::vsnprintf(fault.data(), fault.size(), format, values);
   return 1;
 }
 
@@ -92,7 +92,8 @@ Tiff open_tiff(Memory& memory, const char* mode) {
 }
 
 [[noreturn]] void refuse(const Memory& memory) {
-  throw Error("not a whole TIFF file" + (memory.fault.empty() ? "" : ": " + memory.fault));
+  const std::string fault = memory.fault.data();
+  throw Error("not a whole TIFF file" + (fault.empty() ? "" : ": " + fault));
 }
 
 template <class Number>
@@ -198,7 +199,8 @@ std::vector<std::uint8_t> tiff_file_of(const cv::Mat& mat) {
       throw std::bad_alloc();  // nothing else can fail in memory
     }
   }
-  tiff.reset();
+  tiff.reset();  // writes the directory
+  if (memory.fault.front() != 0) throw std::bad_alloc();
   return std::move(memory.written);
 }
 

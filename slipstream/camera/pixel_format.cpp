@@ -1,4 +1,4 @@
-#include "slipstream/camera/mono_pixels.h"
+#include "slipstream/camera/pixel_format.h"
 
 #include <algorithm>
 #include <array>
@@ -16,24 +16,25 @@ static_assert(std::endian::native == std::endian::little,
               "pixels of two bytes come as this machine keeps them");
 
 struct FormatDescription {
-  MonoFormat format;
+  PixelFormat format;
   std::string_view name;
   int bits;         ///< of the camera
-  int stored_bits;  ///< that a pixel takes
+  int stored_bits;  ///< that a value takes
 };
 
-constexpr std::array<FormatDescription, 8> formats{{
-    {MonoFormat::mono8, "Mono8", 8, 8},
-    {MonoFormat::mono10, "Mono10", 10, 16},
-    {MonoFormat::mono12, "Mono12", 12, 16},
-    {MonoFormat::mono16, "Mono16", 16, 16},
-    {MonoFormat::mono10p, "Mono10p", 10, 10},
-    {MonoFormat::mono12p, "Mono12p", 12, 12},
-    {MonoFormat::mono10_packed, "Mono10Packed", 10, 12},
-    {MonoFormat::mono12_packed, "Mono12Packed", 12, 12},
+constexpr std::array<FormatDescription, 9> formats{{
+    {PixelFormat::mono8, "Mono8", 8, 8},
+    {PixelFormat::mono10, "Mono10", 10, 16},
+    {PixelFormat::mono12, "Mono12", 12, 16},
+    {PixelFormat::mono16, "Mono16", 16, 16},
+    {PixelFormat::mono10p, "Mono10p", 10, 10},
+    {PixelFormat::mono12p, "Mono12p", 12, 12},
+    {PixelFormat::mono10_packed, "Mono10Packed", 10, 12},
+    {PixelFormat::mono12_packed, "Mono12Packed", 12, 12},
+    {PixelFormat::rgb8, "RGB8", 8, 8},
 }};
 
-const FormatDescription& describe(MonoFormat format) {
+const FormatDescription& describe(PixelFormat format) {
   return *std::find_if(formats.begin(), formats.end(),
                        [&](const auto& known) { return known.format == format; });
 }
@@ -66,13 +67,13 @@ void unpack_pairs(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> 
   }
 }
 
-void unpack(MonoFormat format, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
+void unpack(PixelFormat format, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
   switch (format) {
-    case MonoFormat::mono10p:
-    case MonoFormat::mono12p:
+    case PixelFormat::mono10p:
+    case PixelFormat::mono12p:
       return unpack_bits(bits_of(format), bytes, pixels);
-    case MonoFormat::mono10_packed:
-    case MonoFormat::mono12_packed:
+    case PixelFormat::mono10_packed:
+    case PixelFormat::mono12_packed:
       return unpack_pairs(bits_of(format), bytes, pixels);
     default:
       std::memcpy(pixels.data(), bytes, pixels.size_bytes());
@@ -81,36 +82,40 @@ void unpack(MonoFormat format, const std::uint8_t* bytes, std::span<std::uint16_
 
 }  // namespace
 
-std::string_view name_of(MonoFormat format) {
+std::string_view name_of(PixelFormat format) {
   return describe(format).name;
 }
 
-std::vector<std::string_view> mono_format_names() {
+std::vector<std::string_view> pixel_format_names() {
   std::vector<std::string_view> names;
   for (const FormatDescription& format : formats) names.push_back(format.name);
   return names;
 }
 
-MonoFormat mono_format_named(std::string_view name) {
+PixelFormat pixel_format_named(std::string_view name) {
   for (const FormatDescription& format : formats) {
     if (format.name == name) return format.format;
   }
   throw Error(fmt::format("pixel format '{}' is not known; there are: {}", name,
-                          fmt::join(mono_format_names(), ", ")));
+                          fmt::join(pixel_format_names(), ", ")));
 }
 
-int bits_of(MonoFormat format) {
+int bits_of(PixelFormat format) {
   return describe(format).bits;
 }
 
-std::size_t bytes_of(MonoFormat format, std::size_t pixels) {
-  if (format == MonoFormat::mono10_packed || format == MonoFormat::mono12_packed) {
-    return (pixels + 1) / 2 * 3;
-  }
-  return (pixels * static_cast<std::size_t>(describe(format).stored_bits) + 7) / 8;
+int values_of(PixelFormat format) {
+  return format == PixelFormat::rgb8 ? 3 : 1;
 }
 
-bool unpack(MonoFormat format, std::span<const std::uint8_t> bytes, Frame& frame) {
+std::size_t bytes_of(PixelFormat format, std::size_t values) {
+  if (format == PixelFormat::mono10_packed || format == PixelFormat::mono12_packed) {
+    return (values + 1) / 2 * 3;
+  }
+  return (values * static_cast<std::size_t>(describe(format).stored_bits) + 7) / 8;
+}
+
+bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& frame) {
   if (auto* image = std::get_if<Image<std::uint8_t>>(&frame.pixels)) {
     if (bytes.size() < image->pixel_count()) return false;
     std::copy_n(bytes.begin(), image->pixel_count(), image->begin());

@@ -1,4 +1,4 @@
-#include "slipstream/camera/mono_pixels.h"
+#include "slipstream/camera/pixel_format.h"
 
 #include <random>
 #include <vector>
@@ -11,7 +11,7 @@ namespace slipstream {
 namespace {
 
 /// The layout of each format said a second time, pixel by pixel, the slow way.
-std::vector<std::uint8_t> packed(MonoFormat format, const std::vector<std::uint16_t>& pixels) {
+std::vector<std::uint8_t> packed(PixelFormat format, const std::vector<std::uint16_t>& pixels) {
   std::vector<std::uint8_t> bytes(bytes_of(format, pixels.size()));
   const auto bits = static_cast<std::size_t>(bits_of(format));
   const auto set_bit = [&](std::size_t at, bool value) {
@@ -21,20 +21,21 @@ std::vector<std::uint8_t> packed(MonoFormat format, const std::vector<std::uint1
     for (std::size_t bit = 0; bit < bits; ++bit) {
       const bool value = (pixels[i] >> bit & 1) != 0;
       switch (format) {
-        case MonoFormat::mono8:
+        case PixelFormat::mono8:
+        case PixelFormat::rgb8:
           set_bit(8 * i + bit, value);
           break;
-        case MonoFormat::mono10:
-        case MonoFormat::mono12:
-        case MonoFormat::mono16:
+        case PixelFormat::mono10:
+        case PixelFormat::mono12:
+        case PixelFormat::mono16:
           set_bit(16 * i + bit, value);
           break;
-        case MonoFormat::mono10p:
-        case MonoFormat::mono12p:
+        case PixelFormat::mono10p:
+        case PixelFormat::mono12p:
           set_bit(bits * i + bit, value);
           break;
-        case MonoFormat::mono10_packed:
-        case MonoFormat::mono12_packed:
+        case PixelFormat::mono10_packed:
+        case PixelFormat::mono12_packed:
           const std::size_t pair = i / 2 * 24, second = i % 2;
           const std::size_t low = bits - 8;
           set_bit(bit < low ? pair + 8 + 4 * second + bit : pair + 16 * second + bit - low, value);
@@ -44,10 +45,10 @@ std::vector<std::uint8_t> packed(MonoFormat format, const std::vector<std::uint1
   return bytes;
 }
 
-TEST(MonoPixels, UnpackEveryFormat) {
+TEST(PixelFormat, UnpackEveryFormat) {
   std::mt19937 random(1);
-  for (const std::string_view name : mono_format_names()) {
-    const MonoFormat format = mono_format_named(name);
+  for (const std::string_view name : pixel_format_names()) {
+    const PixelFormat format = pixel_format_named(name);
     EXPECT_EQ(name_of(format), name);
     for (const Size size : {Size{1, 1}, Size{5, 3}, Size{16, 4}, Size{7, 1}}) {
       Frame frame({size, bits_of(format)});
@@ -67,8 +68,8 @@ TEST(MonoPixels, UnpackEveryFormat) {
   }
 }
 
-TEST(MonoPixels, OtherNamesAreRefused) {
-  expect_error([] { (void)mono_format_named("RGB8"); }, {"RGB8", "Mono12p"});
+TEST(PixelFormat, OtherNamesAreRefused) {
+  expect_error([] { (void)pixel_format_named("BGR8"); }, {"BGR8", "Mono12p", "RGB8"});
 }
 
 }  // namespace

@@ -1,0 +1,113 @@
+#include "slipstream/capture/colour_source.h"
+
+#include <memory>
+#include <variant>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/capture/colour_channels.h"
+#include "slipstream/error/error.h"
+
+namespace slipstream {
+namespace {
+
+constexpr Size picture_size{5, 4};
+
+std::uint8_t value(int picture, int channel, int column, int row) {
+  return static_cast<std::uint8_t>(20 * channel + 7 * column + 3 * row + picture);
+}
+
+/// Pictures 0, 2, 4, ...: every other one is lost.
+class Pictures : public FrameSource {
+ public:
+  explicit Pictures(FrameFormat format) : format_(format) {}
+  [[nodiscard]] FrameFormat format() const override { return format_; }
+  [[nodiscard]] bool has_own_pace() const override { return false; }
+  void start() override { taken_ = 0; }
+  Arrival next(Frame& frame, std::chrono::milliseconds) override {
+    if (taken_ == 3) return Arrival::ended;
+    const int picture = 2 * taken_++;
+    auto& image = std::get<Image<std::uint8_t>>(frame.pixels);
+    for (int row = 0; row < picture_size.height; ++row) {
+      for (int column = 0; column < image.width(); ++column) {
+        image(column, row) = value(picture, column % 3, column / 3, row);
+      }
+    }
+    frame.stamp = {.sequence = static_cast<std::uint64_t>(picture), .pattern_index = picture % 3};
+    return Arrival::frame;
+  }
+  void stop() override {}
+  [[nodiscard]] SourceCounters counters() const override {
+    return {.delivered = static_cast<std::uint64_t>(taken_), .lost = 2};
+  }
+  [[nodiscard]] std::string state() const override { return "well"; }
+
+ private:
+  FrameFormat format_;
+  int taken_ = 0;
+};
+
+constexpr FrameFormat of_pictures{{3 * picture_size.width, picture_size.height}, 8};
+
+TEST(ColourSource, GivesTheChannelsOneAfterAnother) {
+  ColourSource source(std::make_unique<Pictures>(of_pictures), std::nullopt);
+  EXPECT_EQ(source.format(), (FrameFormat{picture_size, 8}));
+  for (int round = 0; round < 2; ++round) {
+    source.start();
+    Frame frame;
+    for (int n = 0; n < 9; ++n) {
+      const int picture = n / 3 * 2, channel = n % 3;
+      ASSERT_EQ(source.next(frame, {}), Arrival::frame);
+      EXPECT_EQ(frame.stamp.sequence, static_cast<std::uint64_t>(3 * picture + channel));
+      EXPECT_EQ(frame.stamp.pattern_index, 3 * (picture % 3) + channel);
+      const auto& image = std::get<Image<std::uint8_t>>(frame.pixels);
+      for (int row = 0; row < picture_size.height; ++row) {
+        for (int column = 0; column < picture_size.width; ++column) {
+          ASSERT_EQ(image(column, row), value(picture, channel, column, row));
+        }
+      }
+    }
+    EXPECT_EQ(source.next(frame, {}), Arrival::ended);
+  }
+  EXPECT_EQ(source.counters().delivered, 9U);
+  EXPECT_EQ(source.counters().lost, 6U);
+  EXPECT_EQ(source.state(), "well");
+}
+
+TEST(ColourSource, TakesThemApart) {
+  const ColourMixture mixture{{{1, 0.2, 0.05, 3}, {0.15, 0.9, 0.2, 2}, {0.05, 0.2, 0.75, 1}}};
+  ColourSource source(std::make_unique<Pictures>(of_pictures), mixture);
+  EXPECT_EQ(source.format(), (FrameFormat{picture_size, 16}));
+  FrameSet::Images8 seen(3, Image<std::uint8_t>(picture_size));
+  for (int c = 0; c < 3; ++c) {
+    for (int row = 0; row < picture_size.height; ++row) {
+      for (int column = 0; column < picture_size.width; ++column) {
+        seen[static_cast<std::size_t>(c)](column, row) = value(0, c, column, row);
+      }
+    }
+  }
+  const FrameSet apart = unmixed(FrameSet(seen), mixture);
+  source.start();
+  apart.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    for (const auto& one : frames) {
+      Frame frame(source.format());
+      ASSERT_EQ(source.next(frame, {}), Arrival::frame);
+      const auto& image = std::get<Image<std::uint16_t>>(frame.pixels);
+      for (int row = 0; row < picture_size.height; ++row) {
+        for (int column = 0; column < picture_size.width; ++column) {
+          ASSERT_EQ(image(column, row), one(column, row));
+        }
+      }
+    }
+  });
+}
+
+TEST(ColourSource, RefusesOtherFrames) {
+  EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{16, 4}, 8}), std::nullopt),
+               Error);
+  EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{15, 4}, 12}), std::nullopt),
+               Error);
+}
+
+}  // namespace
+}  // namespace slipstream

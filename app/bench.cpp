@@ -4,6 +4,7 @@
 
 #include "app/commands.h"
 #include "app/progress.h"
+#include "slipstream/gpu/gpu.h"
 #include "tools/bench/bench_report.h"
 #include "tools/bench/bench_rows.h"
 
@@ -12,6 +13,7 @@ namespace {
 
 struct BenchFlags {
   bool quick = false;
+  bool gpu = false;
 };
 
 nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
@@ -25,8 +27,8 @@ nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
                           {"ms_quartiles", {timing.lower_quartile, timing.upper_quartile}},
                           {"runs", timing.runs},
                           {"fps", timed.runs_per_second()}};
-  if (row.bytes_per_pixel > 0) {
-    document["bytes_per_pixel"] = row.bytes_per_pixel;
+  if (row.bytes_per_pixel > 0) document["bytes_per_pixel"] = row.bytes_per_pixel;
+  if (row.bytes_per_pixel > 0 && !row.is_beside_gpu) {
     document["bandwidth_share"] = timed.bytes_per_second() / bandwidth;
   }
   return document;
@@ -47,6 +49,7 @@ nlohmann::json json_of(const BenchReport& report) {
                           {"ratios", json_of(report.ratios)},
                           {"rows", nlohmann::json::array()},
                           {"published", nlohmann::json::array()}};
+  if (!report.gpu.empty()) document["gpu"] = report.gpu;
   for (const TimedRow& timed : report.rows) {
     document["rows"].push_back(json_of(timed, machine.bandwidth));
   }
@@ -68,7 +71,12 @@ void bench(const BenchFlags& flags, Output& output) {
   }
   BenchReport report{.machine = bench_machine()};
   output.say("{}", text_of(report.machine));
-  const std::vector<BenchRow> rows = bench_rows(settings);
+  if (flags.gpu) {
+    const auto device = Gpu::open(std::nullopt);
+    report.gpu = fmt::format("{}, {}", device->description().name, device->description().driver);
+    output.say("GPU: {}", report.gpu);
+  }
+  const std::vector<BenchRow> rows = flags.gpu ? gpu_rows(settings) : bench_rows(settings);
   Progress progress("rows", timing.rounds * static_cast<int>(rows.size()));
   report.rows = timed(rows, timing, [&] { progress.advance(); });
   progress.finish();
@@ -83,6 +91,8 @@ void add_bench(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(
       program, chosen, bench, "bench", "times of every stage on this machine, and of its peers");
   command.add("--quick", flags.quick, "N = 3 and 640x480 alone, one run of each row");
+  command.add("--gpu", flags.gpu,
+              "the first GPU beside the fused pass on all threads, and nothing else");
   command.app.footer(
       "Examples:\n  slipstream bench\n  slipstream bench --json > bench.json\nRatios within one "
       "run hold better than times from run to run: other work on the machine slows all rows.");

@@ -255,14 +255,25 @@ struct GpuRun::Parts {
     command.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, next, {}, written, {}, {});
   }
 
-  void submit_and_wait() {
+  ~Parts() {
+    try {
+      wait();
+    } catch (const std::runtime_error&) {  // lost: nothing runs there
+    }
+  }
+
+  void submit() {
     const Gpu::Parts& own = *gpu->parts_;
     if (own.lost) throw GpuError(fmt::format("{} is lost", own.description.name));
     own.device.resetFences(*done);
-    {
-      const std::lock_guard lock(own.mutex);
-      own.queue.submit(vk::SubmitInfo({}, {}, *command), *done);
-    }
+    const std::lock_guard lock(own.mutex);
+    own.queue.submit(vk::SubmitInfo({}, {}, *command), *done);
+    runs = true;
+  }
+
+  void wait() {
+    if (!std::exchange(runs, false)) return;
+    const Gpu::Parts& own = *gpu->parts_;
     constexpr std::uint64_t longest = 10'000'000'000;  // ns
     if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
       throw GpuError(fmt::format("{} does not answer", own.description.name));
@@ -275,6 +286,7 @@ struct GpuRun::Parts {
   vk::raii::CommandPool commands;
   vk::raii::CommandBuffer command;
   vk::raii::Fence done;
+  bool runs = false;
 };
 
 GpuRun::GpuRun(std::shared_ptr<const Gpu> gpu)
@@ -284,8 +296,8 @@ GpuRun::GpuRun(GpuRun&&) noexcept = default;
 GpuRun& GpuRun::operator=(GpuRun&&) noexcept = default;
 GpuRun::~GpuRun() = default;
 
-void GpuRun::operator()(std::span<const GpuBuffer* const> buffers,
-                        std::span<const GpuProgram* const> programs, std::uint64_t invocations) {
+void GpuRun::start(std::span<const GpuBuffer* const> buffers,
+                   std::span<const GpuProgram* const> programs, std::uint64_t invocations) {
   told([&] {
     std::vector<vk::Buffer> bound;
     for (const GpuBuffer* buffer : buffers) bound.push_back(*buffer->parts_->buffer);
@@ -304,8 +316,12 @@ void GpuRun::operator()(std::span<const GpuBuffer* const> buffers,
     }
     parts_->before(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead);
     parts_->command.end();
-    parts_->submit_and_wait();
+    parts_->submit();
   });
+}
+
+void GpuRun::wait() {
+  told([&] { parts_->wait(); });
 }
 
 Gpu::Gpu(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}

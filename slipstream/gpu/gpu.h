@@ -80,7 +80,8 @@ class GpuProgram {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Runs programs one after another on the same buffers. One thread uses it at a time.
+/// Runs programs one after another on the same buffers, which must last until it has: it waits for
+/// that before it ends. One thread uses it at a time.
 class GpuRun {
  public:
   explicit GpuRun(std::shared_ptr<const Gpu> gpu);
@@ -88,10 +89,12 @@ class GpuRun {
   GpuRun& operator=(GpuRun&&) noexcept;
   ~GpuRun();
 
-  /// Each program with at least so many invocations; they tell those beyond by themselves. Returns
-  /// when all is computed and the host sees it. Throws GpuError.
-  void operator()(std::span<const GpuBuffer* const> buffers,
-                  std::span<const GpuProgram* const> programs, std::uint64_t invocations);
+  /// Each program with at least so many invocations; they tell those beyond by themselves. The last
+  /// start has been waited for. Throws GpuError.
+  void start(std::span<const GpuBuffer* const> buffers, std::span<const GpuProgram* const> programs,
+             std::uint64_t invocations);
+  /// Until all that was started is computed and the host sees it. Throws GpuError.
+  void wait();
 
  private:
   struct Parts;

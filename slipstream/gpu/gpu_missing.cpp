@@ -43,8 +43,11 @@ std::size_t GpuBuffer::size() const {
 std::byte* GpuBuffer::data() const {
   refuse();
 }
-void GpuRun::operator()(std::span<const GpuBuffer* const>, std::span<const GpuProgram* const>,
-                        std::uint64_t) {
+void GpuRun::start(std::span<const GpuBuffer* const>, std::span<const GpuProgram* const>,
+                   std::uint64_t) {
+  refuse();
+}
+void GpuRun::wait() {
   refuse();
 }
 std::shared_ptr<const Gpu> Gpu::open(std::optional<int>) {

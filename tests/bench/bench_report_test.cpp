@@ -51,5 +51,16 @@ TEST(BenchReport, TellsEveryRowAndRatio) {
   EXPECT_EQ(text.find("N = 5"), std::string::npos) << "of PCMP alone\n" << text;
 }
 
+TEST(BenchReport, HoldsTheGpuBesideTheFusedPass) {
+  BenchReport report{.rows = {row("gpu-cloud", 3, 2), row("fused-cloud", 3, 3),
+                              row("gpu-resident", 3, 0.5), row("gpu-cloud", 3, 10, 1280)}};
+  for (TimedRow& timed : report.rows) timed.row.is_beside_gpu = true;
+  const std::string text = text_of(report);
+  for (const char* words : {"1.50", "6.00", "640x480", "1280x960"}) {
+    EXPECT_NE(text.find(words), std::string::npos) << words << " in\n" << text;
+  }
+  EXPECT_EQ(text.find("fused-cloud"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace slipstream

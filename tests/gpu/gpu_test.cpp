@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iostream>
 #include <random>
@@ -271,6 +272,53 @@ TEST_F(OnGpu, GivesDepthAlone) {
   for (const float offset : {0.0F, 2000.0F}) {
     engine.depth(frames, {.scale = 0.001F, .offset = offset}, numbers);
     EXPECT_TRUE(std::all_of(numbers.begin(), numbers.end(), [](auto n) { return n == 0; }));
+  }
+}
+
+template <class Pixel>
+bool same_bytes(const Image<Pixel>& a, const Image<Pixel>& b) {
+  return a.size() == b.size() &&
+         std::memcmp(a.begin(), b.begin(), a.pixel_count() * sizeof(Pixel)) == 0;
+}
+
+/// Wherever a picture is cut, the results are to the bit those of the whole.
+TEST_F(OnGpu, CutsLargePictures) {
+  const Scanner scanner = example_scanner({171, 91});
+  Image<float> coarse(scanner.camera.size);
+  for (int i = 0; i < 171 * 91; ++i) coarse.begin()[i] = static_cast<float>(i % 171) / 171;
+  for (const Strategy& strategy :
+       {Strategy(DualFrequency{}), Strategy(PhaseMeasuring{.frequency = 4})}) {
+    const EngineSetup setup =
+        setup_of(scanner, strategy, Axis::x, {.nearest = 490, .farthest = 610});
+    const auto fused = FusedEngine::make(setup, {}).value();
+    const Image<float>* const given = fused.wants_coarse() ? &coarse : nullptr;
+    const FrameSet frames =
+        statue_frames(scanner, strategy, Axis::x, {.bits = given != nullptr ? 8 : 12});
+    struct Results {
+      Cloud cloud;
+      Maps maps;
+      Image<std::uint16_t> numbers;
+    };
+    const auto results_of = [&](std::size_t pixels) {
+      const auto gpu = GpuEngine::make(fused, std::nullopt, pixels).value();
+      GpuScanMemory memory;
+      Results results;
+      gpu(frames, {.cloud = &results.cloud, .maps = &results.maps}, memory, given);
+      gpu(frames, {.numbers = &results.numbers}, memory, given);
+      return results;
+    };
+    const Results whole = results_of(GpuEngine::pixels_at_once);
+    EXPECT_GT(point_count(whole.cloud), 1000U);
+    for (const std::size_t pixels : {171 * 9, 171 * 46}) {
+      const Results cut = results_of(pixels);
+      EXPECT_TRUE(same_bytes(cut.cloud.x, whole.cloud.x));
+      EXPECT_TRUE(same_bytes(cut.cloud.z, whole.cloud.z));
+      EXPECT_TRUE(same_bytes(cut.cloud.intensity, whole.cloud.intensity));
+      EXPECT_TRUE(same_bytes(cut.cloud.validity, whole.cloud.validity));
+      EXPECT_TRUE(same_bytes(cut.maps.coordinate, whole.maps.coordinate));
+      EXPECT_TRUE(same_bytes(cut.maps.fringe_order_doubt, whole.maps.fringe_order_doubt));
+      EXPECT_TRUE(same_bytes(cut.numbers, whole.numbers));
+    }
   }
 }
 

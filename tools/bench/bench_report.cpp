@@ -84,6 +84,33 @@ std::string sizes(const BenchReport& report) {
   return text;
 }
 
+/// Each row of the GPU beside that of the fused pass which gives the same.
+std::string beside_gpu(const std::vector<TimedRow>& rows) {
+  std::string text =
+      "\nframes to                                gpu ms        /s   GB/s   fused ms   "
+      "times as fast\n";
+  for (const TimedRow& timed : rows) {
+    const auto& [row, timing] = timed;
+    if (!row.name.starts_with("gpu")) continue;
+    std::string name = "fused" + row.name.substr(3);
+    if (const auto end = name.find("resident"); end != std::string::npos) {
+      name.replace(end, std::string::npos, "cloud");
+    }
+    const auto fused = std::find_if(rows.begin(), rows.end(), [&](const TimedRow& other) {
+      return other.row.name == name && other.row.width == row.width;
+    });
+    text += fmt::format("{:<20} {:>5}x{:<5} {:>14.3f} {:>9.1f} {:>6.1f}", row.name, row.width,
+                        row.height, timing.median, timed.runs_per_second(),
+                        1e-9 * timed.bytes_per_second());
+    if (fused != rows.end()) {
+      text += fmt::format(" {:>10.3f} {:>15.2f}", fused->timing.median,
+                          fused->timing.median / timing.median);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 std::string ratios(const BenchRatios& ratios) {
   std::string text = "\nN = 3, 640x480, one thread, fused against\n";
   const auto& over_fused = ratios.over_fused;
@@ -140,6 +167,7 @@ std::string text_of(const BenchMachine& machine) {
 }
 
 std::string text_of(const BenchReport& report) {
+  if (!report.rows.empty() && report.rows.front().row.is_beside_gpu) return beside_gpu(report.rows);
   std::string text = table_by_steps(report.rows) + codings(report) + sizes(report) +
                      ratios(report.ratios) + "\npublished, frames to cloud, 640x480, N = 3:";
   for (const PublishedMark& mark : published_marks) {

@@ -35,6 +35,7 @@ inline constexpr std::array<PublishedMark, 2> published_marks{
 /// One run of `slipstream bench`.
 struct BenchReport {
   BenchMachine machine{};
+  std::string gpu{};  ///< and its driver; of gpu_rows
   std::vector<TimedRow> rows{};
   BenchRatios ratios{};
 };

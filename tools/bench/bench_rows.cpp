@@ -4,15 +4,16 @@
 #include <cstddef>
 #include <memory>
 #include <numbers>
+#include <set>
 #include <string>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "slipstream/gpu/gpu.h"
 #include "slipstream/kernels/vector_target.h"
 #include "slipstream/live/live_check.h"
 #include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/reconstruct/detail/gpu_engine.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/register/object_model.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -199,34 +200,64 @@ BenchRow engine_row(const SharedScan& scan, int steps) {
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
 
-/// What is asked of a scan.
-enum class Asked { cloud, depth, depth_in_16_bits };
+/// What is asked of a scan; `resident`: a cloud of frames that are on the device, and it stays
+/// there.
+enum class Asked { cloud, depth, depth16, resident };
+constexpr std::array<const char*, 4> asked_names{"cloud", "depth", "depth16", "resident"};
+constexpr std::array<double, 4> result_bytes{cloud_bytes, sizeof(float) + 1, sizeof(std::uint16_t),
+                                             cloud_bytes};
 
-/// What a GPU makes of frames in memory, in memory. None where there is no GPU that takes such
-/// pictures, or no second thread, without which another clock would be read.
-void add_gpu_row(std::vector<BenchRow>& rows, const SharedScan& scan, std::string name,
-                 const BenchSettings& settings, Asked asked = Asked::cloud) {
-  if (settings.most_threads == 1 || gpu_devices().empty()) return;
-  struct Work {
-    Engine engine;
-    FrameViews frames;
-    Cloud cloud;
-    Depth depth;
-    Image<std::uint16_t> numbers;
-  };
-  const auto work = std::make_shared<Work>(
-      Work{Engine(setup_for(*scan, {.engine = EngineKind::gpu, .clean = CleanSettings::none()})),
-           scan->frames, Cloud(), Depth(), Image<std::uint16_t>()});
-  BenchRow row = row_for(*scan, std::move(name), 3, 0, [scan, work, asked] {
-    if (asked == Asked::depth) return work->engine.depth(work->frames, work->depth);
-    if (asked == Asked::depth_in_16_bits) {
-      return work->engine.depth(work->frames, DepthScale(), work->numbers);
-    }
-    static_cast<void>(work->engine.cloud(work->frames, work->cloud));
-  });
-  row.threads = settings.most_threads;
-  row.run();
-  if (work->engine.backend_for(work->frames) == "gpu") rows.push_back(std::move(row));
+/// Shared by rows of one size.
+struct Results {
+  Cloud cloud;
+  Depth depth;
+  Image<std::uint16_t> numbers;
+
+  FusedOutput output(Asked asked) {
+    if (asked == Asked::depth) return {.depth = &depth};
+    if (asked == Asked::depth16) return {.numbers = &numbers};
+    return {.cloud = &cloud};
+  }
+};
+
+/// One scan on the GPU and in the fused pass.
+class OnBoth {
+ public:
+  OnBoth(const Scan& scan, std::shared_ptr<Results> results)
+      : fused_(FusedEngine::make(setup_for(scan), phase_corrections(setup_for(scan))).value()),
+        gpu_(GpuEngine::make(fused_, std::nullopt).value()),
+        frames_(scan.frames),
+        results_(std::move(results)) {}
+
+  void on_gpu(Asked asked) {
+    gpu_(frames_, results_->output(asked), asked == Asked::resident ? resident_ : gpu_memory_);
+  }
+  void fused(Asked asked) { fused_(frames_, results_->output(asked), fused_memory_); }
+
+ private:
+  FusedEngine fused_;
+  GpuEngine gpu_;
+  FrameViews frames_;
+  std::shared_ptr<Results> results_;
+  FusedMemory fused_memory_;
+  GpuScanMemory gpu_memory_, resident_{.resident = true};
+};
+
+void add_gpu_rows(std::vector<BenchRow>& rows, const SharedScan& scan, const char* coding,
+                  const std::shared_ptr<Results>& results, int threads) {
+  const auto both = std::make_shared<OnBoth>(*scan, results);
+  for (std::size_t i = 0; i < asked_names.size(); ++i) {
+    const auto asked = static_cast<Asked>(i);
+    const auto add = [&](const char* engine, void (OnBoth::*make)(Asked)) {
+      rows.push_back(row_for(*scan, fmt::format("{}{}-{}", engine, coding, asked_names[i]), 3,
+                             scan->frames.count() + result_bytes[i],
+                             [scan, both, make, asked] { ((*both).*make)(asked); }));
+      rows.back().threads = threads;
+      rows.back().is_beside_gpu = true;
+    };
+    add("gpu", &OnBoth::on_gpu);
+    if (asked != Asked::resident) add("fused", &OnBoth::fused);
+  }
 }
 
 /// The look that live takes at each cycle of frames.
@@ -318,6 +349,22 @@ SharedScan scan_of(int steps) {
 
 }  // namespace
 
+std::vector<BenchRow> gpu_rows(const BenchSettings& settings) {
+  std::vector<BenchRow> rows;
+  const std::array<std::pair<const char*, SharedScan>, 3> scans{
+      {{"", scan_of(3)},
+       {"-dual", scan_of(DualFrequency{})},
+       {"-multi", scan_of(MultiFrequency{})}}};
+  for (const int k : std::set{settings.enlargements.front(), settings.enlargements.back()}) {
+    const auto results = std::make_shared<Results>();
+    for (const auto& [coding, scan] : scans) {
+      const SharedScan large = k == 1 ? scan : std::make_shared<const Scan>(enlarged(*scan, k));
+      add_gpu_rows(rows, large, coding, results, settings.most_threads);
+    }
+  }
+  return rows;
+}
+
 std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
   std::vector<BenchRow> rows;
   const SharedScan three_steps = scan_of(3);
@@ -349,14 +396,9 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings) {
     };
     rows.push_back(std::move(row));
   }
-  add_gpu_row(rows, scan_of(DualFrequency{}), "gpu-dual", settings);
-  add_gpu_row(rows, scan_of(MultiFrequency{}), "gpu-multi", settings);
   for (const int k : settings.enlargements) {
     const SharedScan scan =
         k == 1 ? three_steps : std::make_shared<const Scan>(enlarged(*three_steps, k));
-    add_gpu_row(rows, scan, "gpu", settings);
-    add_gpu_row(rows, scan, "gpu-depth", settings, Asked::depth);
-    add_gpu_row(rows, scan, "gpu-depth16", settings, Asked::depth_in_16_bits);
     BenchRow row = fused_row(scan, "fused", 3);
     if (k > 1) rows.push_back(row);
     if (settings.most_threads == 1) continue;

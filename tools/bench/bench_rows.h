@@ -18,4 +18,9 @@ struct BenchSettings {
 /// What they need is built here; a row keeps alive what it shares with others.
 std::vector<BenchRow> bench_rows(const BenchSettings& settings);
 
+/// What the first GPU makes of the smallest and largest pictures, beside the fused pass on all
+/// threads: frames in memory to clouds, depths and depths in 16 bits in memory, and what the device
+/// takes by itself. Throws WorldError where there is no GPU.
+std::vector<BenchRow> gpu_rows(const BenchSettings& settings);
+
 }  // namespace slipstream

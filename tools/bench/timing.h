@@ -16,7 +16,8 @@ struct BenchRow {
   /// Bytes that one pixel reads and writes, tables and output included, when each is touched once;
   /// 0 where that says nothing.
   double bytes_per_pixel = 0;
-  bool is_coding = false;  ///< held against `fused` of three steps in a table of its own
+  bool is_coding = false;      ///< held against `fused` of three steps in a table of its own
+  bool is_beside_gpu = false;  ///< of a GPU, or held against one; the clock on the wall counts
   std::function<void()> run;
 
   [[nodiscard]] double pixels() const { return static_cast<double>(width) * height; }

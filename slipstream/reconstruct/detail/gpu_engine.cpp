@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
-#include <type_traits>
 #include <utility>
 
 #include "slipstream/error/error.h"
@@ -24,10 +23,25 @@ constexpr std::uint32_t points_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 
 constexpr std::size_t whole_words = 4;  // an invocation has four pixels
 
+std::size_t pixels_of(Size size) {
+  return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+}
+
 std::size_t padded(Size size) {
-  const std::size_t pixels =
-      static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
-  return (pixels + whole_words - 1) / whole_words * whole_words;
+  return (pixels_of(size) + whole_words - 1) / whole_words * whole_words;
+}
+
+/// Parts of a picture, so many that the largest buffer of each is small enough: results, or frames.
+int part_count(Size size, int frames, std::size_t pixels, std::size_t most_bytes) {
+  constexpr std::size_t most_planes = 8, most_pixel_bytes = 2;
+  const std::size_t each =
+      std::max(most_planes * sizeof(float),
+               static_cast<std::size_t>(frames) * most_pixel_bytes + sizeof(float));
+  const std::size_t seen_beside = 2 * static_cast<std::size_t>(size.width);
+  const std::size_t fit = most_bytes / each;
+  pixels = std::min(pixels, fit > seen_beside ? fit - seen_beside : 1);
+  return static_cast<int>(std::clamp<std::size_t>((pixels_of(size) + pixels - 1) / pixels, 1,
+                                                  static_cast<std::size_t>(size.height)));
 }
 
 GpuProgram coordinate_program(const std::shared_ptr<const Gpu>& gpu, std::size_t bands,
@@ -36,46 +50,51 @@ GpuProgram coordinate_program(const std::shared_ptr<const Gpu>& gpu, std::size_t
 }
 
 /// Four E_x, then their E_y, and so on.
-GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays) {
-  const std::size_t pixels = rays.E_x.pixel_count();
-  GpuBuffer buffer(gpu, 2 * padded(rays.E_x.size()) * sizeof(float), GpuMemory::upload);
+GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays, int first,
+                  int last) {
+  const Size size{rays.E_x.width(), last - first};
+  GpuBuffer buffer(gpu, 2 * padded(size) * sizeof(float), GpuMemory::upload);
   auto* const to = reinterpret_cast<float*>(buffer.data());
-  for (std::size_t i = 0; i < pixels; ++i) {
+  const float* const E_x = rays.E_x.row(first);
+  const float* const E_y = rays.E_y.row(first);
+  for (std::size_t i = 0; i < pixels_of(size); ++i) {
     float* const four = to + i / whole_words * 2 * whole_words + i % whole_words;
-    four[0] = rays.E_x.begin()[i];
-    four[whole_words] = rays.E_y.begin()[i];
+    four[0] = E_x[i];
+    four[whole_words] = E_y[i];
   }
   return buffer;
 }
 
-/// Frame after frame without gaps.
+/// Rows from `first` to `last`, frame after frame without gaps.
 template <class Pixel>
-void copy_frames(const Frames<Pixel>& frames, std::size_t frame_bytes, std::byte* to) {
-  for (std::size_t n = 0; n < frames.size(); ++n) {
-    const ImageView<const Pixel>& frame = frames[n];
+void copy_frames(const Frames<Pixel>& frames, int first, int last, std::size_t frame_bytes,
+                 std::byte* to) {
+  for (const ImageView<const Pixel>& frame : frames) {
     const std::size_t row_bytes = static_cast<std::size_t>(frame.width()) * sizeof(Pixel);
-    for (int row = 0; row < frame.height(); ++row) {
-      std::memcpy(to + n * frame_bytes + static_cast<std::size_t>(row) * row_bytes, frame.row(row),
+    for (int row = first; row < last; ++row) {
+      std::memcpy(to + static_cast<std::size_t>(row - first) * row_bytes, frame.row(row),
                   row_bytes);
     }
+    to += frame_bytes;
   }
 }
 
 /// NaN, which a shader need not know, becomes a coordinate that is none.
-void copy_coarse(const Image<float>& coarse, std::byte* to) {
+void copy_coarse(const Image<float>& coarse, int first, int last, std::byte* to) {
   constexpr float none = 1e30F;
-  std::transform(coarse.begin(), coarse.end(), reinterpret_cast<float*>(to),
-                 [](float y) { return std::isnan(y) ? none : y; });
+  std::transform(coarse.row(first), coarse.row(last - 1) + coarse.width(),
+                 reinterpret_cast<float*>(to), [](float y) { return std::isnan(y) ? none : y; });
 }
 
 /// The planes of an output, one after another, and where each goes.
 struct PlaneList {
-  GpuStages::Planes planes;
-  std::vector<Image<float>*> images;
+  std::size_t plane_pixels;
+  GpuStages::Planes planes{};
+  std::vector<Image<float>*> images{};
 
   void add(GpuStages::Word& plane, Image<float>& image, Size size) {
     if (image.size() != size) image = Image<float>(size);
-    plane = static_cast<GpuStages::Word>(images.size() * (padded(size) / whole_words));
+    plane = static_cast<GpuStages::Word>(images.size() * (plane_pixels / whole_words));
     images.push_back(&image);
   }
 };
@@ -85,8 +104,9 @@ Image<Validity>* reasons_of(const FusedOutput& output) {
   return output.depth != nullptr ? &output.depth->validity : nullptr;
 }
 
-PlaneList planes_of(const FusedOutput& output, Size size, bool several_bands) {
-  PlaneList list;
+PlaneList planes_of(const FusedOutput& output, Size size, bool several_bands,
+                    std::size_t plane_pixels) {
+  PlaneList list{.plane_pixels = plane_pixels};
   GpuStages::Planes& at = list.planes;
   if (Cloud* const cloud = output.cloud) {
     list.add(at.x, cloud->x, size);
@@ -118,66 +138,136 @@ PlaneList planes_of(const FusedOutput& output, Size size, bool several_bands) {
   return list;
 }
 
-void copy_results(const GpuScanMemory::Parts& memory, const PlaneList& planes,
-                  const FusedOutput& output, double full_scale) {
-  for_each_row(static_cast<int>(planes.images.size()), [&](int plane) {
-    Image<float>& image = *planes.images[static_cast<std::size_t>(plane)];
-    const std::size_t from = static_cast<std::size_t>(plane) * padded(image.size()) * sizeof(float);
-    std::memcpy(image.begin(), memory.output.data() + from, image.pixel_count() * sizeof(float));
-  });
-  if (Image<Validity>* const reasons = reasons_of(output)) {
-    std::memcpy(reasons->begin(), memory.packed.data(), reasons->pixel_count());
-  }
-  if (output.numbers != nullptr) {
-    std::memcpy(output.numbers->begin(), memory.packed.data(),
-                output.numbers->pixel_count() * sizeof(std::uint16_t));
-  }
-  if (output.cloud == nullptr || output.maps == nullptr) return;
-  const Image<float>& mean = output.maps->mean;
-  if (output.cloud->intensity.size() != mean.size()) output.cloud->intensity = mean;
+/// Pixels of whole rows.
+template <class Pixel>
+void copy_rows(const std::byte* from, int first, int last, Image<Pixel>& to) {
+  std::memcpy(to.row(first), from, pixels_of({to.width(), last - first}) * sizeof(Pixel));
+}
+
+void scale_intensity(const Image<float>& mean, double full_scale, Image<float>& intensity) {
+  if (intensity.size() != mean.size()) intensity = mean;
   const auto to_8_bits = static_cast<float>(255 / full_scale);
-  std::transform(mean.begin(), mean.end(), output.cloud->intensity.begin(),
+  std::transform(mean.begin(), mean.end(), intensity.begin(),
                  [&](float level) { return to_8_bits * level; });
 }
 
 }  // namespace
 
-GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu)
+/// One scan on its way through the device.
+struct GpuEngine::Job {
+  GpuStages stages;
+  PlaneList planes;
+  const FrameViews& frames;
+  const FusedOutput& output;
+  const Image<float>* coarse;
+  std::size_t pixel_bytes;  ///< of frames
+
+  [[nodiscard]] std::size_t frame_bytes() const { return planes.plane_pixels * pixel_bytes; }
+  [[nodiscard]] std::size_t all_frames() const {
+    return frame_bytes() * static_cast<std::size_t>(frames.count());
+  }
+  [[nodiscard]] std::size_t upload_bytes() const {
+    return all_frames() + (coarse != nullptr ? planes.plane_pixels * sizeof(float) : 0);
+  }
+  [[nodiscard]] std::size_t plane_bytes() const { return planes.plane_pixels * sizeof(float); }
+  [[nodiscard]] std::size_t output_bytes() const { return planes.images.size() * plane_bytes(); }
+};
+
+GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu,
+                     std::size_t pixels)
     : settings_(fused.settings()),
       text_(std::move(text)),
       gpu_(std::move(gpu)),
-      rays_(rays_on(gpu_, fused.stages().rays)),
       coordinates_of_8_bits_(coordinate_program(gpu_, fused.stages().bands.size(), 8)),
       coordinates_of_16_bits_(coordinate_program(gpu_, fused.stages().bands.size(), 16)),
       points_(gpu_, points_spirv, {}) {
-  for (const auto& band : fused.stages().bands) sinusoids_.push_back(band.sinusoid);
+  const FusedStages& stages = fused.stages();
+  for (const auto& band : stages.bands) sinusoids_.push_back(band.sinusoid);
+  const auto [width, height] = stages.rays.E_x.size();
+  const int count = part_count({width, height}, stages.frames, pixels, gpu_->most_bytes());
+  const auto border = [&, height = height](int i) {
+    return static_cast<int>(std::int64_t{height} * i / count);
+  };
+  for (int i = 0; i < count; ++i) {
+    const int first = border(i), last = border(i + 1);
+    const int first_seen = std::max(first - 1, 0), last_seen = std::min(last + 1, height);
+    parts_.push_back(
+        {first, last, first_seen, last_seen, rays_on(gpu_, stages.rays, first_seen, last_seen)});
+    largest_ = {width, std::max(largest_.height, last_seen - first_seen)};
+  }
 }
 
-std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional<int> device) {
+std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional<int> device,
+                                         std::size_t pixels) {
   std::optional<GpuProgramText> text = gpu_stages(fused.stages());
   if (!text) return std::nullopt;
-  return GpuEngine(fused, std::move(*text), Gpu::open(device));
+  return GpuEngine(fused, std::move(*text), Gpu::open(device), pixels);
 }
 
-GpuScanMemory::Parts GpuEngine::memory_for(std::size_t frame_bytes, std::size_t planes) const {
-  const std::size_t pixels = padded({text_.stages.width, text_.stages.height});
+GpuScanMemory::Slot GpuEngine::slot_for(const Job& job, bool resident) const {
+  const std::size_t pixels = padded(largest_);
   const std::size_t stage_bytes = sizeof(GpuStages) + text_.words.size() * sizeof(GpuStages::Word);
-  GpuScanMemory::Parts parts{
-      .frames = GpuBuffer(gpu_, frame_bytes, GpuMemory::upload),
+  const GpuMemory results = resident ? GpuMemory::device : GpuMemory::download;
+  GpuScanMemory::Slot slot{
+      .frames = GpuBuffer(gpu_, job.upload_bytes(), GpuMemory::upload),
       .stages = GpuBuffer(gpu_, stage_bytes, GpuMemory::upload),
       .between = GpuBuffer(gpu_, pixels * 2 * sizeof(float), GpuMemory::device),
-      .output = GpuBuffer(gpu_, pixels * planes * sizeof(float), GpuMemory::download),
-      .packed = GpuBuffer(gpu_, pixels * sizeof(std::uint16_t), GpuMemory::download),
+      .output = GpuBuffer(gpu_, job.output_bytes(), results),
+      .packed = GpuBuffer(gpu_, pixels * sizeof(std::uint16_t), results),
       .run = GpuRun(gpu_)};
-  std::memcpy(parts.stages.data() + sizeof(GpuStages), text_.words.data(),
+  std::memcpy(slot.stages.data() + sizeof(GpuStages), text_.words.data(),
               stage_bytes - sizeof(GpuStages));
-  return parts;
+  return slot;
 }
 
-void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
-                           GpuScanMemory& memory, const Image<float>* coarse) const {
-  GpuStages stages = text_.stages;
-  const Size size{stages.width, stages.height};
+void GpuEngine::upload(const Part& part, const Job& job, const GpuBuffer& to) {
+  const int first = part.first_seen, last = part.last_seen;
+  job.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    copy_frames(views, first, last, job.frame_bytes(), to.data());
+  });
+  if (job.coarse != nullptr) copy_coarse(*job.coarse, first, last, to.data() + job.all_frames());
+}
+
+void GpuEngine::start(const Part& part, Job& job, GpuScanMemory::Slot& slot) const {
+  job.stages.height = part.last_seen - part.first_seen;
+  std::memcpy(slot.stages.data(), &job.stages, sizeof(job.stages));
+  const std::array programs{
+      job.pixel_bytes == 1 ? &coordinates_of_8_bits_ : &coordinates_of_16_bits_, &points_};
+  slot.run.start(std::array<const GpuBuffer*, 6>{&slot.frames, &slot.stages, &part.rays,
+                                                 &slot.between, &slot.output, &slot.packed},
+                 std::span(programs).first(job.output.makes_points() ? 2 : 1),
+                 padded({job.stages.width, job.stages.height}) / whole_words);
+}
+
+void GpuEngine::collect(const Part& part, const Job& job, const GpuScanMemory::Slot& slot) {
+  const FusedOutput& output = job.output;
+  const auto& images = job.planes.images;
+  const std::size_t skipped = pixels_of({job.stages.width, part.first - part.first_seen});
+  for_each_row(static_cast<int>(images.size()), [&](int plane) {
+    const auto i = static_cast<std::size_t>(plane);
+    copy_rows(slot.output.data() + i * job.plane_bytes() + skipped * sizeof(float), part.first,
+              part.last, *images[i]);
+  });
+  if (Image<Validity>* const reasons = reasons_of(output)) {
+    copy_rows(slot.packed.data() + skipped * sizeof(Validity), part.first, part.last, *reasons);
+  }
+  if (output.numbers != nullptr) {
+    copy_rows(slot.packed.data() + skipped * sizeof(std::uint16_t), part.first, part.last,
+              *output.numbers);
+  }
+}
+
+GpuEngine::Job GpuEngine::job_for(const FrameViews& frames, const FusedOutput& output,
+                                  const Image<float>* coarse) const {
+  const Size size{text_.stages.width, text_.stages.height};
+  Job job{
+      .stages = text_.stages,
+      .planes = planes_of(output, size, text_.stages.links > 0, padded(largest_)),
+      .frames = frames,
+      .output = output,
+      .coarse = coarse,
+      .pixel_bytes = frames.visit([]<class Pixel>(const Frames<Pixel>&) { return sizeof(Pixel); })};
+  GpuStages& stages = job.stages;
   const double full_scale = frames.full_scale();
   const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
   for (std::size_t i = 0; i < sinusoids_.size(); ++i) {
@@ -189,41 +279,41 @@ void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
   }
   const GpuStages::Band& first = stages.bands.front();
   stages.code.mean_to_frames = 1 / (first.mean_scale * static_cast<float>(first.steps));
-  const PlaneList planes = planes_of(output, size, stages.links > 0);
-  stages.planes = planes.planes;
+  stages.planes = job.planes.planes;
   stages.packed = {.wanted = output.makes_points() ? 1 : 0, .offset = output.scale.offset};
   if (output.numbers != nullptr) stages.packed.numbers_per_mm = 1 / output.scale.scale;
+  const auto words = [](std::size_t bytes) {
+    return static_cast<GpuStages::Word>(bytes / sizeof(GpuStages::Word));
+  };
+  stages.frame_words = words(job.frame_bytes());
+  stages.coarse_given = coarse != nullptr ? words(job.all_frames()) : 0;
+  return job;
+}
 
-  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
-    if constexpr (std::is_integral_v<Pixel>) {
-      const std::size_t frame_bytes = padded(size) * sizeof(Pixel);
-      const std::size_t all_frames = views.size() * frame_bytes;
-      const std::size_t coarse_bytes = coarse != nullptr ? padded(size) * sizeof(float) : 0;
-      const std::size_t plane_bytes = planes.images.size() * padded(size) * sizeof(float);
-      if (!memory.parts || memory.parts->frames.size() < all_frames + coarse_bytes ||
-          memory.parts->output.size() < plane_bytes) {
-        memory.parts.reset();
-        memory.parts = memory_for(all_frames + coarse_bytes, planes.images.size());
-      }
-      const GpuScanMemory::Parts& parts = *memory.parts;
-      stages.frame_words = static_cast<GpuStages::Word>(frame_bytes / sizeof(GpuStages::Word));
-      stages.coarse_given = static_cast<GpuStages::Word>(
-          coarse != nullptr ? all_frames / sizeof(GpuStages::Word) : 0);
-      std::memcpy(parts.stages.data(), &stages, sizeof(stages));
-      copy_frames(views, frame_bytes, parts.frames.data());
-      if (coarse != nullptr) copy_coarse(*coarse, parts.frames.data() + all_frames);
-      const GpuProgram& coordinates =
-          sizeof(Pixel) == 1 ? coordinates_of_8_bits_ : coordinates_of_16_bits_;
-      const std::array programs{&coordinates, &points_};
-      memory.parts->run(std::array{&parts.frames, &parts.stages, &rays_, &parts.between,
-                                   &parts.output, &parts.packed},
-                        std::span(programs).first(output.makes_points() ? 2 : 1),
-                        padded(size) / whole_words);
-      copy_results(parts, planes, output, full_scale);
-    } else {
-      throw Error("frames are not quantised; the GPU takes 8 to 16 bits");
-    }
-  });
+void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
+                           GpuScanMemory& memory, const Image<float>* coarse) const {
+  if (!frames.quantised()) throw Error("frames are not quantised; the GPU takes 8 to 16 bits");
+  Job job = job_for(frames, output, coarse);
+  auto& slots = memory.slots;
+  const bool keeps = !slots.empty() && slots.front().frames.size() >= job.upload_bytes() &&
+                     slots.front().output.size() >= job.output_bytes();
+  if (!keeps) slots.clear();
+  while (slots.size() < std::min<std::size_t>(parts_.size(), 2)) {
+    slots.push_back(slot_for(job, memory.resident));
+  }
+  const auto collect_from = [&](std::size_t i) {
+    slots[i % slots.size()].run.wait();
+    if (!memory.resident) collect(parts_[i], job, slots[i % slots.size()]);
+  };
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    GpuScanMemory::Slot& slot = slots[i % slots.size()];
+    if (!keeps || !memory.resident) upload(parts_[i], job, slot.frames);
+    start(parts_[i], job, slot);
+    if (i > 0) collect_from(i - 1);
+  }
+  collect_from(parts_.size() - 1);
+  if (output.cloud == nullptr || output.maps == nullptr || memory.resident) return;
+  scale_intensity(output.maps->mean, frames.full_scale(), output.cloud->intensity);
 }
 
 }  // namespace slipstream

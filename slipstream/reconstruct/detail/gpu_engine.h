@@ -14,20 +14,30 @@ namespace slipstream {
 
 /// Memory of the device for one scan at a time, kept from scan to scan.
 struct GpuScanMemory {
-  struct Parts {
+  /// For the rows that are computed at once.
+  struct Slot {
     GpuBuffer frames, stages, between, output, packed;
     GpuRun run;
   };
-  std::optional<Parts> parts{};
+  /// Two where a picture is cut: frames of one are uploaded while the other is computed.
+  std::vector<Slot> slots{};
+  /// Frames and results stay on the device, and nothing but the first scan is uploaded: what it
+  /// takes by itself.
+  bool resident = false;
 };
 
-/// What the fused pass computes, on a GPU: the same stages in shaders, a pixel for each invocation,
-/// and the same bounds against the equations. Thread-safe with an output and memory for each
-/// thread.
+/// What the fused pass computes, on a GPU: the same stages in shaders, four pixels for each
+/// invocation, and the same bounds against the equations. Large pictures are cut into parts of
+/// whole rows, which overlaps copies with computing and keeps to the device's largest buffer.
+/// Thread-safe with an output and memory for each thread.
 class GpuEngine {
  public:
-  /// None where gpu_stages has none. Throws what Gpu::open throws.
-  static std::optional<GpuEngine> make(const FusedEngine& fused, std::optional<int> device);
+  static constexpr std::size_t pixels_at_once = std::size_t{1} << 21;
+
+  /// None where gpu_stages has none. Parts have about so many pixels, or fewer where the device's
+  /// buffers are too small. Throws what Gpu::open throws.
+  static std::optional<GpuEngine> make(const FusedEngine& fused, std::optional<int> device,
+                                       std::size_t pixels = pixels_at_once);
 
   /// As FusedEngine's, of frames that require_frames takes. Throws GpuError where the device fails:
   /// the output is then undefined.
@@ -37,15 +47,29 @@ class GpuEngine {
   [[nodiscard]] const Gpu& device() const { return *gpu_; }
 
  private:
-  GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu);
+  /// Rows of the picture: those that become results, and with the neighbours that confirm them.
+  struct Part {
+    int first, last, first_seen, last_seen;
+    GpuBuffer rays;
+  };
+  struct Job;
 
-  [[nodiscard]] GpuScanMemory::Parts memory_for(std::size_t frame_bytes, std::size_t planes) const;
+  GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu,
+            std::size_t pixels);
+
+  [[nodiscard]] GpuScanMemory::Slot slot_for(const Job& job, bool resident) const;
+  [[nodiscard]] Job job_for(const FrameViews& frames, const FusedOutput& output,
+                            const Image<float>* coarse) const;
+  static void upload(const Part& part, const Job& job, const GpuBuffer& to);
+  void start(const Part& part, Job& job, GpuScanMemory::Slot& slot) const;
+  static void collect(const Part& part, const Job& job, const GpuScanMemory::Slot& slot);
 
   ReconstructSettings settings_;
   std::vector<SinusoidStage> sinusoids_;  ///< of each band
   GpuProgramText text_;
   std::shared_ptr<const Gpu> gpu_;
-  GpuBuffer rays_;
+  std::vector<Part> parts_;
+  Size largest_;  ///< of the parts
   GpuProgram coordinates_of_8_bits_, coordinates_of_16_bits_, points_;
 };
 

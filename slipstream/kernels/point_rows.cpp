@@ -409,6 +409,20 @@ void PointRowConfirmed(const PointStage& stage, const ConsensusStage& consensus,
   point_row(stage, Neighbourhood(stage, consensus, row), local);
 }
 
+void NumberRow(const DepthScale& scale, int width, const float* z, std::uint16_t* numbers) {
+  const FloatTag d;
+  const hn::Rebind<std::uint16_t, FloatTag> words;
+  const Floats offset = hn::Set(d, scale.offset), per_mm = hn::Set(d, 1 / scale.scale);
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Floats number =
+        hn::MulAdd(hn::Sub(hn::LoadU(d, z + i), offset), per_mm, hn::Set(d, 0.5F));
+    const auto told =
+        hn::And(hn::Ge(number, hn::Set(d, 1.0F)), hn::Lt(number, hn::Set(d, 65536.0F)));
+    const Ints whole = hn::ConvertTo(IntTag(), hn::IfThenElseZero(told, number));
+    hn::StoreU(hn::DemoteTo(words, whole), words, numbers + i);
+  });
+}
+
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -417,6 +431,7 @@ namespace slipstream {
 
 HWY_EXPORT(PointRowAlone);
 HWY_EXPORT(PointRowConfirmed);
+HWY_EXPORT(NumberRow);
 
 void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row) {
   HWY_DYNAMIC_DISPATCH(PointRowAlone)(stage, coordinate, row);
@@ -424,6 +439,10 @@ void point_row(const PointStage& stage, const CoordinateStage& coordinate, const
 
 void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row) {
   HWY_DYNAMIC_DISPATCH(PointRowConfirmed)(stage, consensus, row);
+}
+
+void number_row(const DepthScale& scale, int width, const float* z, std::uint16_t* numbers) {
+  HWY_DYNAMIC_DISPATCH(NumberRow)(scale, width, z, numbers);
 }
 
 void flush_past_cache() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/depth_scale.h"
 #include "slipstream/geometry/ray_blocks.h"
 #include "slipstream/kernels/sinusoid_rows.h"
 
@@ -63,6 +64,9 @@ void point_row(const PointStage& stage, const CoordinateStage& coordinate, const
 /// For several frequencies or a cue: `row.coordinate` holds projector coordinates, which the
 /// neighbours must confirm.
 void point_row(const PointStage& stage, const ConsensusStage& consensus, const PointRow& row);
+
+/// DepthScale of a row, whose width is at least least_row_width.
+void number_row(const DepthScale& scale, int width, const float* z, std::uint16_t* numbers);
 
 /// After rows that were written past the cache, before another thread reads them.
 void flush_past_cache();

@@ -154,7 +154,7 @@ struct Pass {
 
   void finish_points(int row, const FusedScratch& scratch) const {
     if (output.numbers == nullptr) return;
-    std::transform(scratch.z.begin(), scratch.z.end(), output.numbers->row(row), output.scale);
+    number_row(output.scale, width(), scratch.z.begin(), output.numbers->row(row));
   }
 };
 

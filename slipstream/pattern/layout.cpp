@@ -121,6 +121,11 @@ void require_code(const Layout& layout, std::string_view name) {
 }
 
 void require_frames_of_surfaces(const Layout& layout, std::string_view name) {
+  if (layout.bands.size() == 2 && layout.single_frames.empty()) {
+    Layout alike = layout;
+    alike.unwrapping = Unwrapping::likelihood;
+    return require_unlike(alike, name);
+  }
   const bool all = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
                                [&](const SingleFrame& single) {
                                  return single.frame >= 0 && single.frame < layout.frames &&
@@ -128,8 +133,8 @@ void require_frames_of_surfaces(const Layout& layout, std::string_view name) {
                                });
   if (all && layout.bands.size() == 1 && layout.single_frames.size() >= 3) return;
   throw Error(
-      fmt::format("{}: surfaces are told by one band and three frames or more of at most "
-                  "one period each",
+      fmt::format("{}: surfaces are told by two bands, or one and three frames or more of at "
+                  "most one period each",
                   name));
 }
 

@@ -58,6 +58,8 @@ Demodulator::Demodulator(Demodulation how, Axis axis) : how_(std::move(how)), ax
   }
   bands_.resize(first.size());
   images_.resize(how_.frames.size());
+  aligned_ =
+      std::none_of(first.begin(), first.end(), [](const auto& frame) { return frame.across; });
 }
 
 const FrameViews& Demodulator::operator()(const FrameViews& shown) {
@@ -66,11 +68,10 @@ const FrameViews& Demodulator::operator()(const FrameViews& shown) {
   }
   take(shown);
   find_carriers();
-  const bool alone = bands_.size() == 1;
-  const int square = odd_length(alone ? longest_ / 2 : longest_);
-  take_mean(alone ? bands_.front().window : Size{square, square}, false);
+  const int square = odd_length(aligned_ ? longest_ / 2 : longest_);
+  take_mean(aligned_ ? widest_ : Size{square, square}, false);
   for (Band& band : bands_) take_near(band, false);
-  if (alone) take_mean({square, square}, true);
+  if (aligned_) take_mean({square, square}, true);
   for (Band& band : bands_) take_near(band, true);
   square_what_is_left();
   write();
@@ -129,6 +130,7 @@ void Demodulator::find_carriers() {
     for (std::size_t i = 0; i < of.size(); ++i) bands_[of[i]].carrier = found[i];
   }
   longest_ = 1;
+  widest_ = {1, 1};
   for (Band& band : bands_) {
     const Carrier k = band.carrier;
     double nearest = distance(k, {});
@@ -138,9 +140,10 @@ void Demodulator::find_carriers() {
       nearest = std::min({nearest, distance(k, other.carrier),
                           distance(k, {-other.carrier.right, -other.carrier.down})});
     }
-    const bool alone = bands_.size() == 1;
-    const int along = odd_length(1 / nearest), across = odd_length((alone ? 0.25 : 1) / nearest);
+    const int along = odd_length(1 / nearest), across = odd_length((aligned_ ? 0.25 : 1) / nearest);
     band.window = std::abs(k.right) > std::abs(k.down) ? Size{along, across} : Size{across, along};
+    widest_ = {std::max(widest_.width, band.window.width),
+               std::max(widest_.height, band.window.height)};
   }
 }
 
@@ -202,11 +205,6 @@ void Demodulator::take_near(Band& band, bool started) {
 /// What the carriers do not explain, as mean squares in near_sine_, and their squares in
 /// near_cosine_.
 void Demodulator::square_what_is_left() {
-  Size window{1, 1};
-  for (const Band& band : bands_) {
-    window = {std::max(window.width, band.window.width),
-              std::max(window.height, band.window.height)};
-  }
   const float of_mean = how_.shown == 2 ? 0 : 1;
   for_each_row(frame_.height(), [&](int row) {
     const float *const I = frame_.row(row), *const A = mean_.row(row);
@@ -224,7 +222,7 @@ void Demodulator::square_what_is_left() {
     }
     for (int column = 0; column < frame_.width(); ++column) rest[column] *= rest[column];
   });
-  take_moving_mean(near_sine_, window, scratch_);
+  take_moving_mean(near_sine_, widest_, scratch_);
 }
 
 /// The carriers as frames; none where too much is left.

@@ -51,7 +51,9 @@ class Demodulator {
   Axis axis_;
   std::vector<Band> bands_;           ///< one for each carrier
   std::vector<std::size_t> band_of_;  ///< of each frame; a mean has any
+  bool aligned_ = true;               ///< no carrier runs across the axis
   double longest_ = 1;                ///< pixels, of the carriers' periods
+  Size widest_{1, 1};                 ///< of the windows
   Image<float> frame_;                ///< grey levels of 8 bits; of two, half their difference
   Image<float> mean_;
   Image<std::uint8_t> saturated_;

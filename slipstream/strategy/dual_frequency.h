@@ -25,7 +25,7 @@ struct DualFrequency {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("low_steps", "frames of the low frequency, where not as many", self.low_steps);
     visit("high", "periods of the high frequency across the field", self.high);
-    visit("low", "periods of the low frequency, at most 1", self.low);
+    visit("low", "periods of the low frequency", self.low);
     visit_shifts(self.shifts, visit);
   }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <limits>
 #include <numbers>
@@ -84,9 +85,48 @@ class SurfaceByFrames {
   const std::vector<SingleFrame>& shown_;
 };
 
+/// The order under which two bands agree: the mean of what the second's phase is off turns on by
+/// the same angle from each order to the next.
+class SurfaceByBands {
+ public:
+  SurfaceByBands(const Layout& layout, const LayoutPhases& phases)
+      : first_(phases.bands[0].wrapped_phase),
+        second_(phases.bands[1].wrapped_phase),
+        periods_(layout.bands[0].periods),
+        ratio_(layout.bands[1].periods / periods_) {}
+
+  std::optional<int> operator()(const Surface& surface) const {
+    constexpr double two_pi = 2 * std::numbers::pi, least_agreement = 0.9, decided = 2;
+    int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+    std::complex<double> sum;
+    surface.for_each([&](int column, int row, int order) {
+      first = std::min(first, order);
+      last = std::max(last, order);
+      sum +=
+          std::polar(1.0, ratio_ * (first_(column, row) + two_pi * order) - second_(column, row));
+    });
+    if (std::abs(sum) < least_agreement * static_cast<double>(surface.pixels)) return {};
+    const double off = std::arg(sum);
+    double least = std::numeric_limits<double>::infinity(), next = least;
+    std::optional<int> best;
+    for (int shift = -first - 1; shift <= static_cast<int>(std::ceil(periods_)) - last; ++shift) {
+      const double left = std::abs(std::remainder(off + two_pi * ratio_ * shift, two_pi));
+      if (left < least) best = shift;
+      next = std::min(next, std::max(left, least));
+      least = std::min(left, least);
+    }
+    return next > decided * least ? best : std::nullopt;
+  }
+
+ private:
+  const Image<double>&first_, &second_;
+  double periods_, ratio_;
+};
+
 }  // namespace
 
 SurfaceChoice order_by_frames(const Layout& layout, const LayoutPhases& phases) {
+  if (layout.bands.size() == 2) return SurfaceByBands(layout, phases);
   return SurfaceByFrames(layout, phases);
 }
 

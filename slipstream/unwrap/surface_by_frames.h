@@ -11,6 +11,7 @@ namespace slipstream {
 /// all of the surface, which need not be that of the other frames: a lens takes more away of one
 /// carrier than of another. None where more than 4 % of the frames' squares are left, where another
 /// order leaves less than a fifth more, and of surfaces of less than 2000 pixels or four periods.
+/// Of two bands instead: that under which their phases agree, twice as well as under any other.
 /// `layout` and `phases` must outlive it.
 SurfaceChoice order_by_frames(const Layout& layout, const LayoutPhases& phases);
 

@@ -24,6 +24,19 @@ std::optional<int> periods_between(float phase, float next) {
   return whole;
 }
 
+/// The same between two pixels of a row or column, by both phases.
+std::optional<int> periods_between(const Image<float>& phase, const SecondPhase* second, int column,
+                                   int row, int next_column, int next_row) {
+  const auto whole = periods_between(phase(column, row), phase(next_column, next_row));
+  if (!whole || second == nullptr) return whole;
+  constexpr auto two_pi = 2 * std::numbers::pi_v<float>;
+  constexpr float most = 0.04F;  // rad; smoothed over an edge phases run on, too, but not alike
+  const float step = phase(next_column, next_row) - phase(column, row);
+  const float expected = second->ratio * (step - two_pi * static_cast<float>(*whole));
+  const float seen = second->wrapped(next_column, next_row) - second->wrapped(column, row);
+  return std::abs(std::remainder(seen - expected, two_pi)) < most ? whole : std::nullopt;
+}
+
 /// How many pixels may have their order by each shift of all the orders of a surface.
 class Votes {
  public:
@@ -61,7 +74,7 @@ class Votes {
 
 }  // namespace
 
-void SurfaceOrders::find_runs(const Image<float>& wrapped_phase) {
+void SurfaceOrders::find_runs(const Image<float>& wrapped_phase, const SecondPhase* second) {
   const auto [width, height] = wrapped_phase.size();
   if (orders_.size() != wrapped_phase.size()) orders_ = Image<int>(wrapped_phase.size());
   rows_.resize(static_cast<std::size_t>(height));
@@ -74,8 +87,9 @@ void SurfaceOrders::find_runs(const Image<float>& wrapped_phase) {
       orders[column] = none;
       if (!std::isfinite(phase[column])) continue;
       orders[column] = 0;
-      const auto whole =
-          column > 0 ? periods_between(phase[column - 1], phase[column]) : std::nullopt;
+      const auto whole = column > 0
+                             ? periods_between(wrapped_phase, second, column - 1, row, column, row)
+                             : std::nullopt;
       if (whole) {
         orders[column] = orders[column - 1] - *whole;
         ++runs.back().last;
@@ -108,7 +122,7 @@ void SurfaceOrders::join(std::size_t run, std::size_t other, int further) {
   runs_[joined].order = order_of(run, root) + further - order_of(other, joined);
 }
 
-void SurfaceOrders::join_rows(const Image<float>& wrapped_phase) {
+void SurfaceOrders::join_rows(const Image<float>& wrapped_phase, const SecondPhase* second) {
   runs_.clear();
   std::size_t above = 0, end = 0;
   for (const std::vector<SurfaceRun>& row : rows_) {
@@ -122,8 +136,7 @@ void SurfaceOrders::join_rows(const Image<float>& wrapped_phase) {
       const int last = std::min(runs_[above].last, runs_[run].last);
       const int below = runs_[run].row;
       for (int column = first; column < last; ++column) {
-        const auto whole =
-            periods_between(wrapped_phase(column, below - 1), wrapped_phase(column, below));
+        const auto whole = periods_between(wrapped_phase, second, column, below - 1, column, below);
         if (!whole) continue;
         join(above, run, orders_(column, below - 1) - *whole - orders_(column, below));
         break;
@@ -135,10 +148,11 @@ void SurfaceOrders::join_rows(const Image<float>& wrapped_phase) {
 }
 
 const Image<int>& SurfaceOrders::operator()(const Image<float>& wrapped_phase,
-                                            const SurfaceChoice& choose) {
+                                            const SurfaceChoice& choose,
+                                            const SecondPhase* second) {
   constexpr std::size_t fewest = 64;
-  find_runs(wrapped_phase);
-  join_rows(wrapped_phase);
+  find_runs(wrapped_phase, second);
+  join_rows(wrapped_phase, second);
   // The runs of each surface side by side: how many pixels and runs each has, at its root.
   pixels_.assign(runs_.size(), 0);
   place_.assign(runs_.size() + 1, 0);

@@ -37,20 +37,28 @@ struct Surface {
 /// What is to be added to all orders of a surface; none where that is not sure.
 using SurfaceChoice = std::function<std::optional<int>(const Surface& surface)>;
 
+/// A second phase of the same pixels: `ratio` times as many periods as the first.
+struct SecondPhase {
+  Image<float> wrapped;
+  float ratio = 1;
+};
+
 /// Fringe orders of a phase of many periods, surface by surface: pixels are on one surface where
 /// the phase goes on from each to the next by less than a quarter of a period, and so their orders
-/// are known to one whole number. Keeps its memory.
+/// are known to one whole number; where there is a second phase, it must go on likewise. Keeps its
+/// memory.
 class SurfaceOrders {
  public:
   static constexpr int none = std::numeric_limits<int>::min();
 
   /// The orders with what `choose` finds for each surface; `none` where `wrapped_phase` (rad, [0,
   /// 2 pi]) is NaN, where a surface has less than 64 pixels and where nothing is chosen.
-  const Image<int>& operator()(const Image<float>& wrapped_phase, const SurfaceChoice& choose);
+  const Image<int>& operator()(const Image<float>& wrapped_phase, const SurfaceChoice& choose,
+                               const SecondPhase* second = nullptr);
 
  private:
-  void find_runs(const Image<float>& wrapped_phase);
-  void join_rows(const Image<float>& wrapped_phase);
+  void find_runs(const Image<float>& wrapped_phase, const SecondPhase* second);
+  void join_rows(const Image<float>& wrapped_phase, const SecondPhase* second);
   void join(std::size_t run, std::size_t other, int further);
   std::size_t root_of(std::size_t run);
 

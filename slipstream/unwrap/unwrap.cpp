@@ -4,7 +4,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 
+#include "slipstream/image/converted.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/unwrap/band_unwrapper.h"
 #include "slipstream/unwrap/cue_evidence.h"
@@ -73,15 +75,27 @@ UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& pha
   std::transform(
       band.wrapped_phase.begin(), band.wrapped_phase.end(), band.modulation.begin(), phase.begin(),
       [&](double phi, double B) { return static_cast<float>(B > least_modulation ? phi : nan); });
-  SurfaceOrders by_surfaces;
-  const Image<int>& orders = by_surfaces(phase, order_by_frames(layout, phases));
   const double periods = layout.bands.front().periods;
+  SecondPhase second;
+  const bool two = layout.bands.size() == 2;
+  if (two) {
+    second.ratio = static_cast<float>(layout.bands[1].periods / periods);
+    convert(phases.bands[1].wrapped_phase, second.wrapped);
+  }
+  SurfaceOrders by_surfaces;
+  const Image<int>& orders =
+      by_surfaces(phase, order_by_frames(layout, phases), two ? &second : nullptr);
   UnwrappedPhases result{.coordinate = Image<double>(size, nan), .doubt = Image<double>(size, 0.5)};
   for_each_pixel(size, [&](int column, int row) {
     const int order = orders(column, row);
     if (order == SurfaceOrders::none) return;
-    result.coordinate(column, row) =
-        unwrapped_coordinate(band.wrapped_phase(column, row), order, periods);
+    const double y = unwrapped_coordinate(band.wrapped_phase(column, row), order, periods);
+    if (two) {
+      constexpr double most = 0.125;  // periods
+      const double turns = phases.bands[1].wrapped_phase(column, row) / (2 * std::numbers::pi);
+      if (std::abs(std::remainder(layout.bands[1].periods * y - turns, 1)) > most) return;
+    }
+    result.coordinate(column, row) = y;
     result.doubt(column, row) = 0;
   });
   return result;

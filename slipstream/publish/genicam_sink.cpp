@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/gige/gige_block.h"
@@ -23,7 +24,6 @@
 #include "slipstream/publish/detail/cloud_block.h"
 #include "slipstream/publish/detail/scan3d_description.h"
 #include "slipstream/publish/named_sink.h"
-#include "slipstream/capture/thread_priority.h"
 
 namespace slipstream {
 namespace {

@@ -1,10 +1,10 @@
 #include <utility>
 
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/mcap_writer.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/ros_messages.h"
-#include "slipstream/capture/thread_priority.h"
 
 namespace slipstream {
 namespace {

@@ -18,12 +18,12 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/publish/dds_messages.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/named_sink.h"
-#include "slipstream/capture/thread_priority.h"
 
 namespace slipstream {
 namespace {

@@ -19,11 +19,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/publish/metrics.h"
 #include "slipstream/publish/named_sink.h"
-#include "slipstream/capture/thread_priority.h"
 #include "slipstream/publish/web_cloud.h"
 
 namespace slipstream {

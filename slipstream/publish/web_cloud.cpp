@@ -70,12 +70,12 @@ std::string web_rays(const Lens& camera) {
   return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
 }
 
-std::string web_cloud(const LiveCloud& live, int stride) {
+std::string web_cloud(const LiveCloud& live) {
   const Cloud& cloud = live.cloud;
   const Frame& frame = *live.frames.front();
   const bool has_depth = !cloud.z.empty();
   const Size size = frame.format().size;
-  const int all = web_step(size), every = all * stride;
+  const int every = web_step(size);
   const int width = thinned(size.width, every), height = thinned(size.height, every);
   const DepthRange range = range_of(cloud.z, every);
   const auto nearest = static_cast<float>(range.nearest);
@@ -85,7 +85,7 @@ std::string web_cloud(const LiveCloud& live, int stride) {
                 double{std::numeric_limits<float>::min()}}));
   const DepthScale numbers{step, nearest - step};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::string bytes(32 + 3 * pixels, '\0');
+  std::string bytes(24 + 3 * pixels, '\0');
   Places head{bytes.data()};
   for (const int number :
        {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
@@ -93,8 +93,6 @@ std::string web_cloud(const LiveCloud& live, int stride) {
   }
   head.put(nearest);
   head.put(step);
-  head.put(stride);
-  head.put(thinned(size.width, all));
   Places greys{head.at + 2 * pixels};
   if (has_depth) {
     each_sent(size, every, [&](int column, int row) {

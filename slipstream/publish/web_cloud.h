@@ -22,12 +22,11 @@ int web_step(Size camera);
 /// little-endian. A point is at its depth times its direction.
 std::string web_rays(const Lens& camera);
 
-/// A cloud as the page takes it, every `stride` rows and columns of those that have rays,
-/// little-endian: width, height, 1 where there is depth, else 0, and the number of points of the
-/// whole cloud, each as 32-bit integer; the nearest depth and the step of depth, mm, as 32-bit
-/// float; the stride and how many rays there are in a row, as integers again; then for each pixel
-/// its depth in 16 bits, 0 where there is no point, else steps from the nearest, plus 1; and its
-/// grey level in 8 bits. Without a scanner the grey levels are those of the window's first frame.
-std::string web_cloud(const LiveCloud& cloud, int stride = 1);
+/// A cloud as the page takes it, little-endian: width, height, 1 where there is depth, else 0, and
+/// the number of points of the whole cloud, each as 32-bit integer; the nearest depth and the step
+/// of depth, mm, as 32-bit float; then for each pixel its depth in 16 bits, 0 where there is no
+/// point, else steps from the nearest, plus 1; and its grey level in 8 bits. Without a scanner the
+/// grey levels are those of the window's first frame.
+std::string web_cloud(const LiveCloud& cloud);
 
 }  // namespace slipstream

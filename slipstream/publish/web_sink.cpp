@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -40,7 +39,6 @@ using Bytes = std::shared_ptr<const std::string>;
 
 constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body = 256,
                       largest_message = 64;
-constexpr int most_stride = 8;
 /// How long a client may take to ask for something, and to take it.
 constexpr auto patience = 10s, answer_patience = 30s;
 constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{30}, between_looks{200};
@@ -98,7 +96,7 @@ class WebSink final : public CloudSink {
   [[nodiscard]] std::string refusal(const Request& request) const;
   http::response<http::string_body> answer(const Request& request);
   /// The newest cloud, and which it is, where it is newer.
-  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen, int stride);
+  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen);
   void wait_for_cloud() { anybody_waits_ = true; }
 
   std::set<Connection*> connections{};
@@ -127,7 +125,7 @@ class WebSink final : public CloudSink {
     std::uint64_t count = 0;  ///< of the cloud
     std::chrono::steady_clock::time_point at{};
   };
-  std::array<Sent, most_stride> sent_{};  ///< by stride, from 1
+  Sent sent_;
   std::chrono::steady_clock::time_point saved_{}, looked_at_{};
   std::string settings_;  ///< of that time
   asio::io_context io_{1};
@@ -161,7 +159,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void send_cloud() {
     if (!asked_ || sending_) return;
     sink_.wait_for_cloud();  // first: one may come while this looks
-    auto [bytes, count] = sink_.newer_than(seen_, stride_);
+    auto [bytes, count] = sink_.newer_than(seen_);
     if (!bytes) return;
     asked_ = false;
     sending_ = bytes;
@@ -204,7 +202,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// All that a page says is "next", and of how many rows and columns it wants one: "next 4".
+  /// All that a page says is "next".
   void read_wish() {
     buffer_.clear();
     page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
@@ -212,15 +210,10 @@ class Connection : public std::enable_shared_from_this<Connection> {
         self->sink_.tell("a page that stopped reading was let go");
       }
       if (failure) return;
-      const std::string wish = beast::buffers_to_string(self->buffer_.data());
-      const auto stride = wish == "next"              ? std::optional(1)
-                          : wish.starts_with("next ") ? number_in<int>(wish.substr(5))
-                                                      : std::nullopt;
-      if (!stride || *stride < 1 || *stride > most_stride) {
+      if (beast::buffers_to_string(self->buffer_.data()) != "next") {
         beast::get_lowest_layer(*self->page_).close();
         return;
       }
-      self->stride_ = *stride;
       self->asked_ = true;
       self->send_cloud();
       self->read_wish();
@@ -234,7 +227,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
   http::response<http::string_body> response_;
   std::optional<websocket::stream<beast::tcp_stream>> page_;
   bool asked_ = false;
-  int stride_ = 1;  ///< of what is asked for
   Bytes sending_;
   std::uint64_t seen_ = 0;  ///< count of the newest cloud that was sent
 };
@@ -313,19 +305,18 @@ void WebSink::serve_waiting() {
   for (Connection* const connection : connections) connection->send_cloud();
 }
 
-std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen, int stride) {
-  Sent& sent = sent_.at(static_cast<std::size_t>(stride - 1));
+std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen) {
   const auto now = std::chrono::steady_clock::now();
   std::unique_lock lock(mutex_);
-  if (newest_ && count_ != sent.count && now - sent.at >= between_clouds) {
+  if (newest_ && count_ != sent_.count && now - sent_.at >= between_clouds) {
     const Pooled<LiveCloud> cloud = newest_;
-    sent.count = count_;
-    sent.at = now;
+    sent_.count = count_;
+    sent_.at = now;
     lock.unlock();
-    sent.bytes = std::make_shared<const std::string>(web_cloud(*cloud, stride));
+    sent_.bytes = std::make_shared<const std::string>(web_cloud(*cloud));
   }
-  if (sent.count <= seen) return {};
-  return {sent.bytes, sent.count};
+  if (sent_.count <= seen) return {};
+  return {sent_.bytes, sent_.count};
 }
 
 void WebSink::tell(const std::string& line) {

@@ -192,12 +192,7 @@ def test_a_page_gets_a_cloud_for_each_wish(live):
             opcode, message = take_message(client)
             width, height, has_depth, points = struct.unpack_from("<4i", message)
             assert (opcode, width, height, has_depth) == (2, 320, 240, 1) and points > 1000
-            assert len(message) == 32 + 3 * width * height
-        for stride in (8, 3):
-            say(client, b"next %d" % stride)
-            _, message = take_message(client)
-            width, height = struct.unpack_from("<2i", message)
-            assert (width, height) == (-(-320 // stride), -(-240 // stride))
+            assert len(message) == 24 + 3 * width * height
         client.settimeout(0.3)
         with pytest.raises(TimeoutError):
             client.recv(1)  # nothing that was not asked for
@@ -278,8 +273,7 @@ def test_hostile_clients_harm_nobody(tmp_path):
             for _ in range(50):
                 say(client, b"next")
             kept.append(client)
-        for text in (b"nonsense", b"\x00\xff", b"x" * 100, b"", b"next 0", b"next 9", b"next -1",
-                     b"next 1.5", b"next ", b"next 99999999999"):
+        for text in (b"nonsense", b"\x00\xff", b"x" * 100, b"", b"next 4", b"next "):
             client, _ = ask_for_page(live.port, origin=origin)
             say(client, text)
             client.settimeout(5)
@@ -366,33 +360,40 @@ needs_chromium = pytest.mark.skipif(not CHROMIUM, reason="Debian's chromium is n
 
 @needs_chromium
 @pytest.mark.parametrize("look", [(1280, 800, "light", False), (1280, 800, "dark", False),
-                                  (390, 844, "dark", True)], ids=["light", "dark", "phone"])
+                                  (390, 844, "dark", True), (1280, 801, "dark", False)],
+                         ids=["light", "dark", "phone", "webgl"])
 def test_the_page_shows_the_cloud(live, tmp_path, look):
     pictures = pathlib.Path(os.environ.get("SLIPSTREAM_SCREENSHOTS", tmp_path))
     with Chromium() as browser:
         browser.look_like(*look)
+        if look[1] == 801:  # as where there is a graphics card
+            browser.ask("Page.addScriptToEvaluateOnNewDocument", source="""
+                WebGL2RenderingContext.prototype.getParameter = () => 'a card';""")
         browser.ask("Page.navigate", url=live.address)
         wait_for(lambda: browser.value("typeof cloud !== 'undefined' && !!cloud && !!pivot"))
         assert browser.value("cloud.count") > 1000
-        shown = "(draw(), (() => { const some = new Uint8Array(4 * canvas.width * canvas.height);" \
-                "gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, some);" \
+        assert browser.value("!!gl") == (look[1] == 801)
+        shown = "(draw(), (() => { const pen = document.createElement('canvas').getContext('2d');" \
+                "Object.assign(pen.canvas, { width: canvas.width, height: canvas.height });" \
+                "pen.drawImage(canvas, 0, 0);" \
+                "const some = pen.getImageData(0, 0, canvas.width, canvas.height).data;" \
                 "const ground = some.slice(0, 3).join(); let count = 0;" \
                 "for (let i = 0; i < some.length; i += 4)" \
                 " count += some.slice(i, i + 3).join() !== ground;" \
                 "return count / (some.length / 4); })())"
         assert browser.value(shown) > 0.1
         wait_for(lambda: "frames captured" in browser.value("document.body.innerText"))
-        browser.screenshot(pictures / f"{look[2]}-{look[0]}.png")
+        browser.screenshot(pictures / f"{look[2]}-{look[0]}-{look[1]}.png")
         browser.value("at('pause').click()")
-        paused = browser.value("new Promise(done => setTimeout(() => done(seen.length), 500))")
-        assert browser.value("new Promise(done => setTimeout(() => done(seen.length), 700))") <= paused
+        wait_for(lambda: browser.value("new Promise(done => { const before = cloud;"
+                                       "setTimeout(() => done(cloud === before), 700); })"))
         browser.value("at('pause').click()")
         wait_for(lambda: browser.value("seen.length") > 0)
         browser.value("at('picture').click()")
         assert browser.value(shown) > 0.1
         browser.value("at('picture').click(); at('depth').click(); view.turn = 0.5; redraw()")
         assert browser.value(shown) > 0.05
-        browser.screenshot(pictures / f"{look[2]}-{look[0]}-depth.png")
+        browser.screenshot(pictures / f"{look[2]}-{look[0]}-{look[1]}-depth.png")
         assert not [told for told in browser.told if "exceptionDetails" in told]
         assert browser.value("document.documentElement.scrollWidth <= innerWidth")
 

@@ -358,8 +358,14 @@ void live(const LiveFlags& flags, Output& output) {
   tell_news(publisher, output);
   tell_news(pipeline.findings(), findings, output);
 
+  std::exception_ptr unfinished;
+  try {
+    recorder.finish_recording();  // before what may end the program; begun in the window too
+  } catch (const WorldError&) {
+    unfinished = std::current_exception();
+  }
   write_results(session, flags, publisher, output);
-  recorder.finish_recording();  // one that was begun in the window too
+  if (unfinished) std::rethrow_exception(unfinished);
   if (!flags.record.empty()) output.object("files")["recording"] = flags.record;
 }
 

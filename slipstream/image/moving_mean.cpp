@@ -45,7 +45,8 @@ HWY_INLINE void mean_along(Tag d, const float* from, float* to, Line line) {
   for (int at = 0; at < length; ++at) {
     const float* const enters = from + (at + reach) * stride;
     const float* const leaves = from + (at - reach - 1) * stride;
-    const bool more = at + reach<length, less = at - reach> 0;
+    const bool more = at + reach < length;
+    const bool less = at - reach > 0;
     const auto scale = hn::Set(d, inverse[at]);
     for (int i = 0; i < vectors; ++i) {
       if (more) sum[i] = hn::Add(sum[i], hn::LoadU(d, enters + i * lanes));

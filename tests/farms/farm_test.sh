@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# farm_test.sh slurm|parallel PROGRAM FOLDER: a recording in 8 shards on a farm of this machine alone,
+# farm_test.sh slurm|parallel|ssh PROGRAM FOLDER: a recording in 8 shards on a farm of this machine alone,
 # of which a node is killed in the middle of a shard and another shard fails the first time. The
 # merge must find all, the clouds be those of one run, and no scan be done twice but those that were
 # lost. Exit code 77: skipped, for lack of what is said.
@@ -24,10 +24,13 @@ finish() {
 }
 trap finish EXIT
 
-for needed in ${farm/slurm/slurmctld slurmd munged sbatch}; do
+declare -A programs=([slurm]="slurmctld slurmd munged sbatch" [parallel]=parallel
+                     [ssh]="parallel ssh ssh-keygen sshd")
+PATH=$PATH:/usr/sbin
+for needed in ${programs[$farm]}; do
   command -v "$needed" >/dev/null || skip "no $needed"
 done
-[ "$farm" = parallel ] || [ "$(id -u)" = 0 ] || skip "slurmd wants root"
+[ "$farm" = parallel ] || [ "$(id -u)" = 0 ] || skip "slurmd and sshd want root"
 
 rm -rf "$folder"
 mkdir -p "$folder"/{one,many,first}
@@ -50,6 +53,11 @@ if mkdir first/\$shard 2>/dev/null && [[ \$shard = [25] ]]; then
   kill -9 \$!
   [ \$shard = 5 ] && exit 1
   if [ -n "\${SLURMD_NODENAME:-}" ]; then kill -9 \$(cat \$SLURMD_NODENAME.pid) \$(ps -o ppid= \$PPID) \$PPID; fi
+  if [ -n "\${SSH_CONNECTION:-}" ]; then
+    sshd=\$(cat \${SSH_CONNECTION##* }.pid)
+    touch node_down
+    kill -9 \$sshd \$(ps -o pid= --ppid \$sshd)
+  fi
   kill -9 \$\$
 fi
 exec "$program" "\$@"
@@ -105,6 +113,24 @@ TEXT
     { tail -n 5 slurmctld.log node1.log; skip "Slurm does not start here"; }
 }
 
+# Two hosts that parallel reaches by ssh alone: node1 and node2.
+start_hosts() {
+  local node port
+  mkdir -p /run/sshd
+  ssh-keygen -q -t ed25519 -N '' -f key
+  for node in 1 2; do
+    port=2682$((3 + node))
+    "$(command -v sshd)" -D -f /dev/null -o Port=$port -o ListenAddress=127.0.0.1 -o UsePAM=no \
+      -o HostKey="$folder/key" -o AuthorizedKeysFile="$folder/key.pub" -o StrictModes=no \
+      -o PermitRootLogin=yes -o PidFile="$folder/$port.pid" 2>sshd$node.log &
+    processes+=($!)
+    printf '%s\n' "Host node$node" "HostName 127.0.0.1" "Port $port" "IdentityFile $folder/key" \
+      "UserKnownHostsFile /dev/null" "StrictHostKeyChecking no" "LogLevel ERROR" >>ssh_config
+  done
+  timeout 10 bash -c 'until ssh -F ssh_config node1 true && ssh -F ssh_config node2 true; do
+    sleep 0.2; done' 2>ssh.log || { tail -n 5 ssh.log sshd1.log; skip "sshd does not start here"; }
+}
+
 begun=$(date +%s)
 "$program" reconstruct archive.txt -o 'one/{name}-{window}.ply' --manifest one.jsonl ${FLAGS:-} >one.log
 say "one run: $(seconds_since "$begun")"
@@ -118,6 +144,13 @@ if [ "$farm" = slurm ]; then
   timeout 3600 bash -c 'until [ -z "$(squeue -h)" ]; do sleep 0.5; done' || fail "$(squeue)"
   grep -h 'whole' plan/merge.log
   grep -q 'node.* not responding, setting DOWN' slurmctld.log || fail "no node went down"
+elif [ "$farm" = ssh ]; then
+  start_hosts
+  begun=$(date +%s)
+  parallel --ssh "ssh -F $folder/ssh_config" --sshlogin 1/node1,1/node2 --workdir "$folder" \
+    --joblog joblog --retries 3 ./node batch run plan --shard {}/8 ::: 1 2 3 4 5 6 7 8 >parallel.log
+  "$program" batch merge plan
+  [ -e node_down ] || fail "no node went down"
 else
   # A host named : is this one, without ssh.
   farm_of_parallel=(parallel --joblog joblog --sshlogin 2/: --workdir "$folder"

@@ -75,7 +75,7 @@ void set_clean(ReconstructSettings& settings, const CleanFlags& flags) {
 }
 
 nlohmann::json json_of(const ValidityCounts& counts) {
-  nlohmann::json named;
+  nlohmann::json named = nlohmann::json::object();
   for (std::size_t i = 0; i < validity_count; ++i) {
     named[std::string(name_of(static_cast<Validity>(i)))] = counts[i];
   }

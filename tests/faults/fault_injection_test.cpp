@@ -4,7 +4,8 @@
 // default some of the calls fail, spread evenly. SLIPSTREAM_FAULTS=100 tries about so many of each
 // kind in each command, so that 1000000 are all; SLIPSTREAM_FAULTS=all every one, but of malloc, of
 // each place in the code (see fault_protocol.h) that no command before has tried, the first call
-// and one of those after it. SLIPSTREAM_FAULTS_OF=malloc leaves the other kinds out.
+// and one of those after it; SLIPSTREAM_FAULTS=@500 the 500th call alone. SLIPSTREAM_FAULTS_OF=malloc
+// leaves the other kinds out.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -209,6 +210,7 @@ std::vector<std::uint64_t> calls_to_fail(FaultCall call, const FaultRecord& whol
   if (of != nullptr && call_names[call] != of) return {};
   const char* const asked = std::getenv("SLIPSTREAM_FAULTS");
   const std::string wanted = asked == nullptr ? "3" : asked;
+  if (wanted.starts_with('@')) return {std::stoull(wanted.substr(1))};
   if (call == of_malloc && wanted == "all") return calls_of_new_places(whole);
   const std::uint64_t all = whole.calls[call];
   const std::uint64_t most = wanted == "all" ? all : std::stoull(wanted);

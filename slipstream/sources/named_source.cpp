@@ -112,8 +112,8 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
       cycle_length(opened.sequence) + (request.scans - 1) * frame_count(cycle_of(opened.sequence));
   const int patterns = values_of(settings.pixel_format);
   if (settings.cycle % patterns != 0) {
-    throw Error(
-        fmt::format("{} patterns, and {} to a picture in colour", settings.cycle, patterns));
+    throw Error(fmt::format("--pixel-format {}: {} patterns, and {} to a picture in colour",
+                            name_of(settings.pixel_format), settings.cycle, patterns));
   }
   settings.cycle /= patterns;
   opened.frames = open_camera(request.source, settings);

@@ -130,6 +130,7 @@ TEST_F(CameraProgram, RefusesBadFlags) {
   expect_refused(with_source({"--source", "virtual", "--frames", "0"}), 2, "--frames 0");
   expect_refused(with_source({"--source", "aravis:", "--region", "640x480+1"}), 2, "640x480+1");
   expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB8"}), 2, "RGB8");
+  expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB9"}), 2, "RGB9");
   expect_refused({"record", "-o", recording(), "--source", "aravis:x"}, 2, "--strategy");
   expect_refused({"camera", "serve", "--packet-loss", "2"}, 2, "--packet-loss");
   expect_refused({"camera", "serve", "--cycles", "100000"}, 2, "--cycles 100000");

@@ -67,6 +67,7 @@ void bench(const BenchFlags& flags, Output& output) {
   if (flags.quick) {
     settings.steps = {3};
     settings.enlargements = {1};
+    settings.small = {};
     timing = {.rounds = 1, .row_seconds = 0};
   }
   BenchReport report{.machine = bench_machine()};

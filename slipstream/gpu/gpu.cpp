@@ -242,12 +242,12 @@ struct GpuRun::Parts {
         vk::WriteDescriptorSet(*set, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos), {});
   }
 
-  void dispatch(const vk::raii::Pipeline& pipeline, std::uint64_t groups) {
+  void dispatch(const vk::raii::Pipeline& pipeline, std::uint64_t groups, std::uint32_t layers) {
     const std::uint64_t most = gpu->parts_->limits.maxComputeWorkGroupCount[0];
     const std::uint64_t rows = (groups + most - 1) / most;
     command.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
     command.dispatch(static_cast<std::uint32_t>((groups + rows - 1) / rows),
-                     static_cast<std::uint32_t>(rows), 1);
+                     static_cast<std::uint32_t>(rows), layers);
   }
 
   void before(vk::PipelineStageFlags next, vk::AccessFlags reads) {
@@ -297,7 +297,8 @@ GpuRun& GpuRun::operator=(GpuRun&&) noexcept = default;
 GpuRun::~GpuRun() = default;
 
 void GpuRun::start(std::span<const GpuBuffer* const> buffers,
-                   std::span<const GpuProgram* const> programs, std::uint64_t invocations) {
+                   std::span<const GpuProgram* const> programs, std::uint64_t invocations,
+                   std::uint32_t layers) {
   told([&] {
     std::vector<vk::Buffer> bound;
     for (const GpuBuffer* buffer : buffers) bound.push_back(*buffer->parts_->buffer);
@@ -312,7 +313,7 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
       if (program != programs.front()) {
         parts_->before(vk::PipelineStageFlagBits::eComputeShader, vk::AccessFlagBits::eShaderRead);
       }
-      parts_->dispatch(program->parts_->pipeline, groups);
+      parts_->dispatch(program->parts_->pipeline, groups, layers);
     }
     parts_->before(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead);
     parts_->command.end();

@@ -84,15 +84,19 @@ class GpuProgram {
 /// that before it ends. One thread uses it at a time.
 class GpuRun {
  public:
+  /// Of every device.
+  static constexpr std::uint32_t most_layers = 65535;
+
   explicit GpuRun(std::shared_ptr<const Gpu> gpu);
   GpuRun(GpuRun&&) noexcept;
   GpuRun& operator=(GpuRun&&) noexcept;
   ~GpuRun();
 
-  /// Each program with at least so many invocations; they tell those beyond by themselves. The last
-  /// start has been waited for. Throws GpuError.
+  /// Each program with at least so many invocations, which tell those beyond by themselves, and
+  /// that for each of `layers`: gl_WorkGroupID.z. The last start has been waited for. Throws
+  /// GpuError.
   void start(std::span<const GpuBuffer* const> buffers, std::span<const GpuProgram* const> programs,
-             std::uint64_t invocations);
+             std::uint64_t invocations, std::uint32_t layers = 1);
   /// Until all that was started is computed and the host sees it. Throws GpuError.
   void wait();
 

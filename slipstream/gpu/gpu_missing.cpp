@@ -44,7 +44,7 @@ std::byte* GpuBuffer::data() const {
   refuse();
 }
 void GpuRun::start(std::span<const GpuBuffer* const>, std::span<const GpuProgram* const>,
-                   std::uint64_t) {
+                   std::uint64_t, std::uint32_t) {
   refuse();
 }
 void GpuRun::wait() {

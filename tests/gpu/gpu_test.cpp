@@ -3,11 +3,13 @@
 #include "slipstream/gpu/gpu.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iostream>
+#include <numbers>
 #include <random>
 #include <string>
 #include <thread>
@@ -36,122 +38,156 @@ class OnGpu : public testing::Test {
   }
 };
 
-Cloud cloud_of(const GpuEngine& reconstruct, const FrameViews& frames) {
-  Cloud cloud;
-  GpuScanMemory memory;
-  reconstruct(frames, {.cloud = &cloud}, memory);
-  return cloud;
-}
-
-Agreement gpu_agreement(const EngineSetup& setup, const FrameViews& frames,
-                        const PhaseCorrections& corrections = {}) {
-  const auto fused = FusedEngine::make(setup, corrections);
-  const auto gpu = fused ? GpuEngine::make(*fused, std::nullopt) : std::nullopt;
-  if (!gpu) {
-    ADD_FAILURE() << "not on a GPU";
-    return {};
-  }
-  return compare(setup.scanner, setup.sequence.axis, cloud_of(*gpu, frames),
-                 by_equations(setup, frames, corrections));
-}
-
-/// Pictures whose widths are no multiples of anything, of both axes and of 8 to 16 bits.
-TEST_F(OnGpu, HasThePointsOfTheEquations) {
-  const Strategy strategies[] = {PhaseMeasuring{.steps = 3, .frequency = 1},
-                                 PhaseMeasuring{.steps = 5, .frequency = 0.8},
-                                 PhaseMeasuring{.steps = 9, .frequency = 1},
-                                 DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1},
-                                 DualFrequency{.steps = 6, .high = 8, .low = 0.5}};
-  for (const int width : {160, 171}) {
-    const Scanner scanner = example_scanner({width, 91});
-    for (const Axis axis : {Axis::x, Axis::y}) {
-      int bits = 8;
-      for (const Strategy& strategy : strategies) {
-        SCOPED_TRACE(fmt::format("{}, {} bits, width {}, axis {}", name_of(strategy), bits, width,
-                                 name_of(axis)));
-        const FrameSet frames = statue_frames(scanner, strategy, axis,
-                                              {.ambient = 5, .noise_variance = 1.55, .bits = bits});
-        const Agreement agreement = gpu_agreement(setup_of(scanner, strategy, axis), frames);
-        EXPECT_GT(agreement.points, 2000U);
-        EXPECT_LE(agreement.other_validity, 1U);
-        EXPECT_EQ(agreement.other_intensity, 0U);
-        EXPECT_LE(agreement.worst, depth_bound);
-        bits += 2;
-      }
-    }
-  }
-}
-
 /// All that the shaders take, of all that the fused pass does.
-TEST_F(OnGpu, HasThePointsOfTheFusedPassForEveryStrategy) {
-  const Scanner scanner = example_scanner({203, 120});
-  std::vector<Strategy> strategies = own_strategies();
-  for (const Strategy& strategy : every_phase_strategy()) strategies.push_back(strategy);
-  std::size_t taken = 0, left = 0, pixels = 0, differing = 0;
-  for (const Strategy& strategy : strategies) {
-    SCOPED_TRACE(label_of(strategy));
-    const EngineSetup setup = setup_of(scanner, strategy, Axis::x);
-    const auto fused = FusedEngine::make(setup, {});
-    ASSERT_TRUE(fused);
-    const auto gpu = GpuEngine::make(*fused, std::nullopt);
-    (gpu ? taken : left) += 1;
-    EXPECT_EQ(gpu.has_value(), !fused->stages().cue.has_value());
-    if (!gpu) continue;
-    const FrameSet frames = statue_frames(scanner, strategy, Axis::x);
-    Cloud expected;
-    Maps maps, expected_maps;
-    FusedMemory memory;
-    (*fused)(frames, {.cloud = &expected, .maps = &expected_maps}, memory);
-    Cloud cloud;
-    GpuScanMemory gpu_memory;
-    (*gpu)(frames, {.cloud = &cloud, .maps = &maps}, gpu_memory);
-    for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
-      ++pixels;
-      if (cloud.validity.begin()[i] != expected.validity.begin()[i]) {
-        ++differing;
-        continue;
-      }
-      ASSERT_NEAR(maps.mean.begin()[i], expected_maps.mean.begin()[i], 1e-3);
-      ASSERT_NEAR(maps.modulation.begin()[i], expected_maps.modulation.begin()[i], 1e-3);
-      if (expected.validity.begin()[i] != Validity::valid) continue;
-      ASSERT_NEAR(cloud.z.begin()[i], expected.z.begin()[i], 1e-4 * expected.z.begin()[i]);
-      ASSERT_NEAR(cloud.intensity.begin()[i], expected.intensity.begin()[i], 1e-3);
-      ASSERT_NEAR(maps.coordinate.begin()[i], expected_maps.coordinate.begin()[i], 2e-6);
-      const float apart = maps.wrapped_phase.begin()[i] - expected_maps.wrapped_phase.begin()[i];
-      ASSERT_LE(std::abs(std::remainder(apart, 2 * 3.14159265F)), 4e-6F);
-      if (maps.fringe_order_doubt.empty()) continue;
-      ASSERT_NEAR(maps.fringe_order_doubt.begin()[i], expected_maps.fringe_order_doubt.begin()[i],
-                  1e-4);
-    }
+std::vector<Strategy> every_strategy_on_gpu() {
+  std::vector<Strategy> strategies = every_phase_strategy();
+  for (const Strategy& strategy : own_strategies()) strategies.push_back(strategy);
+  for (const Strategy& strategy :
+       {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}),
+        Strategy(PhaseMeasuring{.steps = 5, .frequency = 0.8}),
+        Strategy(PhaseMeasuring{.steps = 9, .frequency = 1}),
+        Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1}),
+        Strategy(DualFrequency{.steps = 6, .high = 8, .low = 0.5})}) {
+    strategies.push_back(strategy);
   }
-  std::cout << taken << " strategies on the GPU, " << left << " not; " << differing << " of "
-            << pixels << " pixels differ\n";
-  EXPECT_GT(taken, 10U);
-  EXPECT_LE(differing, pixels / 100'000 + 1);
+  return strategies;
 }
 
-TEST_F(OnGpu, HasThePointsOfTheEquationsForAnyScanner) {
-  int scanners = 0;
-  for (unsigned seed = 1; seed <= 12; ++seed) {
+/// What a strategy is tried on, of any width, axis and bits.
+struct Given {
+  EngineSetup setup;
+  FrameSet frames;
+};
+
+struct Any {
+  unsigned number;  ///< of the strategy
+  Strategy strategy;
+
+  [[nodiscard]] Size size() const { return {128 + static_cast<int>(7 * number % 64), 91}; }
+  [[nodiscard]] Axis axis() const { return number % 2 == 0 ? Axis::x : Axis::y; }
+  [[nodiscard]] int bits() const { return 8 + static_cast<int>(number % 9); }
+};
+
+Given statue(const Any& any) {
+  const Scanner scanner = example_scanner(any.size());
+  return {setup_of(scanner, any.strategy, any.axis()),
+          statue_frames(scanner, any.strategy, any.axis(),
+                        {.ambient = 5, .noise_variance = 1.55, .bits = any.bits()})};
+}
+
+/// Before a response that bends little, corrected by a polynomial, or much, by a table.
+Given bent(const Any& any) {
+  const double gamma = std::array{1.2, 2.2, 3.0}[any.number % 3];
+  Given given = statue(any);
+  Scanner& scanner = given.setup.scanner;
+  scanner.photometry.response = MeasuredResponse{.response = PowerLaw{gamma}, .gamma = gamma};
+  given.frames = statue_frames(scanner, any.strategy, any.axis(), {.response = PowerLaw{gamma}});
+  return given;
+}
+
+Given random_scanners(const Any& any) {
+  for (unsigned seed = any.number + 1;; seed += 100) {
     Scanner scanner = random_scanner(seed, seed % 3 == 0 ? 0 : 0.08);
     scanner.camera.size = {161, 120};
     scanner.camera.intrinsic.topRows<2>() /= 4;
-    const Strategy strategy = DualFrequency{.steps = 3, .high = 16, .low = 1};
-    for (const Axis axis : {Axis::x, Axis::y}) {
-      const EngineSetup setup = setup_of(scanner, strategy, axis);
-      if (!FusedEngine::make(setup, {})) continue;
-      SCOPED_TRACE(fmt::format("scanner {}, axis {}", seed, name_of(axis)));
-      const FrameSet frames = take_scan(scanner, scene_named("board", scanner),
-                                        pattern_set(strategy, axis), {.bits = 12})
-                                  .frames;
-      const Agreement agreement = gpu_agreement(setup, frames);
-      EXPECT_LE(agreement.other_validity, 2U);
-      EXPECT_LE(agreement.worst, depth_bound);
-      scanners += agreement.points > 1000 ? 1 : 0;
-    }
+    EngineSetup setup = setup_of(scanner, any.strategy, any.axis());
+    if (!FusedEngine::make(setup, {})) continue;  // a lens too bent
+    return {std::move(setup), take_scan(scanner, scene_named("board", scanner),
+                                        pattern_set(any.strategy, any.axis()), {.bits = 12})
+                                  .frames};
   }
-  EXPECT_GE(scanners, 12);
 }
+
+Given random_pictures(const Any& any) {
+  std::mt19937 random(any.number);
+  const Scanner scanner = example_scanner(any.size());
+  FrameSet::Images16 images;
+  for (int n = 0; n < frame_count(any.strategy); ++n) {
+    images.emplace_back(scanner.camera.size);
+    for (std::uint16_t& pixel : images.back()) pixel = static_cast<std::uint16_t>(random());
+  }
+  return {setup_of(scanner, any.strategy, any.axis()), FrameSet(std::move(images), 16)};
+}
+
+struct Scene {
+  const char* name;
+  Given (*given)(const Any&);
+  std::size_t one_of = 100'000;  ///< pixels may differ, where a threshold is met to rounding
+};
+
+void PrintTo(const Scene& scene, std::ostream* out) {
+  *out << scene.name;
+}
+
+struct Results {
+  Cloud cloud;
+  Maps maps;
+};
+
+/// Both of the same validity at that pixel.
+void expect_same(const Results& gpu, const Results& fused, std::size_t i, double full_scale) {
+  const auto expect_near = [&](const Image<float>& a, const Image<float>& b, double bound) {
+    ASSERT_NEAR(a.begin()[i], b.begin()[i], bound);
+  };
+  const double grey_level = full_scale / 255;
+  expect_near(gpu.maps.mean, fused.maps.mean, 1e-3 * grey_level);
+  expect_near(gpu.maps.modulation, fused.maps.modulation, 1e-3 * grey_level);
+  if (fused.cloud.validity.begin()[i] != Validity::valid) return;
+  expect_near(gpu.cloud.intensity, fused.cloud.intensity, 1e-3);
+  expect_near(gpu.maps.coordinate, fused.maps.coordinate, 2e-6);
+  const float turned = gpu.maps.wrapped_phase.begin()[i] - fused.maps.wrapped_phase.begin()[i];
+  ASSERT_LE(std::abs(std::remainder(turned, 2 * std::numbers::pi_v<float>)), 4e-6F);
+  if (gpu.maps.fringe_order_doubt.empty()) return;
+  expect_near(gpu.maps.fringe_order_doubt, fused.maps.fringe_order_doubt, 1e-4);
+}
+
+class EveryStrategyOnGpu : public OnGpu, public testing::WithParamInterface<Scene> {};
+
+/// The pixels of the fused pass, and the points of the equations.
+TEST_P(EveryStrategyOnGpu, GivesTheSame) {
+  std::size_t pixels = 0, points = 0, differing = 0;
+  unsigned number = 0;
+  for (const Strategy& strategy : every_strategy_on_gpu()) {
+    const Any any{number++, strategy};
+    const Given given = GetParam().given(any);
+    const auto& [setup, frames] = given;
+    SCOPED_TRACE(fmt::format("{}, {} bits, width {}, axis {}", label_of(strategy), any.bits(),
+                             frames.size().width, name_of(any.axis())));
+    const PhaseCorrections corrections = phase_corrections(setup);
+    const auto fused = FusedEngine::make(setup, corrections);
+    ASSERT_TRUE(fused);
+    const auto on_gpu = GpuEngine::make(*fused, std::nullopt);
+    ASSERT_TRUE(on_gpu);
+    Results gpu, expected;
+    FusedMemory memory;
+    (*fused)(frames, {.cloud = &expected.cloud, .maps = &expected.maps}, memory);
+    GpuScanMemory gpu_memory;
+    (*on_gpu)(frames, {.cloud = &gpu.cloud, .maps = &gpu.maps}, gpu_memory);
+    const std::size_t count = gpu.cloud.z.pixel_count();
+    pixels += count;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (gpu.cloud.validity.begin()[i] != expected.cloud.validity.begin()[i]) {
+        ++differing;
+        continue;
+      }
+      ASSERT_NO_FATAL_FAILURE(expect_same(gpu, expected, i, frames.views().full_scale()));
+    }
+    const Agreement agreement = compare(setup.scanner, setup.sequence.axis, gpu.cloud,
+                                        by_equations(setup, frames, corrections));
+    EXPECT_LE(agreement.worst, depth_bound);
+    points += agreement.points;
+  }
+  std::cout << number << " strategies, " << points << " points; " << differing << " of " << pixels
+            << " pixels differ\n";
+  EXPECT_GT(points, 1000U * number);
+  EXPECT_LE(differing, pixels / GetParam().one_of);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, EveryStrategyOnGpu,
+                         testing::Values(Scene{"statue", statue}, Scene{"bent", bent},
+                                         Scene{"random_scanners", random_scanners},
+                                         Scene{"random_pictures", random_pictures, 30'000}),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 /// Whether a limit is met to rounding at the pixel or beside it: where the phases of few grey
 /// levels are fractions, half a period of doubt and half a fringe between neighbours occur exactly.
@@ -185,7 +221,9 @@ TEST_F(OnGpu, LeavesOutTheSamePixelsForTheSameReasons) {
         ReconstructSettings{.nearest = 560, .farthest = 600}}) {
     const EngineSetup setup = setup_of(scanner, strategy, Axis::x, settings);
     const auto gpu = GpuEngine::make(FusedEngine::make(setup, {}).value(), std::nullopt);
-    const Cloud cloud = cloud_of(gpu.value(), frames);
+    Cloud cloud;
+    GpuScanMemory memory;
+    gpu.value()(frames, {.cloud = &cloud}, memory);
     const ReferenceResult exact = by_equations(setup, frames);
     int differing = 0, at_a_limit = 0;
     for (int row = 0; row < 240; ++row) {
@@ -200,42 +238,6 @@ TEST_F(OnGpu, LeavesOutTheSamePixelsForTheSameReasons) {
     EXPECT_GT(point_count(cloud), 1000U);
     EXPECT_LE(differing, 0);
     EXPECT_LE(at_a_limit, 50);
-  }
-}
-
-TEST_F(OnGpu, OfNoiseIsThatOfTheEquations) {
-  const Scanner scanner = example_scanner({203, 151});
-  for (const Strategy& strategy : {Strategy(PhaseMeasuring{.steps = 4, .frequency = 1}),
-                                   Strategy(DualFrequency{.steps = 3})}) {
-    std::mt19937 random(7);
-    FrameSet::Images8 images;
-    for (int n = 0; n < frame_count(strategy); ++n) {
-      images.emplace_back(scanner.camera.size);
-      for (std::uint8_t& pixel : images.back()) pixel = static_cast<std::uint8_t>(random());
-    }
-    const Agreement agreement =
-        gpu_agreement(setup_of(scanner, strategy, Axis::x), FrameSet(images));
-    EXPECT_GT(agreement.points, 500U);
-    EXPECT_LE(agreement.other_validity, 30U);
-    EXPECT_LE(agreement.worst, depth_bound);
-  }
-}
-
-/// A response that bends little, corrected by a polynomial, and one that bends much, by a table.
-TEST_F(OnGpu, CorrectsForTheResponse) {
-  const Scanner scanner = example_scanner({160, 120});
-  const Strategy strategy = DualFrequency{.steps = 4, .high = 16, .low = 1};
-  for (const double gamma : {1.2, 2.2, 3.0}) {
-    SCOPED_TRACE(gamma);
-    EngineSetup setup = setup_of(scanner, strategy, Axis::x);
-    setup.scanner.photometry.response =
-        MeasuredResponse{.response = PowerLaw{gamma}, .gamma = gamma};
-    const FrameSet frames =
-        statue_frames(scanner, strategy, Axis::x, {.response = PowerLaw{gamma}});
-    const Agreement agreement = gpu_agreement(setup, frames, phase_corrections(setup));
-    EXPECT_GT(agreement.points, 2000U);
-    EXPECT_LE(agreement.other_validity, 2U);
-    EXPECT_LE(agreement.worst, depth_bound);
   }
 }
 
@@ -318,6 +320,49 @@ TEST_F(OnGpu, CutsLargePictures) {
       EXPECT_TRUE(same_bytes(cut.maps.coordinate, whole.maps.coordinate));
       EXPECT_TRUE(same_bytes(cut.maps.fringe_order_doubt, whole.maps.fringe_order_doubt));
       EXPECT_TRUE(same_bytes(cut.numbers, whole.numbers));
+    }
+  }
+}
+
+/// So are those of scans that one submission computes.
+TEST_F(OnGpu, TakesManySmallScansAtOnce) {
+  const Scanner scanner = example_scanner({67, 49});
+  const Strategy strategy = DualFrequency{};
+  const auto fused = FusedEngine::make(setup_of(scanner, strategy, Axis::x), {}).value();
+  for (const int bits : {8, 12}) {
+    std::vector<FrameSet> frames;
+    std::vector<FrameViews> views;
+    for (const double ambient : {0, 5, 10, 20, 30}) {
+      frames.push_back(
+          statue_frames(scanner, strategy, Axis::x, {.ambient = ambient, .bits = bits}));
+      views.emplace_back(frames.back());
+    }
+    // Two at a time, and the last one alone; then all five.
+    for (const std::size_t pixels : {std::size_t{2 * 67 * 50}, GpuEngine::pixels_at_once}) {
+      const auto gpu = GpuEngine::make(fused, std::nullopt, pixels).value();
+      std::vector<Results> together(views.size());
+      std::vector<Image<std::uint16_t>> numbers(views.size());
+      std::vector<FusedOutput> clouds, depths;
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        clouds.push_back({.cloud = &together[i].cloud, .maps = &together[i].maps});
+        depths.push_back({.numbers = &numbers[i], .scale = {.scale = 0.02F, .offset = 100}});
+      }
+      GpuScanMemory memory, memory_of_one;
+      gpu(views, clouds, memory);
+      gpu(views, depths, memory);
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        Results alone;
+        Image<std::uint16_t> number;
+        gpu(views[i], {.cloud = &alone.cloud, .maps = &alone.maps}, memory_of_one);
+        gpu(views[i], {.numbers = &number, .scale = depths[i].scale}, memory_of_one);
+        EXPECT_GT(point_count(alone.cloud), 100U);
+        EXPECT_TRUE(same_bytes(together[i].cloud.x, alone.cloud.x));
+        EXPECT_TRUE(same_bytes(together[i].cloud.z, alone.cloud.z));
+        EXPECT_TRUE(same_bytes(together[i].cloud.intensity, alone.cloud.intensity));
+        EXPECT_TRUE(same_bytes(together[i].cloud.validity, alone.cloud.validity));
+        EXPECT_TRUE(same_bytes(together[i].maps.coordinate, alone.maps.coordinate));
+        EXPECT_TRUE(same_bytes(numbers[i], number));
+      }
     }
   }
 }

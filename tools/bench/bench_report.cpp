@@ -91,8 +91,8 @@ std::string beside_gpu(const std::vector<TimedRow>& rows) {
       "times as fast\n";
   for (const TimedRow& timed : rows) {
     const auto& [row, timing] = timed;
-    if (!row.name.starts_with("gpu")) continue;
-    std::string name = "fused" + row.name.substr(3);
+    if (row.name.find("gpu") == std::string::npos) continue;
+    std::string name = "fused" + row.name.substr(row.name.rfind("gpu") + 3);
     if (const auto end = name.find("resident"); end != std::string::npos) {
       name.replace(end, std::string::npos, "cloud");
     }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -220,31 +221,43 @@ struct Results {
   }
 };
 
-/// One scan on the GPU and in the fused pass.
+/// Small scans that the GPU takes in one submission.
+constexpr int many = 64;
+
+/// A scan on the GPU, many times where asked for, and in the fused pass. `results`: so many scans.
 class OnBoth {
  public:
-  OnBoth(const Scan& scan, std::shared_ptr<Results> results)
+  OnBoth(const Scan& scan, std::shared_ptr<std::vector<Results>> results)
       : fused_(FusedEngine::make(setup_for(scan), phase_corrections(setup_for(scan))).value()),
         gpu_(GpuEngine::make(fused_, std::nullopt).value()),
-        frames_(scan.frames),
+        frames_(results->size(), scan.frames),
         results_(std::move(results)) {}
 
-  void on_gpu(Asked asked) {
-    gpu_(frames_, results_->output(asked), asked == Asked::resident ? resident_ : gpu_memory_);
+  void on_gpu(Asked asked) { on_gpu(asked, 1); }
+  void many_on_gpu(Asked asked) { on_gpu(asked, results_->size()); }
+  void fused(Asked asked) {
+    fused_(frames_.front(), results_->front().output(asked), fused_memory_);
   }
-  void fused(Asked asked) { fused_(frames_, results_->output(asked), fused_memory_); }
 
  private:
+  void on_gpu(Asked asked, std::size_t scans) {
+    outputs_.clear();
+    for (std::size_t i = 0; i < scans; ++i) outputs_.push_back((*results_)[i].output(asked));
+    gpu_(std::span(frames_).first(scans), outputs_,
+         asked == Asked::resident ? resident_ : gpu_memory_);
+  }
+
   FusedEngine fused_;
   GpuEngine gpu_;
-  FrameViews frames_;
-  std::shared_ptr<Results> results_;
+  std::vector<FrameViews> frames_;
+  std::shared_ptr<std::vector<Results>> results_;
+  std::vector<FusedOutput> outputs_;
   FusedMemory fused_memory_;
   GpuScanMemory gpu_memory_, resident_{.resident = true};
 };
 
 void add_gpu_rows(std::vector<BenchRow>& rows, const SharedScan& scan, const char* coding,
-                  const std::shared_ptr<Results>& results, int threads) {
+                  const std::shared_ptr<std::vector<Results>>& results, int threads) {
   const auto both = std::make_shared<OnBoth>(*scan, results);
   for (std::size_t i = 0; i < asked_names.size(); ++i) {
     const auto asked = static_cast<Asked>(i);
@@ -256,6 +269,10 @@ void add_gpu_rows(std::vector<BenchRow>& rows, const SharedScan& scan, const cha
       rows.back().is_beside_gpu = true;
     };
     add("gpu", &OnBoth::on_gpu);
+    if (results->size() > 1) {
+      add("many-gpu", &OnBoth::many_on_gpu);
+      rows.back().scans = many;
+    }
     if (asked != Asked::resident) add("fused", &OnBoth::fused);
   }
 }
@@ -351,12 +368,17 @@ SharedScan scan_of(int steps) {
 
 std::vector<BenchRow> gpu_rows(const BenchSettings& settings) {
   std::vector<BenchRow> rows;
+  for (const Size size : settings.small) {
+    const PhaseMeasuring coding{.steps = 3, .frequency = 1};
+    add_gpu_rows(rows, std::make_shared<const Scan>(bench_scan(coding, size)), "",
+                 std::make_shared<std::vector<Results>>(many), settings.most_threads);
+  }
   const std::array<std::pair<const char*, SharedScan>, 3> scans{
       {{"", scan_of(3)},
        {"-dual", scan_of(DualFrequency{})},
        {"-multi", scan_of(MultiFrequency{})}}};
   for (const int k : std::set{settings.enlargements.front(), settings.enlargements.back()}) {
-    const auto results = std::make_shared<Results>();
+    const auto results = std::make_shared<std::vector<Results>>(1);
     for (const auto& [coding, scan] : scans) {
       const SharedScan large = k == 1 ? scan : std::make_shared<const Scan>(enlarged(*scan, k));
       add_gpu_rows(rows, large, coding, results, settings.most_threads);

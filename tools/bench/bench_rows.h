@@ -2,13 +2,15 @@
 
 #include <vector>
 
+#include "slipstream/image/size.h"
 #include "tools/bench/timing.h"
 
 namespace slipstream {
 
 struct BenchSettings {
-  std::vector<int> steps{3, 4, 6};            ///< of the rows of Table 2.2
-  std::vector<int> enlargements{1, 2, 4, 8};  ///< of 640x480: 0.3 to 20 megapixels
+  std::vector<int> steps{3, 4, 6};                ///< of the rows of Table 2.2
+  std::vector<int> enlargements{1, 2, 4, 8};      ///< of 640x480: 0.3 to 20 megapixels
+  std::vector<Size> small{{64, 48}, {160, 120}};  ///< beside a GPU
   int most_threads = 1;
 };
 
@@ -20,7 +22,8 @@ std::vector<BenchRow> bench_rows(const BenchSettings& settings);
 
 /// What the first GPU makes of the smallest and largest pictures, beside the fused pass on all
 /// threads: frames in memory to clouds, depths and depths in 16 bits in memory, and what the device
-/// takes by itself. Throws WorldError where there is no GPU.
+/// takes by itself; and of many smaller ones, one after another and in one submission. Throws
+/// WorldError where there is no GPU.
 std::vector<BenchRow> gpu_rows(const BenchSettings& settings);
 
 }  // namespace slipstream

@@ -20,9 +20,9 @@ Image<std::uint8_t> enlarged(const ImageView<const std::uint8_t>& image, int k) 
 
 }  // namespace
 
-Scan bench_scan(const Strategy& strategy) {
+Scan bench_scan(const Strategy& strategy, Size camera) {
   constexpr double ambient = 5;
-  Scan scan{.sequence = {.strategy = strategy}, .scanner = example_scanner({640, 480})};
+  Scan scan{.sequence = {.strategy = strategy}, .scanner = example_scanner(camera)};
   scan.scanner->photometry.ambient = ambient;
   scan.sequence.projector = scan.scanner->projector.size;
   const Scene statue = scene_named("statue", *scan.scanner);

@@ -18,7 +18,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-/// Milliseconds of one run. One thread's own time leaves out what the machine gave to others in
+/// Milliseconds of one scan. One thread's own time leaves out what the machine gave to others in
 /// between; of several threads only the clock on the wall says how long they took together.
 double milliseconds_of(const BenchRow& row) {
   const auto own_time = [] {
@@ -29,8 +29,8 @@ double milliseconds_of(const BenchRow& row) {
   const Clock::time_point start = Clock::now();
   const double own_start = own_time();
   row.run();
-  return 1e3 *
-         (row.threads == 1 && !row.is_beside_gpu ? own_time() - own_start : seconds_since(start));
+  const bool own = row.threads == 1 && !row.is_beside_gpu;
+  return 1e3 * (own ? own_time() - own_start : seconds_since(start)) / row.scans;
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ struct BenchRow {
   int width = 0;
   int height = 0;
   int threads = 1;
+  int scans = 1;  ///< of one run; times are for each
   /// Bytes that one pixel reads and writes, tables and output included, when each is touched once;
   /// 0 where that says nothing.
   double bytes_per_pixel = 0;
@@ -23,7 +24,7 @@ struct BenchRow {
   [[nodiscard]] double pixels() const { return static_cast<double>(width) * height; }
 };
 
-/// Milliseconds of one run, of the thread's own time for rows of one thread, else by the clock on
+/// Milliseconds of one scan, of the thread's own time for rows of one thread, else by the clock on
 /// the wall: the median, and between which the middle half of the runs lies.
 struct Timing {
   double median = 0;

@@ -31,15 +31,19 @@ std::size_t padded(Size size) {
   return (pixels_of(size) + whole_words - 1) / whole_words * whole_words;
 }
 
-/// Parts of a picture, so many that the largest buffer of each is small enough: results, or frames.
-int part_count(Size size, int frames, std::size_t pixels, std::size_t most_bytes) {
+/// Pixels that are computed at once, so few that the largest buffer is small enough: results, or
+/// frames.
+std::size_t pixels_in_buffers(int frames, std::size_t pixels, std::size_t most_bytes) {
   constexpr std::size_t most_planes = 8, most_pixel_bytes = 2;
   const std::size_t each =
       std::max(most_planes * sizeof(float),
                static_cast<std::size_t>(frames) * most_pixel_bytes + sizeof(float));
+  return std::min(pixels, most_bytes / each);
+}
+
+int part_count(Size size, std::size_t pixels) {
   const std::size_t seen_beside = 2 * static_cast<std::size_t>(size.width);
-  const std::size_t fit = most_bytes / each;
-  pixels = std::min(pixels, fit > seen_beside ? fit - seen_beside : 1);
+  pixels = pixels > seen_beside ? pixels - seen_beside : 1;
   return static_cast<int>(std::clamp<std::size_t>((pixels_of(size) + pixels - 1) / pixels, 1,
                                                   static_cast<std::size_t>(size.height)));
 }
@@ -63,6 +67,10 @@ GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays, i
     four[whole_words] = E_y[i];
   }
   return buffer;
+}
+
+std::size_t bytes_of_pixels(const FrameViews& frames) {
+  return frames.visit([]<class Pixel>(const Frames<Pixel>&) { return sizeof(Pixel); });
 }
 
 /// Rows from `first` to `last`, frame after frame without gaps.
@@ -153,24 +161,39 @@ void scale_intensity(const Image<float>& mean, double full_scale, Image<float>& 
 
 }  // namespace
 
-/// One scan on its way through the device.
+/// Scans on their way through the device.
 struct GpuEngine::Job {
   GpuStages stages;
-  PlaneList planes;
-  const FrameViews& frames;
-  const FusedOutput& output;
+  std::vector<PlaneList> planes;  ///< of each scan
+  std::span<const FrameViews> scans;
+  std::span<const FusedOutput> outputs;
   const Image<float>* coarse;
+  std::size_t plane_pixels;
   std::size_t pixel_bytes;  ///< of frames
+  std::size_t together;     ///< scans that are computed at once
 
-  [[nodiscard]] std::size_t frame_bytes() const { return planes.plane_pixels * pixel_bytes; }
+  [[nodiscard]] std::size_t frame_bytes() const { return plane_pixels * pixel_bytes; }
   [[nodiscard]] std::size_t all_frames() const {
-    return frame_bytes() * static_cast<std::size_t>(frames.count());
+    return frame_bytes() * static_cast<std::size_t>(scans.front().count());
   }
+  [[nodiscard]] std::size_t plane_bytes() const { return plane_pixels * sizeof(float); }
+  // Of each scan:
   [[nodiscard]] std::size_t upload_bytes() const {
-    return all_frames() + (coarse != nullptr ? planes.plane_pixels * sizeof(float) : 0);
+    return all_frames() + (coarse != nullptr ? plane_bytes() : 0);
   }
-  [[nodiscard]] std::size_t plane_bytes() const { return planes.plane_pixels * sizeof(float); }
-  [[nodiscard]] std::size_t output_bytes() const { return planes.images.size() * plane_bytes(); }
+  [[nodiscard]] std::size_t output_bytes() const {
+    return planes.front().images.size() * plane_bytes();
+  }
+  [[nodiscard]] std::size_t packed_bytes() const {
+    const bool numbers = outputs.front().numbers != nullptr;
+    return plane_pixels * (numbers ? sizeof(std::uint16_t) : sizeof(Validity));
+  }
+};
+
+/// What one submission computes: rows of one scan, or several scans.
+struct GpuEngine::Step {
+  const Part& part;
+  std::size_t first, scans;
 };
 
 GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu,
@@ -184,7 +207,8 @@ GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_
   const FusedStages& stages = fused.stages();
   for (const auto& band : stages.bands) sinusoids_.push_back(band.sinusoid);
   const auto [width, height] = stages.rays.E_x.size();
-  const int count = part_count({width, height}, stages.frames, pixels, gpu_->most_bytes());
+  const std::size_t at_once = pixels_in_buffers(stages.frames, pixels, gpu_->most_bytes());
+  const int count = part_count({width, height}, at_once);
   const auto border = [&, height = height](int i) {
     return static_cast<int>(std::int64_t{height} * i / count);
   };
@@ -195,6 +219,8 @@ GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_
         {first, last, first_seen, last_seen, rays_on(gpu_, stages.rays, first_seen, last_seen)});
     largest_ = {width, std::max(largest_.height, last_seen - first_seen)};
   }
+  if (count > 1) return;
+  together_ = std::clamp<std::size_t>(at_once / padded(largest_), 1, GpuRun::most_layers);
 }
 
 std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional<int> device,
@@ -205,68 +231,82 @@ std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional
 }
 
 GpuScanMemory::Slot GpuEngine::slot_for(const Job& job, bool resident) const {
-  const std::size_t pixels = padded(largest_);
   const std::size_t stage_bytes = sizeof(GpuStages) + text_.words.size() * sizeof(GpuStages::Word);
   const GpuMemory results = resident ? GpuMemory::device : GpuMemory::download;
   GpuScanMemory::Slot slot{
-      .frames = GpuBuffer(gpu_, job.upload_bytes(), GpuMemory::upload),
+      .frames = GpuBuffer(gpu_, job.together * job.upload_bytes(), GpuMemory::upload),
       .stages = GpuBuffer(gpu_, stage_bytes, GpuMemory::upload),
-      .between = GpuBuffer(gpu_, pixels * 2 * sizeof(float), GpuMemory::device),
-      .output = GpuBuffer(gpu_, job.output_bytes(), results),
-      .packed = GpuBuffer(gpu_, pixels * sizeof(std::uint16_t), results),
+      .between = GpuBuffer(gpu_, job.together * 2 * job.plane_bytes(), GpuMemory::device),
+      .output = GpuBuffer(gpu_, job.together * job.output_bytes(), results),
+      .packed = GpuBuffer(gpu_, job.together * job.plane_pixels * sizeof(std::uint16_t), results),
       .run = GpuRun(gpu_)};
   std::memcpy(slot.stages.data() + sizeof(GpuStages), text_.words.data(),
               stage_bytes - sizeof(GpuStages));
   return slot;
 }
 
-void GpuEngine::upload(const Part& part, const Job& job, const GpuBuffer& to) {
-  const int first = part.first_seen, last = part.last_seen;
-  job.frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
-    copy_frames(views, first, last, job.frame_bytes(), to.data());
-  });
-  if (job.coarse != nullptr) copy_coarse(*job.coarse, first, last, to.data() + job.all_frames());
+void GpuEngine::upload(const Step& step, const Job& job, const GpuBuffer& to) {
+  const int first = step.part.first_seen, last = step.part.last_seen;
+  for (std::size_t scan = 0; scan < step.scans; ++scan) {
+    std::byte* const place = to.data() + scan * job.upload_bytes();
+    job.scans[step.first + scan].visit([&]<class Pixel>(const Frames<Pixel>& views) {
+      copy_frames(views, first, last, job.frame_bytes(), place);
+    });
+    if (job.coarse != nullptr) copy_coarse(*job.coarse, first, last, place + job.all_frames());
+  }
 }
 
-void GpuEngine::start(const Part& part, Job& job, GpuScanMemory::Slot& slot) const {
+void GpuEngine::start(const Step& step, Job& job, GpuScanMemory::Slot& slot) const {
+  const Part& part = step.part;
   job.stages.height = part.last_seen - part.first_seen;
   std::memcpy(slot.stages.data(), &job.stages, sizeof(job.stages));
   const std::array programs{
       job.pixel_bytes == 1 ? &coordinates_of_8_bits_ : &coordinates_of_16_bits_, &points_};
   slot.run.start(std::array<const GpuBuffer*, 6>{&slot.frames, &slot.stages, &part.rays,
                                                  &slot.between, &slot.output, &slot.packed},
-                 std::span(programs).first(job.output.makes_points() ? 2 : 1),
-                 padded({job.stages.width, job.stages.height}) / whole_words);
+                 std::span(programs).first(job.outputs.front().makes_points() ? 2 : 1),
+                 padded({job.stages.width, job.stages.height}) / whole_words,
+                 static_cast<std::uint32_t>(step.scans));
 }
 
-void GpuEngine::collect(const Part& part, const Job& job, const GpuScanMemory::Slot& slot) {
-  const FusedOutput& output = job.output;
-  const auto& images = job.planes.images;
+void GpuEngine::collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot) {
+  const Part& part = step.part;
   const std::size_t skipped = pixels_of({job.stages.width, part.first - part.first_seen});
-  for_each_row(static_cast<int>(images.size()), [&](int plane) {
+  const std::size_t planes = job.planes.front().images.size();
+  for_each_row(static_cast<int>(step.scans * planes), [&](int plane) {
     const auto i = static_cast<std::size_t>(plane);
     copy_rows(slot.output.data() + i * job.plane_bytes() + skipped * sizeof(float), part.first,
-              part.last, *images[i]);
+              part.last, *job.planes[step.first + i / planes].images[i % planes]);
   });
-  if (Image<Validity>* const reasons = reasons_of(output)) {
-    copy_rows(slot.packed.data() + skipped * sizeof(Validity), part.first, part.last, *reasons);
-  }
-  if (output.numbers != nullptr) {
-    copy_rows(slot.packed.data() + skipped * sizeof(std::uint16_t), part.first, part.last,
-              *output.numbers);
+  for (std::size_t scan = 0; scan < step.scans; ++scan) {
+    const FusedOutput& output = job.outputs[step.first + scan];
+    const std::byte* const packed = slot.packed.data() + scan * job.packed_bytes();
+    if (Image<Validity>* const reasons = reasons_of(output)) {
+      copy_rows(packed + skipped * sizeof(Validity), part.first, part.last, *reasons);
+    }
+    if (output.numbers != nullptr) {
+      copy_rows(packed + skipped * sizeof(std::uint16_t), part.first, part.last, *output.numbers);
+    }
   }
 }
 
-GpuEngine::Job GpuEngine::job_for(const FrameViews& frames, const FusedOutput& output,
+GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
+                                  std::span<const FusedOutput> outputs,
                                   const Image<float>* coarse) const {
   const Size size{text_.stages.width, text_.stages.height};
-  Job job{
-      .stages = text_.stages,
-      .planes = planes_of(output, size, text_.stages.links > 0, padded(largest_)),
-      .frames = frames,
-      .output = output,
-      .coarse = coarse,
-      .pixel_bytes = frames.visit([]<class Pixel>(const Frames<Pixel>&) { return sizeof(Pixel); })};
+  const FrameViews& frames = scans.front();
+  const FusedOutput& output = outputs.front();
+  Job job{.stages = text_.stages,
+          .planes = {},
+          .scans = scans,
+          .outputs = outputs,
+          .coarse = coarse,
+          .plane_pixels = padded(largest_),
+          .pixel_bytes = bytes_of_pixels(frames),
+          .together = std::min(together_, scans.size())};
+  for (const FusedOutput& of : outputs) {
+    job.planes.push_back(planes_of(of, size, text_.stages.links > 0, job.plane_pixels));
+  }
   GpuStages& stages = job.stages;
   const double full_scale = frames.full_scale();
   const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
@@ -279,41 +319,67 @@ GpuEngine::Job GpuEngine::job_for(const FrameViews& frames, const FusedOutput& o
   }
   const GpuStages::Band& first = stages.bands.front();
   stages.code.mean_to_frames = 1 / (first.mean_scale * static_cast<float>(first.steps));
-  stages.planes = job.planes.planes;
+  stages.planes = job.planes.front().planes;
   stages.packed = {.wanted = output.makes_points() ? 1 : 0, .offset = output.scale.offset};
   if (output.numbers != nullptr) stages.packed.numbers_per_mm = 1 / output.scale.scale;
   const auto words = [](std::size_t bytes) {
     return static_cast<GpuStages::Word>(bytes / sizeof(GpuStages::Word));
   };
-  stages.frame_words = words(job.frame_bytes());
+  stages.plane_fours = static_cast<GpuStages::Word>(job.plane_pixels / whole_words);
+  stages.scan_words = words(job.upload_bytes());
+  stages.scan_fours =
+      stages.plane_fours * static_cast<GpuStages::Word>(job.planes.front().images.size());
   stages.coarse_given = coarse != nullptr ? words(job.all_frames()) : 0;
   return job;
 }
 
 void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
                            GpuScanMemory& memory, const Image<float>* coarse) const {
-  if (!frames.quantised()) throw Error("frames are not quantised; the GPU takes 8 to 16 bits");
-  Job job = job_for(frames, output, coarse);
+  (*this)(std::span(&frames, 1), std::span(&output, 1), memory, coarse);
+}
+
+void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const FusedOutput> outputs,
+                           GpuScanMemory& memory, const Image<float>* coarse) const {
+  const FrameViews& like = scans.front();
+  if (!std::all_of(scans.begin(), scans.end(), [&](const FrameViews& frames) {
+        return frames.quantised() && bytes_of_pixels(frames) == bytes_of_pixels(like) &&
+               frames.full_scale() == like.full_scale() && frames.merged() == like.merged();
+      })) {
+    throw Error("frames are not quantised or not alike; the GPU takes 8 to 16 bits");
+  }
+  Job job = job_for(scans, outputs, coarse);
+  const std::size_t at_a_time = (scans.size() + job.together - 1) / job.together;
+  const std::size_t steps = at_a_time * parts_.size();
   auto& slots = memory.slots;
-  const bool keeps = !slots.empty() && slots.front().frames.size() >= job.upload_bytes() &&
-                     slots.front().output.size() >= job.output_bytes();
+  // What was made later is no larger.
+  const bool keeps = !slots.empty() &&
+                     slots.back().frames.size() >= job.together * job.upload_bytes() &&
+                     slots.back().between.size() >= job.together * 2 * job.plane_bytes() &&
+                     slots.back().output.size() >= job.together * job.output_bytes();
   if (!keeps) slots.clear();
-  while (slots.size() < std::min<std::size_t>(parts_.size(), 2)) {
+  while (slots.size() < std::min<std::size_t>(steps, 2)) {
     slots.push_back(slot_for(job, memory.resident));
   }
+  const auto step_of = [&](std::size_t i) {
+    const std::size_t first = i / parts_.size() * job.together;
+    return Step{parts_[i % parts_.size()], first, std::min(job.together, scans.size() - first)};
+  };
   const auto collect_from = [&](std::size_t i) {
     slots[i % slots.size()].run.wait();
-    if (!memory.resident) collect(parts_[i], job, slots[i % slots.size()]);
+    if (!memory.resident) collect(step_of(i), job, slots[i % slots.size()]);
   };
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
+  for (std::size_t i = 0; i < steps; ++i) {
     GpuScanMemory::Slot& slot = slots[i % slots.size()];
-    if (!keeps || !memory.resident) upload(parts_[i], job, slot.frames);
-    start(parts_[i], job, slot);
+    if (!keeps || !memory.resident) upload(step_of(i), job, slot.frames);
+    start(step_of(i), job, slot);
     if (i > 0) collect_from(i - 1);
   }
-  collect_from(parts_.size() - 1);
-  if (output.cloud == nullptr || output.maps == nullptr || memory.resident) return;
-  scale_intensity(output.maps->mean, frames.full_scale(), output.cloud->intensity);
+  collect_from(steps - 1);
+  if (memory.resident) return;
+  for (const FusedOutput& output : outputs) {
+    if (output.cloud == nullptr || output.maps == nullptr) continue;
+    scale_intensity(output.maps->mean, like.full_scale(), output.cloud->intensity);
+  }
 }
 
 }  // namespace slipstream

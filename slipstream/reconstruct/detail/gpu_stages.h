@@ -69,7 +69,9 @@ struct GpuStages {
   };
 
   Word width = 0, height = 0;
-  Word frame_words = 0;  ///< of one frame
+  Word plane_fours = 0;  ///< of a frame, a plane: fours of pixels
+  Word scan_words = 0;   ///< of a scan's frames and coarse coordinates
+  Word scan_fours = 0;   ///< of its planes
   Word links = 0;
   Word begins_with_code = 0;
   Word coarse_given = 0;  ///< words before the coarse coordinates that follow the frames; 0: none

@@ -22,12 +22,12 @@ struct Pixels {
 };
 
 ivec4 levels(int frame, int fours) {
+  const int first_word = scan() * scan_words + frame * plane_fours * (pixel_bits / 8);
   if (pixel_bits == 8) {
-    uint bits = frame_bits[frame * frame_words + fours];
+    uint bits = frame_bits[first_word + fours];
     return ivec4(bits & 255u, bits >> 8 & 255u, bits >> 16 & 255u, bits >> 24);
   }
-  int at = frame * frame_words + 2 * fours;
-  uint first = frame_bits[at], second = frame_bits[at + 1];
+  uint first = frame_bits[first_word + 2 * fours], second = frame_bits[first_word + 2 * fours + 1];
   return ivec4(first & 65535u, first >> 16, second & 65535u, second >> 16);
 }
 
@@ -148,7 +148,7 @@ vec4 code_coordinates(int fours, vec4 mean) {
 
 vec4 begin_of_chain(int fours, vec4 mean) {
   if (coarse_given != 0) {
-    const int at = coarse_given + 4 * fours;
+    const int at = scan() * scan_words + coarse_given + 4 * fours;
     return uintBitsToFloat(
         uvec4(frame_bits[at], frame_bits[at + 1], frame_bits[at + 2], frame_bits[at + 3]));
   }
@@ -204,7 +204,7 @@ vec4 wrapped_phases(vec4 turn) {
 }
 
 void write(int plane, int fours, uvec4 values) {
-  if (plane >= 0) planes[plane + fours] = values;
+  if (plane >= 0) planes[scan() * scan_fours + plane + fours] = values;
 }
 
 void main() {
@@ -219,6 +219,7 @@ void main() {
   write(doubt_plane, fours, floatBitsToUint(pixels.doubt));
   if (wants_points == 0) return;
   const bvec4 lit = equal(pixels.flags & dark, ivec4(0));
-  between[2 * fours] = floatBitsToUint(mix(vec4(no_coordinate), pixels.y, lit));
-  between[2 * fours + 1] = uvec4(pixels.flags);
+  const int at = 2 * (scan() * plane_fours + fours);
+  between[at] = floatBitsToUint(mix(vec4(no_coordinate), pixels.y, lit));
+  between[at + 1] = uvec4(pixels.flags);
 }

@@ -15,7 +15,9 @@ layout(std430, binding = 5) writeonly buffer Packed { uint packed[]; };
 const int valid = 0, too_dark = 1, is_saturated = 2, doubtful = 3, no_point = 4, outside_field = 5,
           out_of_range = 6;
 
-float coordinate_at(int at) { return uintBitsToFloat(between[at / 4 * 8 + at % 4]); }
+float coordinate_at(int at) {
+  return uintBitsToFloat(between[(scan() * plane_fours + at / 4) * 8 + at % 4]);
+}
 
 int agreeing(float y, int row, int column) {
   if (row < 0 || row >= height || column < 0 || column >= width) return 0;
@@ -85,24 +87,24 @@ ivec4 find_points(vec4 E_x, vec4 E_y, vec4 y, out vec4 z) {
 }
 
 // DepthScale::operator().
-void write_numbers(int fours, vec4 z, ivec4 why) {
+void write_numbers(int at, vec4 z, ivec4 why) {
   uvec4 numbers = uvec4(0u);
   for (int k = 0; k < 4; ++k) {
     float number = (z[k] - depth_offset) * numbers_per_mm + 0.5;
     if (why[k] == valid && number >= 1.0 && number < 65536.0) numbers[k] = uint(number);
   }
-  packed[2 * fours] = numbers.x | numbers.y << 16;
-  packed[2 * fours + 1] = numbers.z | numbers.w << 16;
+  packed[2 * at] = numbers.x | numbers.y << 16;
+  packed[2 * at + 1] = numbers.z | numbers.w << 16;
 }
 
 void main() {
-  const int first = first_pixel(), fours = first / 4;
+  const int first = first_pixel(), fours = first / 4, among_scans = scan() * plane_fours + fours;
   if (first >= pixel_count()) return;
   vec4 y, z;
   ivec4 flags;
   for (int k = 0; k < 4; ++k) {
-    y[k] = uintBitsToFloat(between[8 * fours + k]);
-    flags[k] = int(between[8 * fours + 4 + k]);
+    y[k] = uintBitsToFloat(between[8 * among_scans + k]);
+    flags[k] = int(between[8 * among_scans + 4 + k]);
   }
   const vec4 E_x = rays[2 * fours], E_y = rays[2 * fours + 1];
   ivec4 why = find_points(E_x, E_y, y, z);
@@ -112,14 +114,15 @@ void main() {
     else if (points.confirmed != 0 && !is_confirmed(first + k, y[k], flags[k])) why[k] = doubtful;
   }
   if (numbers_per_mm > 0.0) {
-    write_numbers(fours, z, why);
+    write_numbers(among_scans, z, why);
     return;
   }
   const bvec4 good = equal(why, ivec4(valid));
+  const int at = scan() * scan_fours + fours;
   if (x_plane >= 0) {
-    planes[x_plane + fours] = mix(uvec4(nan), floatBitsToUint(E_x * z), good);
-    planes[y_plane + fours] = mix(uvec4(nan), floatBitsToUint(E_y * z), good);
+    planes[x_plane + at] = mix(uvec4(nan), floatBitsToUint(E_x * z), good);
+    planes[y_plane + at] = mix(uvec4(nan), floatBitsToUint(E_y * z), good);
   }
-  planes[z_plane + fours] = mix(uvec4(nan), floatBitsToUint(z), good);
-  packed[fours] = uint(why.x | why.y << 8 | why.z << 16 | why.w << 24);
+  planes[z_plane + at] = mix(uvec4(nan), floatBitsToUint(z), good);
+  packed[among_scans] = uint(why.x | why.y << 8 | why.z << 16 | why.w << 24);
 }

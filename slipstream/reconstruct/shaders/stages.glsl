@@ -40,7 +40,8 @@ struct Points {
 
 layout(std430, binding = 1) readonly buffer Stages {
   int width, height;
-  int frame_words;  // of one frame
+  int plane_fours;  // of a frame, a plane
+  int scan_words, scan_fours;  // of a scan's frames and coarse coordinates, of its planes
   int links;
   int begins_with_code, coarse_given, coarse_in_field, weighs_bands;
   Coordinate coarse_stage;
@@ -67,6 +68,9 @@ const float no_coordinate = 1e30;
 const uint nan = 0x7fc00000u;
 
 int pixel_count() { return width * height; }
+
+// Of those that are computed at once.
+int scan() { return int(gl_WorkGroupID.z); }
 
 // The first of the four pixels of this invocation.
 int first_pixel() {

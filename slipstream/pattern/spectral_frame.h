@@ -4,6 +4,7 @@
 
 #include "slipstream/pattern/layout.h"
 #include "slipstream/pattern/sinusoid.h"
+#include "slipstream/pattern/symbol_grid.h"
 
 namespace slipstream {
 
@@ -30,6 +31,9 @@ struct SpectralFrame {
 struct Demodulation {
   int shown = 1;  ///< frames; of two the second has all carriers half a period on
   std::vector<SpectralFrame> frames{};
+  /// Where not empty, what is shown: of three frames stripes, of one symbols, by which every pixel
+  /// has a place in the field, and all carriers their phases.
+  SymbolGrid grid{};
 
   friend bool operator==(const Demodulation&, const Demodulation&) = default;
 };

@@ -12,6 +12,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/image/moving_mean.h"
 #include "slipstream/image/parallel_rows.h"
+#include "slipstream/phase/neighbours.h"
 
 namespace slipstream {
 namespace {
@@ -67,6 +68,19 @@ const FrameViews& Demodulator::operator()(const FrameViews& shown) {
     throw Error(fmt::format("{} frames given; the patterns are {}", shown.count(), how_.shown));
   }
   take(shown);
+  if (how_.grid.columns > 0) {
+    locate(shown);
+  } else {
+    take_apart();
+  }
+  write();
+  views_.assign<std::uint16_t>(images_, bits, [](const Image<std::uint16_t>& image) {
+    return ImageView<const std::uint16_t>(image);
+  });
+  return views_;
+}
+
+void Demodulator::take_apart() {
   find_carriers();
   const int square = odd_length(aligned_ ? longest_ / 2 : longest_);
   take_mean(aligned_ ? widest_ : Size{square, square}, false);
@@ -74,11 +88,47 @@ const FrameViews& Demodulator::operator()(const FrameViews& shown) {
   if (aligned_) take_mean({square, square}, true);
   for (Band& band : bands_) take_near(band, true);
   square_what_is_left();
-  write();
-  views_.assign<std::uint16_t>(images_, bits, [](const Image<std::uint16_t>& image) {
-    return ImageView<const std::uint16_t>(image);
+}
+
+/// The carriers as they are at the places that the grid gives.
+void Demodulator::locate(const FrameViews& shown) {
+  const Size size = shown.size();
+  saturated_ = saturation_mask(shown);
+  const auto grey = static_cast<float>(255 / shown.full_scale());
+  std::vector<Image<float>> frames(static_cast<std::size_t>(shown.count()), Image<float>(size));
+  shown.visit([&](const auto& views) {
+    const float share = 1 / static_cast<float>(views.size());
+    for_each_row(size.height, [&](int row) {
+      std::fill_n(mean_.row(row), size.width, 0.0F);
+      for (std::size_t n = 0; n < views.size(); ++n) {
+        for (int column = 0; column < size.width; ++column) {
+          frames[n](column, row) = grey * static_cast<float>(views[n](column, row));
+          mean_(column, row) += share * frames[n](column, row);
+        }
+      }
+    });
   });
-  return views_;
+  constexpr double symbols = 4;  // in a mean
+  const int window = odd_length(symbols * length_along(axis_, size) / how_.grid.columns);
+  take_moving_mean(mean_, {window, window}, scratch_);
+  const LocatedPixels at = located_by_neighbours(how_.grid, axis_, std::move(frames));
+  for_each_row(size.height, [&](int row) {
+    std::fill_n(near_cosine_.row(row), size.width, 0.0F);  // nothing is left unexplained
+    std::fill_n(near_sine_.row(row), size.width, 0.0F);
+    for (int column = 0; column < size.width; ++column) {
+      const float y = at.coordinate(column, row);
+      const float B = std::min(at.modulation(column, row), mean_(column, row));
+      for (std::size_t n = 0; n < images_.size(); ++n) {
+        if (n > 0 && band_of_[n] == band_of_[n - 1]) continue;
+        Band& band = bands_[band_of_[n]];
+        const double turns = how_.frames[n].periods * static_cast<double>(y),
+                     angle = 2 * std::numbers::pi * (turns - std::rint(turns));
+        const bool known = !std::isnan(y);
+        band.cosine(column, row) = known ? B * static_cast<float>(std::cos(angle)) : 0;
+        band.sine(column, row) = known ? B * static_cast<float>(std::sin(angle)) : 0;
+      }
+    }
+  });
 }
 
 FrameSet Demodulator::frames() && {

@@ -20,7 +20,8 @@ namespace slipstream {
 /// pass, and a quarter of it across. Then once more about the phase so found, for a window about
 /// the carrier bends phases that curve, and about the mean of what the carriers leave. Where what
 /// they leave then has more than a fifth of their strength in the surroundings, as at edges and
-/// paint, the phase is a mixture: all carriers are set to 0.
+/// paint, the phase is a mixture: all carriers are set to 0. Of a grid the frames are made by the
+/// places that its symbols give pixels, with carriers of 0 where they give none.
 class Demodulator {
  public:
   Demodulator(Demodulation how, Axis axis);
@@ -41,6 +42,8 @@ class Demodulator {
   };
 
   void take(const FrameViews& shown);
+  void take_apart();
+  void locate(const FrameViews& shown);
   void find_carriers();
   void take_mean(Size window, bool started);
   void take_near(Band& band, bool started);

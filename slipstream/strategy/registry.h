@@ -13,6 +13,7 @@
 #include "slipstream/strategy/micro_phase_shifting.h"
 #include "slipstream/strategy/modulated_phase_shifting.h"
 #include "slipstream/strategy/multi_frequency.h"
+#include "slipstream/strategy/neighbour_codes.h"
 #include "slipstream/strategy/period_coded.h"
 #include "slipstream/strategy/phase_channel_multiplexing.h"
 #include "slipstream/strategy/phase_measuring.h"
@@ -25,7 +26,7 @@ using KnownCodings =
     std::variant<PhaseMeasuring, DualFrequency, PhaseChannelMultiplexing, MultiFrequency, GrayCode,
                  GrayPhase, ExclusiveOrGray, TwoPlusOne, FastThreeStep, DoubleThreeStep,
                  TwoFrequency2N, TwoFrequency4N, MicroPhaseShifting, ModulatedPhaseShifting,
-                 PeriodCoded, FourierProfilometry, CompositePattern>;
+                 PeriodCoded, FourierProfilometry, CompositePattern, DeBruijn, SymbolArray>;
 
 /// What is shown where nobody says what.
 Strategy default_strategy();

@@ -93,7 +93,7 @@ void require_mergeable(const Sequence& sequence) {
   }
   if (sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0)) {
     throw Error(
-        fmt::format("{} is read from the spectrum of each frame: of one exposure, and "
+        fmt::format("{} is read from the surroundings in each frame: of one exposure, and "
                     "without frames of motion",
                     sequence.strategy.name()));
   }

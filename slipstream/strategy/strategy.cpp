@@ -22,6 +22,15 @@ void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
   };
 }
 
+void Strategy::show_grid() {
+  shape_ = [grid = demodulation_->grid](int n, double y, double across) {
+    return grid_intensity(grid, n, y, across);
+  };
+  read_shape_ = [frames = demodulation_->frames](int n, double y) {
+    return sine_cosine_mean_shape(n % 3, frames[static_cast<std::size_t>(n)].periods, y);
+  };
+}
+
 Strategy Strategy::read_as() const {
   Strategy read = *this;
   if (demodulation_) {
@@ -69,6 +78,7 @@ double carrier_periods(const Strategy& strategy) {
   double most = carrier_periods(strategy.layout());
   const auto demodulation = strategy.demodulation();
   if (!demodulation) return most;
+  if (demodulation->grid.rows() > 1) most = std::max<double>(most, demodulation->grid.rows());
   for (const SpectralFrame& frame : demodulation->frames) {
     if (frame.across) most = std::max(most, frame.periods);
   }

@@ -37,6 +37,7 @@ namespace slipstream {
 /// them, and beside it
 ///   Demodulation demodulation() const, and
 ///   double read_shape(int n, double y) const, what would show frame n of those.
+/// One whose Demodulation has a grid needs no shapes.
 /// A value; copies share nothing that changes.
 class Strategy {
  public:
@@ -54,11 +55,15 @@ class Strategy {
       layout_ = coding.layout();
       if constexpr (requires { coding.demodulation(); }) {
         demodulation_ = coding.demodulation();
-        read_shape_ = [coding](int n, double y) { return coding.read_shape(n, y); };
+        if constexpr (requires { coding.read_shape(0, 0.0); }) {
+          read_shape_ = [coding](int n, double y) { return coding.read_shape(n, y); };
+        } else {
+          show_grid();
+        }
       }
       if constexpr (requires { coding.shape(0, 0.0, 0.0); }) {
         shape_ = [coding](int n, double y, double across) { return coding.shape(n, y, across); };
-      } else {
+      } else if constexpr (requires { coding.shape(0, 0.0); }) {
         shape_ = [coding](int n, double y) { return coding.shape(n, y); };
       }
     }
@@ -93,6 +98,7 @@ class Strategy {
 
  private:
   void show(std::vector<ShownSinusoid> sinusoids);
+  void show_grid();
 
   std::string name_;
   StrategySettings settings_;

@@ -12,11 +12,13 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/colour_channels.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/phase/demodulator.h"
 #include "slipstream/phase/phase_decoder.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
@@ -76,6 +78,8 @@ TEST(OneFrame, HasThePhaseOfTwelveSteps) {
   EXPECT_LE(quantile_of(errors, 0.9), 0.023);
 }
 
+enum class Colour { none, mixed, apart, painted, whitened };
+
 struct OneFrameScan {
   Strategy strategy;
   std::string scene;
@@ -83,10 +87,15 @@ struct OneFrameScan {
   double most_median;   ///< mm
   double most_far;      ///< share of the points off by more than 1 mm
   bool painted = false;
+  Colour colour = Colour::none;
 };
 
 void PrintTo(const OneFrameScan& scan, std::ostream* out) {
-  *out << label_of(scan.strategy) << " of " << scan.scene << (scan.painted ? ", painted" : "");
+  constexpr const char* in_colour[] = {"", ", in colours mixed", ", in colours taken apart",
+                                       ", on colours taken apart",
+                                       ", on colours with a white picture"};
+  *out << label_of(scan.strategy) << " of " << scan.scene << (scan.painted ? ", painted" : "")
+       << in_colour[static_cast<std::size_t>(scan.colour)];
 }
 
 /// Whether the picture has such a depth near a pixel: windows carry a surface past its edge.
@@ -108,11 +117,23 @@ struct DepthErrors {
 };
 
 /// In the world of a bench: blur, noise, a dim lamp.
-DepthErrors depth_errors(const Strategy& strategy, const Scene& scene) {
-  const Scanner scanner = example_scanner({640, 480});
+VirtualScan scan_of(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                    Colour colour) {
   Photometry photometry{.ambient = 5, .noise_variance = 1.6, .bits = 8};
   photometry.physics.camera.blur = 0.6;
-  const VirtualScan scan = take_scan(scanner, scene, pattern_set(strategy, Axis::x), photometry);
+  if (colour == Colour::none) return take_scan(scanner, scene, patterns, photometry);
+  const bool painted = colour == Colour::painted || colour == Colour::whitened;
+  VirtualScan scan =
+      take_colour_scan(scanner, scene, patterns, photometry, {usual_mixture, painted ? 0.3 : 0});
+  const FrameViews white = colour == Colour::whitened ? FrameViews(scan.white) : FrameViews();
+  if (colour != Colour::mixed) scan.frames = unmixed(scan.frames, usual_mixture, white);
+  return scan;
+}
+
+DepthErrors depth_errors(const Strategy& strategy, const Scene& scene,
+                         Colour colour = Colour::none) {
+  const Scanner scanner = example_scanner({640, 480});
+  const VirtualScan scan = scan_of(scanner, scene, pattern_set(strategy, Axis::x), colour);
   double nearest = INFINITY, farthest = 0;
   for (const double depth : scan.depth) {
     if (std::isnan(depth)) continue;
@@ -141,12 +162,12 @@ DepthErrors depth_errors(const Strategy& strategy, const Scene& scene) {
 class OneFrameScans : public testing::TestWithParam<OneFrameScan> {};
 
 TEST_P(OneFrameScans, AreNowhereAPeriodOff) {
-  const auto& [strategy, name, least_points, most_median, most_far, painted] = GetParam();
+  const auto& [strategy, name, least_points, most_median, most_far, painted, colour] = GetParam();
   Scene scene = scene_named(name, example_scanner({640, 480}));
   for (Body& body : scene) {
     if (painted) body.texture = veined_texture(0.3, 0.9, 20);
   }
-  auto [errors, lit, far, wrong] = depth_errors(strategy, scene);
+  auto [errors, lit, far, wrong] = depth_errors(strategy, scene, colour);
   if (errors.empty()) {
     std::cout << "no points\n";
     EXPECT_EQ(least_points, 0);
@@ -189,6 +210,23 @@ INSTANTIATE_TEST_SUITE_P(
         OneFrameScan{CompositePattern{}, "statue", 0, 0.2, 0.1},
         OneFrameScan{CompositePattern{}, "sphere", 0, 0.2, 0.1},
         OneFrameScan{CompositePattern{}, "board", 0.7, 0.05, 0.06}));
+
+std::vector<OneFrameScan> by_neighbours() {
+  std::vector<OneFrameScan> scans;
+  for (const char* const scene : {"board", "sphere", "statue"}) {
+    const double completeness = scene == std::string("statue") ? 0.5 : 0.6;
+    for (const bool painted : {false, true}) {
+      scans.push_back({SymbolArray{}, scene, completeness, 0.6, painted ? 0.35 : 0.1, painted});
+      scans.push_back({DeBruijn{}, scene, painted ? 0.5 : 0.8, 0.2, 0.1, painted, Colour::apart});
+    }
+    for (const Colour colour : {Colour::mixed, Colour::painted, Colour::whitened}) {
+      scans.push_back({DeBruijn{}, scene, 0.6, 1.5, 0.6, false, colour});
+    }
+  }
+  return scans;
+}
+
+INSTANTIATE_TEST_SUITE_P(ByNeighbours, OneFrameScans, testing::ValuesIn(by_neighbours()));
 
 /// A statue that turns and comes nearer: each frame alone is a cloud.
 TEST(OneFrame, OfAMovingStatueIsACloudEach) {

@@ -1,0 +1,330 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <optional>
+
+#include "slipstream/image/moving_mean.h"
+#include "slipstream/phase/carrier.h"
+#include "slipstream/phase/neighbours.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int none = -1, kinds = 3;
+
+struct Vector {
+  float x = 0, y = 0;
+
+  friend Vector operator+(Vector a, Vector b) { return {a.x + b.x, a.y + b.y}; }
+  friend Vector operator-(Vector a, Vector b) { return {a.x - b.x, a.y - b.y}; }
+  friend Vector operator*(float s, Vector a) { return {s * a.x, s * a.y}; }
+};
+float cross(Vector a, Vector b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// One symbol along the axis and one across it, in the picture.
+struct Pitch {
+  Vector along{}, across{};
+};
+
+struct Place {
+  int column = none, row = none;
+
+  friend bool operator==(const Place&, const Place&) = default;
+};
+
+struct Spot {
+  Vector at{};
+  int left = none, right = none, above = none, below = none;
+  int symbol = none;
+  float modulation = 0;
+  std::vector<Place> votes{};
+  Place place{};
+};
+using Spots = std::vector<Spot>;
+
+Spot& spot(Spots& spots, int i) {
+  return spots[static_cast<std::size_t>(i)];
+}
+
+/// By the picture's spectrum. How the grid leans it does not say: of few symbols that is noise.
+std::optional<Pitch> pitch_of(const SymbolGrid& grid, const Image<float>& picture) {
+  constexpr double least = 4, most = 200;  // pixels
+  const double along = 1 / found_carriers(picture, {1.0 * grid.columns}, true).front().right,
+               across = 1 / found_carriers(picture, {1.0 * grid.rows()}, false).front().down;
+  if (!(along >= least && along <= most && across >= least && across <= most)) return std::nullopt;
+  return Pitch{{static_cast<float>(along), 0}, {0, static_cast<float>(across)}};
+}
+
+/// Brighter than all within a third of a symbol; and in `numbers` which is where.
+Spots spots_of(Image<float> smooth, const Pitch& pitch, Image<int>& numbers) {
+  constexpr float least = 2;  // grey levels
+  const auto [width, height] = smooth.size();
+  const int reach_x = std::max(1, static_cast<int>(0.33F * pitch.along.x)),
+            reach_y = std::max(1, static_cast<int>(0.33F * pitch.across.y));
+  const auto vertex = [](float before, float here, float after) {
+    const float curvature = before - 2 * here + after;
+    return curvature < 0 ? (before - after) / (2 * curvature) : 0;
+  };
+  Spots spots;
+  for (int row = reach_y; row < height - reach_y; ++row) {
+    for (int column = reach_x; column < width - reach_x; ++column) {
+      const float here = smooth(column, row);
+      bool highest = here > least;
+      for (int y = row - reach_y; highest && y <= row + reach_y; ++y) {
+        for (int x = column - reach_x; highest && x <= column + reach_x; ++x) {
+          const bool earlier = y < row || (y == row && x < column);
+          highest = earlier ? smooth(x, y) < here : smooth(x, y) <= here;
+        }
+      }
+      if (!highest) continue;
+      numbers(column, row) = static_cast<int>(spots.size());
+      const float x = vertex(smooth(column - 1, row), here, smooth(column + 1, row)),
+                  y = vertex(smooth(column, row - 1), here, smooth(column, row + 1));
+      spots.push_back({.at = {static_cast<float>(column) + x, static_cast<float>(row) + y}});
+    }
+  }
+  return spots;
+}
+
+/// The spot nearest to a place, within a share of a symbol.
+int nearest(const Spots& spots, const Image<int>& numbers, Vector at, const Pitch& pitch) {
+  constexpr float share = 0.4F;
+  const float reach_x = share * pitch.along.x, reach_y = share * pitch.across.y;
+  const int last_x = std::min(static_cast<int>(at.x + reach_x), numbers.width() - 1),
+            last_y = std::min(static_cast<int>(at.y + reach_y), numbers.height() - 1);
+  int found = none;
+  float least = 1;
+  for (int y = std::max(static_cast<int>(at.y - reach_y), 0); y <= last_y; ++y) {
+    for (int x = std::max(static_cast<int>(at.x - reach_x), 0); x <= last_x; ++x) {
+      const int i = numbers(x, y);
+      if (i == none) continue;
+      const Vector off = spots[static_cast<std::size_t>(i)].at - at;
+      const float distance = std::hypot(off.x / reach_x, off.y / reach_y);
+      if (distance < least) found = i;
+      least = std::min(distance, least);
+    }
+  }
+  return found;
+}
+
+/// Neighbours that find each other, where the grid is as in all of the picture, and from these on
+/// where it is as beside them.
+void link(Spots& spots, const Image<int>& numbers, const Pitch& pitch) {
+  constexpr int rounds = 4;
+  using Link = int Spot::*;
+  const auto link_all = [&](Link next, Link previous, Link beside, Link other_side, Vector usual) {
+    const auto step_at = [&](const Spot& from) {
+      if (from.*previous != none) return from.at - spot(spots, from.*previous).at;
+      for (const Link side : {beside, other_side}) {
+        if (from.*side == none) continue;
+        const Spot& neighbour = spot(spots, from.*side);
+        if (neighbour.*next != none) return spot(spots, neighbour.*next).at - neighbour.at;
+      }
+      return usual;
+    };
+    for (int i = 0; i < std::ssize(spots); ++i) {
+      Spot& here = spot(spots, i);
+      if (here.*next != none) continue;
+      const Vector step = step_at(here);
+      const int j = nearest(spots, numbers, here.at + step, pitch);
+      if (j == none || spot(spots, j).*previous != none) continue;
+      if (nearest(spots, numbers, spot(spots, j).at - step, pitch) != i) continue;
+      here.*next = j;
+      spot(spots, j).*previous = i;
+    }
+  };
+  for (int round = 0; round < rounds; ++round) {
+    link_all(&Spot::right, &Spot::left, &Spot::above, &Spot::below, pitch.along);
+    link_all(&Spot::below, &Spot::above, &Spot::left, &Spot::right, pitch.across);
+    link_all(&Spot::left, &Spot::right, &Spot::above, &Spot::below, -1 * pitch.along);
+    link_all(&Spot::above, &Spot::below, &Spot::left, &Spot::right, -1 * pitch.across);
+  }
+}
+
+float between_pixels(const Image<float>& picture, Vector at) {
+  const float x = std::clamp(at.x, 0.0F, static_cast<float>(picture.width() - 1)),
+              y = std::clamp(at.y, 0.0F, static_cast<float>(picture.height() - 1));
+  const int left = std::min(static_cast<int>(x), std::max(picture.width() - 2, 0)),
+            top = std::min(static_cast<int>(y), std::max(picture.height() - 2, 0));
+  const int right = std::min(left + 1, picture.width() - 1),
+            bottom = std::min(top + 1, picture.height() - 1);
+  const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
+  return (1 - v) * ((1 - u) * picture(left, top) + u * picture(right, top)) +
+         v * ((1 - u) * picture(left, bottom) + u * picture(right, bottom));
+}
+
+/// Which symbol a spot is like, of those on cells as its neighbours span them.
+void classify(Spots& spots, const Image<float>& picture) {
+  constexpr int side = 9;
+  constexpr std::size_t samples = side * side;
+  constexpr float cell = 0.9F, alike = 0.7F, margin = 0.04F;
+  const auto offset = [](int i) { return cell * (static_cast<float>(i) / (side - 1) - 0.5F); };
+  std::array<std::array<float, samples>, kinds> shapes{};
+  std::array<float, kinds> squares{};
+  for (std::size_t kind = 0; kind < kinds; ++kind) {
+    float sum = 0;
+    for (int i = 0; i < side * side; ++i) {
+      float& level = shapes[kind][static_cast<std::size_t>(i)];
+      level = static_cast<float>(
+          symbol_shape(static_cast<int>(kind), offset(i % side), offset(i / side)));
+      sum += level / samples;
+    }
+    for (float& level : shapes[kind]) {
+      level -= sum;
+      squares[kind] += level * level;
+    }
+  }
+  const auto step = [&](const Spot& from, int before, int after) {
+    if (before == none && after == none) return Vector{};
+    const Vector a = before == none ? from.at : spot(spots, before).at,
+                 b = after == none ? from.at : spot(spots, after).at;
+    return (before == none || after == none ? 1.0F : 0.5F) * (b - a);
+  };
+  for (Spot& here : spots) {
+    const Vector along = step(here, here.left, here.right),
+                 across = step(here, here.above, here.below);
+    if (cross(along, across) <= 0) continue;
+    std::array<float, kinds> products{};
+    float sum = 0, square = 0;
+    for (int i = 0; i < side * side; ++i) {
+      const Vector at = here.at + offset(i % side) * along + offset(i / side) * across;
+      const float level = between_pixels(picture, at);
+      sum += level;
+      square += level * level;
+      for (std::size_t kind = 0; kind < kinds; ++kind) {
+        products[kind] += level * shapes[kind][static_cast<std::size_t>(i)];
+      }
+    }
+    const float varied = square - sum * sum / samples;
+    if (!(varied > 0)) continue;
+    float best = 0, second = 0;
+    for (std::size_t kind = 0; kind < kinds; ++kind) {
+      const float likeness = products[kind] / std::sqrt(varied * squares[kind]);
+      second = std::max(second, std::min(likeness, best));
+      if (likeness <= best) continue;
+      best = likeness;
+      here.symbol = static_cast<int>(kind);
+      here.modulation = products[kind] / squares[kind] / 2;
+    }
+    if (best < alike || best - second < margin) here.symbol = none;
+  }
+}
+
+/// The spots of a square about one, row by row; empty where one is not there or no symbol.
+std::vector<int> square_about(Spots& spots, int middle) {
+  std::vector<int> square;
+  for (const int row : {spot(spots, middle).above, middle, spot(spots, middle).below}) {
+    if (row == none) return {};
+    for (const int i : {spot(spots, row).left, row, spot(spots, row).right}) {
+      if (i == none || spot(spots, i).symbol == none) return {};
+      square.push_back(i);
+    }
+  }
+  return square;
+}
+
+/// Each square that is shown says where its spots are; a spot is where two say and hardly any other
+/// says else.
+void vote(Spots& spots, const SymbolGrid& grid) {
+  static_assert(symbol_window == 3);
+  std::vector<Place> shown(19683);  // 3^9: the middles of all squares
+  for (int row = 1; row + 1 < grid.rows(); ++row) {
+    for (int column = 1; column + 1 < grid.columns; ++column) {
+      std::size_t key = 0;
+      for (int i = 0; i < 9; ++i) {
+        const int at = (row - 1 + i / 3) * grid.columns + column - 1 + i % 3;
+        key = kinds * key + grid.symbols[static_cast<std::size_t>(at)];
+      }
+      shown[key] = {column, row};
+    }
+  }
+  for (int i = 0; i < static_cast<int>(spots.size()); ++i) {
+    const std::vector<int> square = square_about(spots, i);
+    if (square.empty()) continue;
+    std::size_t key = 0;
+    for (const int j : square) {
+      key = kinds * key + static_cast<std::size_t>(spot(spots, j).symbol);
+    }
+    const auto [column, row] = shown[key];
+    if (column == none) continue;
+    for (int k = 0; k < 9; ++k) {
+      spot(spots, square[static_cast<std::size_t>(k)])
+          .votes.push_back({column - 1 + k % 3, row - 1 + k / 3});
+    }
+  }
+  for (Spot& here : spots) {
+    for (const Place& place : here.votes) {
+      const auto count = std::count(here.votes.begin(), here.votes.end(), place);
+      if (count >= 2 && 4 * count > 3 * std::ssize(here.votes)) here.place = place;
+    }
+  }
+}
+
+struct Corner {
+  Vector at{};
+  float coordinate = 0, modulation = 0;
+};
+
+/// Pixels of a triangle, between its corners.
+void fill(const Corner& a, const Corner& b, const Corner& c, LocatedPixels& to) {
+  const float area = cross(b.at - a.at, c.at - a.at);
+  if (!(area > 0)) return;
+  const auto [left, right] = std::minmax({a.at.x, b.at.x, c.at.x});
+  const auto [top, bottom] = std::minmax({a.at.y, b.at.y, c.at.y});
+  for (int y = static_cast<int>(std::ceil(top)); static_cast<float>(y) <= bottom; ++y) {
+    for (int x = static_cast<int>(std::ceil(left)); static_cast<float>(x) <= right; ++x) {
+      const Vector at = Vector{static_cast<float>(x), static_cast<float>(y)} - a.at;
+      const float of_b = cross(at, c.at - a.at) / area, of_c = cross(b.at - a.at, at) / area;
+      if (of_b < 0 || of_c < 0 || of_b + of_c > 1) continue;
+      to.coordinate(x, y) = a.coordinate + of_b * (b.coordinate - a.coordinate) +
+                            of_c * (c.coordinate - a.coordinate);
+      to.modulation(x, y) = a.modulation + of_b * (b.modulation - a.modulation) +
+                            of_c * (c.modulation - a.modulation);
+    }
+  }
+}
+
+}  // namespace
+
+LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& picture) {
+  LocatedPixels located(picture.size());
+  const std::optional<Pitch> pitch = pitch_of(grid, picture);
+  if (!pitch) return located;
+  Image<float> smooth = picture, mean = picture, scratch;
+  const auto window = [&](float share) {
+    return Size{odd_length(share * pitch->along.x), odd_length(share * pitch->across.y)};
+  };
+  take_moving_mean(mean, window(1), scratch);
+  take_moving_mean(smooth, window(0.2F), scratch);
+  std::transform(smooth.begin(), smooth.end(), mean.begin(), smooth.begin(), std::minus<>());
+  Image<int> numbers(picture.size(), none);
+  Spots spots = spots_of(std::move(smooth), *pitch, numbers);
+  link(spots, numbers, *pitch);
+  classify(spots, picture);
+  vote(spots, grid);
+  const auto corner = [&](const Spot& of) {
+    return Corner{of.at,
+                  (static_cast<float>(of.place.column) + 0.5F) / static_cast<float>(grid.columns),
+                  of.modulation};
+  };
+  for (const Spot& a : spots) {
+    if (a.place.row == none || a.right == none || a.below == none) continue;
+    const Spot &b = spot(spots, a.right), &c = spot(spots, a.below);
+    if (b.below == none || b.below != c.right) continue;
+    const Spot& d = spot(spots, b.below);
+    const auto [column, row] = a.place;
+    const bool agree = b.place == Place{column + 1, row} && c.place == Place{column, row + 1} &&
+                       d.place == Place{column + 1, row + 1};
+    if (!agree) continue;
+    fill(corner(a), corner(b), corner(c), located);
+    fill(corner(b), corner(d), corner(c), located);
+  }
+  return located;
+}
+
+}  // namespace slipstream

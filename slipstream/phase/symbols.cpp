@@ -26,11 +26,6 @@ float cross(Vector a, Vector b) {
   return a.x * b.y - a.y * b.x;
 }
 
-/// One symbol along the axis and one across it, in the picture.
-struct Pitch {
-  Vector along{}, across{};
-};
-
 struct Place {
   int column = none, row = none;
 
@@ -51,21 +46,22 @@ Spot& spot(Spots& spots, int i) {
   return spots[static_cast<std::size_t>(i)];
 }
 
-/// By the picture's spectrum. How the grid leans it does not say: of few symbols that is noise.
-std::optional<Pitch> pitch_of(const SymbolGrid& grid, const Image<float>& picture) {
+/// Pixels from symbol to symbol along the axis and across it, by the picture's spectrum. How the
+/// grid leans that does not say: of few symbols it is noise.
+std::optional<Vector> pitch_of(const SymbolGrid& grid, const Image<float>& picture) {
   constexpr double least = 4, most = 200;  // pixels
   const double along = 1 / found_carriers(picture, {1.0 * grid.columns}, true).front().right,
                across = 1 / found_carriers(picture, {1.0 * grid.rows()}, false).front().down;
   if (!(along >= least && along <= most && across >= least && across <= most)) return std::nullopt;
-  return Pitch{{static_cast<float>(along), 0}, {0, static_cast<float>(across)}};
+  return Vector{static_cast<float>(along), static_cast<float>(across)};
 }
 
 /// Brighter than all within a third of a symbol; and in `numbers` which is where.
-Spots spots_of(Image<float> smooth, const Pitch& pitch, Image<int>& numbers) {
+Spots spots_of(Image<float> smooth, Vector pitch, Image<int>& numbers) {
   constexpr float least = 2;  // grey levels
   const auto [width, height] = smooth.size();
-  const int reach_x = std::max(1, static_cast<int>(0.33F * pitch.along.x)),
-            reach_y = std::max(1, static_cast<int>(0.33F * pitch.across.y));
+  const int reach_x = std::max(1, static_cast<int>(0.33F * pitch.x)),
+            reach_y = std::max(1, static_cast<int>(0.33F * pitch.y));
   const auto vertex = [](float before, float here, float after) {
     const float curvature = before - 2 * here + after;
     return curvature < 0 ? (before - after) / (2 * curvature) : 0;
@@ -92,9 +88,9 @@ Spots spots_of(Image<float> smooth, const Pitch& pitch, Image<int>& numbers) {
 }
 
 /// The spot nearest to a place, within a share of a symbol.
-int nearest(const Spots& spots, const Image<int>& numbers, Vector at, const Pitch& pitch) {
+int nearest(const Spots& spots, const Image<int>& numbers, Vector at, Vector pitch) {
   constexpr float share = 0.4F;
-  const float reach_x = share * pitch.along.x, reach_y = share * pitch.across.y;
+  const float reach_x = share * pitch.x, reach_y = share * pitch.y;
   const int last_x = std::min(static_cast<int>(at.x + reach_x), numbers.width() - 1),
             last_y = std::min(static_cast<int>(at.y + reach_y), numbers.height() - 1);
   int found = none;
@@ -114,7 +110,7 @@ int nearest(const Spots& spots, const Image<int>& numbers, Vector at, const Pitc
 
 /// Neighbours that find each other, where the grid is as in all of the picture, and from these on
 /// where it is as beside them.
-void link(Spots& spots, const Image<int>& numbers, const Pitch& pitch) {
+void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   constexpr int rounds = 4;
   using Link = int Spot::*;
   const auto link_all = [&](Link next, Link previous, Link beside, Link other_side, Vector usual) {
@@ -139,23 +135,11 @@ void link(Spots& spots, const Image<int>& numbers, const Pitch& pitch) {
     }
   };
   for (int round = 0; round < rounds; ++round) {
-    link_all(&Spot::right, &Spot::left, &Spot::above, &Spot::below, pitch.along);
-    link_all(&Spot::below, &Spot::above, &Spot::left, &Spot::right, pitch.across);
-    link_all(&Spot::left, &Spot::right, &Spot::above, &Spot::below, -1 * pitch.along);
-    link_all(&Spot::above, &Spot::below, &Spot::left, &Spot::right, -1 * pitch.across);
+    link_all(&Spot::right, &Spot::left, &Spot::above, &Spot::below, {pitch.x, 0});
+    link_all(&Spot::below, &Spot::above, &Spot::left, &Spot::right, {0, pitch.y});
+    link_all(&Spot::left, &Spot::right, &Spot::above, &Spot::below, {-pitch.x, 0});
+    link_all(&Spot::above, &Spot::below, &Spot::left, &Spot::right, {0, -pitch.y});
   }
-}
-
-float between_pixels(const Image<float>& picture, Vector at) {
-  const float x = std::clamp(at.x, 0.0F, static_cast<float>(picture.width() - 1)),
-              y = std::clamp(at.y, 0.0F, static_cast<float>(picture.height() - 1));
-  const int left = std::min(static_cast<int>(x), std::max(picture.width() - 2, 0)),
-            top = std::min(static_cast<int>(y), std::max(picture.height() - 2, 0));
-  const int right = std::min(left + 1, picture.width() - 1),
-            bottom = std::min(top + 1, picture.height() - 1);
-  const float u = x - static_cast<float>(left), v = y - static_cast<float>(top);
-  return (1 - v) * ((1 - u) * picture(left, top) + u * picture(right, top)) +
-         v * ((1 - u) * picture(left, bottom) + u * picture(right, bottom));
 }
 
 /// Which symbol a spot is like, of those on cells as its neighbours span them.
@@ -193,7 +177,11 @@ void classify(Spots& spots, const Image<float>& picture) {
     float sum = 0, square = 0;
     for (int i = 0; i < side * side; ++i) {
       const Vector at = here.at + offset(i % side) * along + offset(i / side) * across;
-      const float level = between_pixels(picture, at);
+      const auto pixel = [](float place, int count) {
+        return static_cast<int>(
+            std::lround(std::clamp(place, 0.0F, static_cast<float>(count - 1))));
+      };
+      const float level = picture(pixel(at.x, picture.width()), pixel(at.y, picture.height()));
       sum += level;
       square += level * level;
       for (std::size_t kind = 0; kind < kinds; ++kind) {
@@ -293,14 +281,14 @@ void fill(const Corner& a, const Corner& b, const Corner& c, LocatedPixels& to) 
 
 LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& picture) {
   LocatedPixels located(picture.size());
-  const std::optional<Pitch> pitch = pitch_of(grid, picture);
+  const std::optional<Vector> pitch = pitch_of(grid, picture);
   if (!pitch) return located;
   Image<float> smooth = picture, mean = picture, scratch;
   const auto window = [&](float share) {
-    return Size{odd_length(share * pitch->along.x), odd_length(share * pitch->across.y)};
+    return Size{odd_length(share * pitch->x), odd_length(share * pitch->y)};
   };
   take_moving_mean(mean, window(1), scratch);
-  take_moving_mean(smooth, window(0.2F), scratch);
+  take_moving_mean(smooth, window(0.35F), scratch);
   std::transform(smooth.begin(), smooth.end(), mean.begin(), smooth.begin(), std::minus<>());
   Image<int> numbers(picture.size(), none);
   Spots spots = spots_of(std::move(smooth), *pitch, numbers);

@@ -140,12 +140,14 @@ void add_design(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, design, "design",
                   "patterns of least noise for a given light, noise and surface");
-  command.add("--frames", flags.frames, "compare strategies of every kind with at most so many");
-  command.add("--coordinate-noise", flags.coordinate_noise,
-              "compare those of fewest frames that reach it: standard deviation of y, fields");
-  command.add("--phase-speed", flags.phase_speed,
-              "things that move: rad that the phase of --steps moves from frame to frame");
-  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more; with --phase-speed of pmp");
+  CLI::Option* const frames = command.add("--frames", flags.frames,
+                                          "compare strategies of every kind with at most so many");
+  CLI::Option* const noise =
+      command.add("--coordinate-noise", flags.coordinate_noise,
+                  "compare those of fewest frames that reach it: standard deviation of y, fields");
+  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more; with --phase-speed of pmp")
+      ->excludes(frames)
+      ->excludes(noise);
   command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
   command.add("--ambient", flags.ambient, "grey levels of 255, where not that of the scanner file")
       ->default_str("0");
@@ -154,7 +156,15 @@ void add_design(CLI::App& program, Command& chosen) {
   command.add("--success", flags.goal.success,
               "share of the pixels to be unwrapped rightly each by itself");
   command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
-  command.add("--plot", flags.plot, "noise over f_h: .png");
+  command.add("--plot", flags.plot, "noise over f_h: .png")->excludes(frames)->excludes(noise);
+  CLI::Option* const speed =
+      command.add("--phase-speed", flags.phase_speed,
+                  "things that move: rad that the phase of --steps moves from frame to frame");
+  for (const char* flag :
+       {"--frames", "--coordinate-noise", "--least-reflectivity", "--ambient", "--noise-variance",
+        "--scanner", "--success", "--most-periods", "--plot"}) {
+    speed->excludes(command.app.get_option(flag));
+  }
   command.app.footer(
       "Example:\n  slipstream design --steps 4 --noise-variance 1.55 --ambient -7 "
       "--least-reflectivity 0.3 --plot design.png");

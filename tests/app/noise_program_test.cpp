@@ -122,6 +122,10 @@ TEST_F(NoiseProgram, RefusesWhatCannotBeMeasured) {
       run_program({"reconstruct", path("three"), "--scanner", path("bare.yaml"), "--uncertainty"}),
       "calibrate noise");
   expect_refused(run_program({"design"}), "--noise-variance");
+  expect_refused(run_program({"design", "--phase-speed", "0.1", "--frames", "8"}), "--frames");
+  expect_refused(
+      run_program({"design", "--noise-variance", "1", "--frames", "8", "--plot", "a.png"}),
+      "--plot");
 }
 
 TEST_F(NoiseProgram, WarnsOfPatternsThatAreUnwise) {

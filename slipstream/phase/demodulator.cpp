@@ -117,15 +117,16 @@ void Demodulator::locate(const FrameViews& shown) {
     std::fill_n(near_sine_.row(row), size.width, 0.0F);
     for (int column = 0; column < size.width; ++column) {
       const float y = at.coordinate(column, row);
-      const float B = std::min(at.modulation(column, row), mean_(column, row));
+      const float B = at.modulation(column, row);
+      mean_(column, row) = std::max(mean_(column, row), B);  // more of symbols is dark than lit
       for (std::size_t n = 0; n < images_.size(); ++n) {
         if (n > 0 && band_of_[n] == band_of_[n - 1]) continue;
         Band& band = bands_[band_of_[n]];
-        const double turns = how_.frames[n].periods * static_cast<double>(y),
-                     angle = 2 * std::numbers::pi * (turns - std::rint(turns));
+        const double turns = how_.frames[n].periods * static_cast<double>(y);
+        const auto angle = static_cast<float>(2 * std::numbers::pi * (turns - std::rint(turns)));
         const bool known = !std::isnan(y);
-        band.cosine(column, row) = known ? B * static_cast<float>(std::cos(angle)) : 0;
-        band.sine(column, row) = known ? B * static_cast<float>(std::sin(angle)) : 0;
+        band.cosine(column, row) = known ? B * std::cos(angle) : 0;
+        band.sine(column, row) = known ? B * std::sin(angle) : 0;
       }
     }
   });

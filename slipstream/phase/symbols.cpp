@@ -36,11 +36,12 @@ struct Spot {
   Vector at{};
   int left = none, right = none, above = none, below = none;
   int symbol = none;
-  float modulation = 0;
+  float coordinate = 0, modulation = 0;
   std::vector<Place> votes{};
   Place place{};
 };
 using Spots = std::vector<Spot>;
+using Link = int Spot::*;
 
 Spot& spot(Spots& spots, int i) {
   return spots[static_cast<std::size_t>(i)];
@@ -112,7 +113,6 @@ int nearest(const Spots& spots, const Image<int>& numbers, Vector at, Vector pit
 /// where it is as beside them.
 void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   constexpr int rounds = 4;
-  using Link = int Spot::*;
   const auto link_all = [&](Link next, Link previous, Link beside, Link other_side, Vector usual) {
     const auto step_at = [&](const Spot& from) {
       if (from.*previous != none) return from.at - spot(spots, from.*previous).at;
@@ -142,29 +142,15 @@ void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   }
 }
 
-/// Which symbol a spot is like, of those on cells as its neighbours span them.
+/// Which symbols spots are, by how far each reaches in a cell as its neighbours span it.
 void classify(Spots& spots, const Image<float>& picture) {
   constexpr int side = 9;
-  constexpr std::size_t samples = side * side;
-  constexpr float cell = 0.9F, alike = 0.7F, margin = 0.04F;
+  constexpr float cell = 0.9F, round = 0.25F, elongated = 0.4F;
   const auto offset = [](int i) { return cell * (static_cast<float>(i) / (side - 1) - 0.5F); };
-  std::array<std::array<float, samples>, kinds> shapes{};
-  std::array<float, kinds> squares{};
-  for (std::size_t kind = 0; kind < kinds; ++kind) {
-    float sum = 0;
-    for (int i = 0; i < side * side; ++i) {
-      float& level = shapes[kind][static_cast<std::size_t>(i)];
-      level = static_cast<float>(
-          symbol_shape(static_cast<int>(kind), offset(i % side), offset(i / side)));
-      sum += level / samples;
-    }
-    for (float& level : shapes[kind]) {
-      level -= sum;
-      squares[kind] += level * level;
-    }
-  }
+  const auto pixel = [](float place, int count) {
+    return static_cast<int>(std::lround(std::clamp(place, 0.0F, static_cast<float>(count - 1))));
+  };
   const auto step = [&](const Spot& from, int before, int after) {
-    if (before == none && after == none) return Vector{};
     const Vector a = before == none ? from.at : spot(spots, before).at,
                  b = after == none ? from.at : spot(spots, after).at;
     return (before == none || after == none ? 1.0F : 0.5F) * (b - a);
@@ -173,33 +159,26 @@ void classify(Spots& spots, const Image<float>& picture) {
     const Vector along = step(here, here.left, here.right),
                  across = step(here, here.above, here.below);
     if (cross(along, across) <= 0) continue;
-    std::array<float, kinds> products{};
-    float sum = 0, square = 0;
+    std::array<float, side * side> levels{};
     for (int i = 0; i < side * side; ++i) {
       const Vector at = here.at + offset(i % side) * along + offset(i / side) * across;
-      const auto pixel = [](float place, int count) {
-        return static_cast<int>(
-            std::lround(std::clamp(place, 0.0F, static_cast<float>(count - 1))));
-      };
-      const float level = picture(pixel(at.x, picture.width()), pixel(at.y, picture.height()));
-      sum += level;
-      square += level * level;
-      for (std::size_t kind = 0; kind < kinds; ++kind) {
-        products[kind] += level * shapes[kind][static_cast<std::size_t>(i)];
-      }
+      levels[static_cast<std::size_t>(i)] =
+          picture(pixel(at.x, picture.width()), pixel(at.y, picture.height()));
     }
-    const float varied = square - sum * sum / samples;
-    if (!(varied > 0)) continue;
-    float best = 0, second = 0;
-    for (std::size_t kind = 0; kind < kinds; ++kind) {
-      const float likeness = products[kind] / std::sqrt(varied * squares[kind]);
-      second = std::max(second, std::min(likeness, best));
-      if (likeness <= best) continue;
-      best = likeness;
-      here.symbol = static_cast<int>(kind);
-      here.modulation = products[kind] / squares[kind] / 2;
+    const auto [darkest, brightest] = std::minmax_element(levels.begin(), levels.end());
+    here.modulation = (*brightest - *darkest) / 2;
+    const float floor = *darkest + here.modulation / 2;
+    float more_along = 0, sum = 0;
+    for (int i = 0; i < side * side; ++i) {
+      const float light = std::max(levels[static_cast<std::size_t>(i)] - floor, 0.0F);
+      const float u = offset(i % side), v = offset(i / side);
+      more_along += light * (u * u - v * v);
+      sum += light * (u * u + v * v);
     }
-    if (best < alike || best - second < margin) here.symbol = none;
+    if (!(sum > 0)) continue;
+    const float share = more_along / sum;
+    if (std::abs(share) < round) here.symbol = 0;
+    if (std::abs(share) > elongated) here.symbol = share > 0 ? 1 : 2;
   }
 }
 
@@ -248,18 +227,30 @@ void vote(Spots& spots, const SymbolGrid& grid) {
   for (Spot& here : spots) {
     for (const Place& place : here.votes) {
       const auto count = std::count(here.votes.begin(), here.votes.end(), place);
-      if (count >= 2 && 4 * count > 3 * std::ssize(here.votes)) here.place = place;
+      if (!(count >= 2 && 4 * count > 3 * std::ssize(here.votes))) continue;
+      here.place = place;
+      here.coordinate =
+          (static_cast<float>(place.column) + 0.5F) / static_cast<float>(grid.columns);
     }
   }
 }
 
-struct Corner {
-  Vector at{};
-  float coordinate = 0, modulation = 0;
-};
+/// Whether the step to the next spot is about the one before or after: others go from one surface
+/// to another.
+bool goes_on(const Spots& spots, const Spot& from, Link next, Link previous, Vector pitch) {
+  constexpr float most = 0.15F;  // of a symbol
+  const auto at = [&](int i) { return spots[static_cast<std::size_t>(i)].at; };
+  const Spot& to = spots[static_cast<std::size_t>(from.*next)];
+  const Vector step = to.at - from.at;
+  const auto alike = [&](Vector other) {
+    return std::hypot((other.x - step.x) / pitch.x, (other.y - step.y) / pitch.y) < most;
+  };
+  return (from.*previous != none && alike(from.at - at(from.*previous))) ||
+         (to.*next != none && alike(at(to.*next) - to.at));
+}
 
 /// Pixels of a triangle, between its corners.
-void fill(const Corner& a, const Corner& b, const Corner& c, LocatedPixels& to) {
+void fill(const Spot& a, const Spot& b, const Spot& c, LocatedPixels& to) {
   const float area = cross(b.at - a.at, c.at - a.at);
   if (!(area > 0)) return;
   const auto [left, right] = std::minmax({a.at.x, b.at.x, c.at.x});
@@ -271,8 +262,7 @@ void fill(const Corner& a, const Corner& b, const Corner& c, LocatedPixels& to) 
       if (of_b < 0 || of_c < 0 || of_b + of_c > 1) continue;
       to.coordinate(x, y) = a.coordinate + of_b * (b.coordinate - a.coordinate) +
                             of_c * (c.coordinate - a.coordinate);
-      to.modulation(x, y) = a.modulation + of_b * (b.modulation - a.modulation) +
-                            of_c * (c.modulation - a.modulation);
+      to.modulation(x, y) = a.modulation;
     }
   }
 }
@@ -295,11 +285,6 @@ LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& pic
   link(spots, numbers, *pitch);
   classify(spots, picture);
   vote(spots, grid);
-  const auto corner = [&](const Spot& of) {
-    return Corner{of.at,
-                  (static_cast<float>(of.place.column) + 0.5F) / static_cast<float>(grid.columns),
-                  of.modulation};
-  };
   for (const Spot& a : spots) {
     if (a.place.row == none || a.right == none || a.below == none) continue;
     const Spot &b = spot(spots, a.right), &c = spot(spots, a.below);
@@ -308,9 +293,15 @@ LocatedPixels located_by_symbols(const SymbolGrid& grid, const Image<float>& pic
     const auto [column, row] = a.place;
     const bool agree = b.place == Place{column + 1, row} && c.place == Place{column, row + 1} &&
                        d.place == Place{column + 1, row + 1};
-    if (!agree) continue;
-    fill(corner(a), corner(b), corner(c), located);
-    fill(corner(b), corner(d), corner(c), located);
+    const auto along = [&](const Spot& from) {
+      return goes_on(spots, from, &Spot::right, &Spot::left, *pitch);
+    };
+    const auto across = [&](const Spot& from) {
+      return goes_on(spots, from, &Spot::below, &Spot::above, *pitch);
+    };
+    if (!agree || !along(a) || !along(c) || !across(a) || !across(b)) continue;
+    fill(a, b, c, located);
+    fill(b, d, c, located);
   }
   return located;
 }

@@ -1,8 +1,10 @@
 // Frames of any content: their alignment as they come, and both engines on them.
+#include <algorithm>
 #include <cmath>
 
 #include "slipstream/capture/pool.h"
 #include "slipstream/cycle/pattern_windows.h"
+#include "slipstream/phase/neighbours.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/every_strategy.h"
@@ -122,8 +124,39 @@ std::vector<Bytes> noise(std::size_t bytes) {
   return seeds;
 }
 
+/// A pattern that is known by its neighbours, and anything over it: places are in the field.
+void locate(std::span<const std::uint8_t> input) {
+  static const std::vector<SymbolGrid> grids = {symbol_array(8, 8), coloured_stripes(16)};
+  InputNumbers numbers(input);
+  const SymbolGrid& grid = grids[static_cast<std::size_t>(numbers.below(2))];
+  const Axis axis = numbers.below(2) == 0 ? Axis::x : Axis::y;
+  const Size size{numbers.below(96) + 1, numbers.below(96) + 1};
+  std::vector<Image<float>> frames(grid.rows() > 1 ? 1 : 3, Image<float>(size));
+  for (std::size_t n = 0; n < frames.size(); ++n) {
+    for (int row = 0; row < size.height; ++row) {
+      for (int column = 0; column < size.width; ++column) {
+        const double u = (column + 0.5) / size.width, v = (row + 0.5) / size.height;
+        const double shape = axis == Axis::x ? grid_intensity(grid, static_cast<int>(n), u, v)
+                                             : grid_intensity(grid, static_cast<int>(n), v, u);
+        frames[n](column, row) = static_cast<float>(200 * shape);
+      }
+    }
+  }
+  while (!numbers.rest().empty()) {
+    Image<float>& frame =
+        frames[static_cast<std::size_t>(numbers.below(static_cast<int>(frames.size())))];
+    const int column = numbers.below(size.width), row = numbers.below(size.height);
+    const auto length = std::min<int>(numbers.next<std::uint8_t>(), size.width - column);
+    std::fill_n(frame.row(row) + column, length, static_cast<float>(numbers.next<std::uint8_t>()));
+  }
+  for (const float y : located_by_neighbours(grid, axis, std::move(frames)).coordinate) {
+    if (y < 0 || y > 1) throw std::logic_error("a place beyond the field");
+  }
+}
+
 const bool known = add_fuzz_target({"alignment", [] { return noise(200); }, align_frames}) &&
-                   add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4});
+                   add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4}) &&
+                   add_fuzz_target({"locate", [] { return noise(400); }, locate, 4});
 
 }  // namespace
 }  // namespace slipstream

@@ -214,9 +214,8 @@ INSTANTIATE_TEST_SUITE_P(
 std::vector<OneFrameScan> by_neighbours() {
   std::vector<OneFrameScan> scans;
   for (const char* const scene : {"board", "sphere", "statue"}) {
-    const double completeness = scene == std::string("statue") ? 0.5 : 0.6;
     for (const bool painted : {false, true}) {
-      scans.push_back({SymbolArray{}, scene, completeness, 0.6, painted ? 0.35 : 0.1, painted});
+      scans.push_back({SymbolArray{}, scene, 0.5, 0.6, painted ? 0.35 : 0.1, painted});
       scans.push_back({DeBruijn{}, scene, painted ? 0.5 : 0.8, 0.2, 0.1, painted, Colour::apart});
     }
     for (const Colour colour : {Colour::mixed, Colour::painted, Colour::whitened}) {

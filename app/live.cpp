@@ -1,12 +1,16 @@
 #include "app/live.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -245,6 +249,43 @@ std::string save_newest(LiveSession& session) {
                             doubts(session.pipeline.statistics().findings));
 }
 
+/// What the frames of a session's clouds say of the phase, as PublishedRun tells it.
+class PhasePicture {
+ public:
+  explicit PhasePicture(LiveSession& session) : session_(session) {}
+
+  Image<std::uint8_t> operator()(const LiveCloud& cloud) {
+    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
+      EngineSetup setup = setup_of(session_);
+      motion_ = std::exchange(setup.sequence.motion, 0);
+      engine_.emplace(setup);
+      changes_ = changes;
+    }
+    const auto& [scanner, sequence, settings] = engine_->setup();
+    const FrameViews window = views_of(cloud.frames);
+    if (window.count() != frame_count(sequence) + motion_) return {};
+    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
+    const FrameViews& frames = engine_->merged(cycle);
+    engine_->maps(frames, maps_);
+    const double least = least_modulation(settings, frames.full_scale());
+    Image<std::uint8_t> phase(frames.size());
+    std::transform(maps_.wrapped_phase.begin(), maps_.wrapped_phase.end(), maps_.modulation.begin(),
+                   phase.begin(), [&](float angle, float modulation) {
+                     const float step = angle * (255 / (2 * std::numbers::pi_v<float>));
+                     if (!(modulation >= least) || !(step >= 0)) return std::uint8_t{0};
+                     return static_cast<std::uint8_t>(1 + std::min(step, 254.0F));
+                   });
+    return phase;
+  }
+
+ private:
+  LiveSession& session_;
+  std::optional<Engine> engine_;
+  std::uint64_t changes_ = 0;
+  int motion_ = 0;
+  Maps maps_;
+};
+
 /// Opens the sinks of these names for a session that has not begun; `document`: what --json would
 /// say now, called from any thread.
 void open_sinks(const std::vector<std::string>& names, LiveSession& session,
@@ -257,6 +298,8 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
         .statistics = [document] { return document().dump(); },
         .trouble = [&] { return trouble_of(session.pipeline, publisher); },
         .save = [&session] { return save_newest(session); },
+        .phase = [picture = std::make_shared<PhasePicture>(session)](
+                     const LiveCloud& cloud) { return (*picture)(cloud); },
         .settings = [&session] { return settings_of(session); },
         .change = [&session](const std::string& setting,
                              const std::string& value) { change_setting(session, setting, value); },

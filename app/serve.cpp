@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "app/live.h"
 #include "app/stop_signal.h"
 #include "slipstream/error/error.h"
+#include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {
 namespace {
@@ -39,6 +41,23 @@ LiveFlags served(LiveFlags flags) {
         "publish: [web:8080]");
   }
   require_good(flags);
+  return flags;
+}
+
+/// Each run, also of a service that was started again, writes files of its own.
+LiveFlags with_free_names(LiveFlags flags, Output& output) {
+  const auto choose = [&](std::string& name, std::size_t begin = 0) {
+    if (name.size() <= begin) return;
+    const std::string path = name.substr(begin), free = free_path(path).string();
+    if (free != path) output.say("{} is there already; {} is written", path, free);
+    name.replace(begin, path.size(), free);
+  };
+  for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
+  for (std::string& sink : flags.publish) {
+    if (constexpr std::string_view file = "mcap:"; sink.starts_with(file)) {
+      choose(sink, file.size());
+    }
+  }
   return flags;
 }
 
@@ -64,7 +83,7 @@ void serve(const LiveFlags& given, Output& output) {
       return next.has_value();
     };
     try {
-      live(now, output);
+      live(with_free_names(now, output), output);
       if (!next) return;
       before = std::exchange(now, *next);
     } catch (const std::exception& error) {  // of what shows only when all is opened

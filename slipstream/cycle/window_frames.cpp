@@ -24,4 +24,13 @@ FrameViews views_of(const std::vector<Pooled<Frame>>& window) {
   return views;
 }
 
+FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra) {
+  const int N = window.count() - extra;
+  std::vector<int> frames(static_cast<std::size_t>(N));
+  for (int n = extra / 2; n < extra / 2 + N; ++n) {
+    frames[static_cast<std::size_t>((first_pattern + n) % N)] = n;
+  }
+  return window.chosen(frames);
+}
+
 }  // namespace slipstream

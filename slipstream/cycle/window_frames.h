@@ -15,4 +15,8 @@ void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views);
 /// The same; valid as long as the window's shares are.
 FrameViews views_of(const std::vector<Pooled<Frame>>& window);
 
+/// The cycle in the middle of a window of `extra` frames more, in pattern order; `first_pattern`:
+/// of the window's first frame.
+FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra);
+
 }  // namespace slipstream

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slipstream/gige/big_endian.h"
+#include "slipstream/error/number_bytes.h"
 
 namespace slipstream {
 namespace {
@@ -14,6 +14,11 @@ enum class Content : std::uint32_t { leader = 1, trailer = 2, picture = 3, part 
 constexpr std::uint16_t success = 0, unavailable = 0x800c;
 constexpr std::uint32_t image_payload = 1, multipart_payload = 10;
 
+template <class... Numbers>
+void append_big_endian(Bytes& packet, const Numbers&... numbers) {
+  append_numbers<std::endian::big>(packet, numbers...);
+}
+
 /// How a packet begins. Only long numbers leave room for the number of a block's parts.
 void begin(Bytes& packet, std::uint16_t status, bool long_numbers, std::uint64_t block,
            Content content, std::size_t place, std::size_t parts) {
@@ -21,14 +26,12 @@ void begin(Bytes& packet, std::uint16_t status, bool long_numbers, std::uint64_t
   append_big_endian(packet, status);
   const std::uint32_t kind = static_cast<std::uint32_t>(content) << 24;
   if (!long_numbers) {
-    append_big_endian(packet, static_cast<std::uint16_t>(block));
-    append_big_endian(packet, kind | static_cast<std::uint32_t>(place));
+    append_big_endian(packet, static_cast<std::uint16_t>(block),
+                      kind | static_cast<std::uint32_t>(place));
     return;
   }
-  append_big_endian(packet, std::uint16_t{0});
-  append_big_endian(packet, 0x80000000 | kind | static_cast<std::uint32_t>(parts));
-  append_big_endian(packet, block);
-  append_big_endian(packet, static_cast<std::uint32_t>(place));
+  append_big_endian(packet, std::uint16_t{0}, 0x80000000 | kind | static_cast<std::uint32_t>(parts),
+                    block, static_cast<std::uint32_t>(place));
 }
 
 void begin(Bytes& packet, const GigeBlock& block, Content content, std::size_t place) {
@@ -48,10 +51,7 @@ std::size_t packet_count(const GigeBlock& block, const GigePart& part) {
 
 void append_region(Bytes& packet, const Rectangle& region) {
   const auto& [left, top, size] = region;
-  for (const int number : {size.width, size.height, left, top}) {
-    append_big_endian(packet, static_cast<std::uint32_t>(number));
-  }
-  append_big_endian(packet, std::uint32_t{0});  // no padding
+  append_big_endian(packet, size.width, size.height, left, top, 0);  // no padding
 }
 
 std::uint16_t data_type(GigeComponent component) {
@@ -63,21 +63,19 @@ std::uint16_t data_type(GigeComponent component) {
 
 void write_leader(const GigeBlock& block, Bytes& packet) {
   begin(packet, block, Content::leader, 0);
-  append_big_endian(packet, block.is_multipart ? multipart_payload : image_payload);
-  append_big_endian(packet, static_cast<std::uint64_t>(block.time.count()));
+  append_big_endian(packet, block.is_multipart ? multipart_payload : image_payload,
+                    static_cast<std::uint64_t>(block.time.count()));
   if (!block.is_multipart) {
     append_big_endian(packet, static_cast<std::uint32_t>(block.parts.front().pixels));
     append_region(packet, block.region);
     return;
   }
   for (const GigePart& part : block.parts) {
-    append_big_endian(packet, data_type(part.component));
-    append_big_endian(packet, std::uint16_t{0});
-    append_big_endian(packet, static_cast<std::uint32_t>(part.bytes.size()));
-    append_big_endian(packet, static_cast<std::uint32_t>(part.pixels));
+    append_big_endian(packet, data_type(part.component), std::uint16_t{0},
+                      static_cast<std::uint32_t>(part.bytes.size()),
+                      static_cast<std::uint32_t>(part.pixels));
     append_big_endian(packet, std::uint64_t{0});  // one source, one zone
-    append_big_endian(packet, static_cast<std::uint16_t>(part.component));
-    append_big_endian(packet, std::uint16_t{0});
+    append_big_endian(packet, static_cast<std::uint16_t>(part.component), std::uint16_t{0});
     append_region(packet, block.region);
     append_big_endian(packet, std::uint32_t{0});
   }
@@ -111,8 +109,8 @@ void write_packet(const GigeBlock& block, std::size_t place, Bytes& packet) {
     offset += part.bytes.size();
   }
   begin(packet, block, Content::trailer, place);
-  append_big_endian(packet, block.is_multipart ? multipart_payload : image_payload);
-  append_big_endian(packet, static_cast<std::uint32_t>(block.region.size.height));
+  append_big_endian(packet, block.is_multipart ? multipart_payload : image_payload,
+                    static_cast<std::uint32_t>(block.region.size.height));
 }
 
 void write_missing_packet(const GigeResend& asked, Bytes& packet) {

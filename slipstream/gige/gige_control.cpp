@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "slipstream/gige/big_endian.h"
+#include "slipstream/error/number_bytes.h"
 
 namespace slipstream {
 namespace {
@@ -43,9 +43,9 @@ Bytes GigeControl::answer(std::span<const std::uint8_t> packet, const sockaddr_i
   constexpr std::uint8_t command_key = 0x42, wants_answer = 1, has_long_numbers = 0x10;
   forget_silent_client(now);
   if (packet.size() < header_bytes || packet[0] != command_key) return {};
-  const auto command = big_endian_at<std::uint16_t>(packet, 2);
+  const auto command = number_at<std::uint16_t, std::endian::big>(packet, 2);
   const auto payload = packet.subspan(header_bytes);
-  const bool is_whole = payload.size() == big_endian_at<std::uint16_t>(packet, 4);
+  const bool is_whole = payload.size() == number_at<std::uint16_t, std::endian::big>(packet, 4);
   if (command == resend_packets && is_whole) {
     note_resend(payload, (packet[1] & has_long_numbers) != 0, from);
     return {};
@@ -57,10 +57,10 @@ Bytes GigeControl::answer(std::span<const std::uint8_t> packet, const sockaddr_i
   if (command != discovery && (packet[1] & wants_answer) == 0) return {};
 
   Bytes bytes;
-  append_big_endian(bytes, static_cast<std::uint16_t>(status));
-  append_big_endian(bytes, static_cast<std::uint16_t>(command + 1));
-  append_big_endian(bytes, static_cast<std::uint16_t>(result.size()));
-  append_big_endian(bytes, big_endian_at<std::uint16_t>(packet, 6));
+  append_numbers<std::endian::big>(bytes, static_cast<std::uint16_t>(status),
+                                   static_cast<std::uint16_t>(command + 1),
+                                   static_cast<std::uint16_t>(result.size()),
+                                   number_at<std::uint16_t, std::endian::big>(packet, 6));
   bytes.insert(bytes.end(), result.begin(), result.end());
   return bytes;
 }
@@ -78,15 +78,15 @@ GigeStatus GigeControl::carry_out(std::uint16_t command, std::span<const std::ui
   const std::size_t size = payload.size();
   if (command == discovery) return read_bytes(0, discovery_bytes);
   if (size < 4) return invalid_parameter;
-  const std::size_t address = big_endian_at<std::uint32_t>(payload, 0);
+  const std::size_t address = number_at<std::uint32_t, std::endian::big>(payload, 0);
   if (command == read_register && size == 4) return read_bytes(address, 4);
   if (command == write_register && size == 8) {
-    append_big_endian(result, std::uint32_t{1});
+    append_numbers<std::endian::big>(result, std::uint32_t{1});
     return write_bytes(address, payload.subspan(4), from);
   }
   result.assign(payload.begin(), payload.begin() + 4);
   if (command == read_memory && size == 8) {
-    return read_bytes(address, big_endian_at<std::uint16_t>(payload, 6));
+    return read_bytes(address, number_at<std::uint16_t, std::endian::big>(payload, 6));
   }
   if (command == write_memory && size > 4) return write_bytes(address, payload.subspan(4), from);
   return not_implemented;
@@ -102,8 +102,8 @@ GigeStatus GigeControl::write_bytes(std::size_t address, std::span<const std::ui
   if (!fits) return write_protected;
   if (accept_) {
     if (address % 4 != 0 || bytes.size() != 4) return invalid_parameter;
-    const GigeStatus status =
-        accept_(static_cast<GigeRegister>(address), big_endian_at<std::uint32_t>(bytes, 0));
+    const GigeStatus status = accept_(static_cast<GigeRegister>(address),
+                                      number_at<std::uint32_t, std::endian::big>(bytes, 0));
     if (status != success) return status;
   }
   std::copy(bytes.begin(), bytes.end(), &memory_[address]);
@@ -119,10 +119,10 @@ void GigeControl::note_resend(std::span<const std::uint8_t> payload, bool long_n
   const bool may_ask = target && (same(*target, from) || same(*client_, from));
   if (!may_ask || payload.size() != (long_numbers ? 20 : 12)) return;
   const std::uint32_t mask = long_numbers ? 0xffffffff : 0xffffff;
-  resend_ = {.block = long_numbers ? big_endian_at<std::uint64_t>(payload, 12)
-                                   : big_endian_at<std::uint16_t>(payload, 2),
-             .first = big_endian_at<std::uint32_t>(payload, 4) & mask,
-             .last = big_endian_at<std::uint32_t>(payload, 8) & mask,
+  resend_ = {.block = long_numbers ? number_at<std::uint64_t, std::endian::big>(payload, 12)
+                                   : number_at<std::uint16_t, std::endian::big>(payload, 2),
+             .first = number_at<std::uint32_t, std::endian::big>(payload, 4) & mask,
+             .last = number_at<std::uint32_t, std::endian::big>(payload, 8) & mask,
              .long_numbers = long_numbers};
 }
 
@@ -171,19 +171,19 @@ std::optional<GigeStream> GigeControl::stream(Time now) {
 }
 
 std::uint32_t GigeControl::read(GigeRegister which) const {
-  return big_endian_at<std::uint32_t>(memory_, static_cast<std::size_t>(which));
+  return number_at<std::uint32_t, std::endian::big>(memory_, static_cast<std::size_t>(which));
 }
 
 void GigeControl::write(GigeRegister which, std::uint32_t value) {
   change(which, value);
   Bytes bytes;
-  append_big_endian(bytes, value);
+  append_numbers<std::endian::big>(bytes, value);
   std::copy(bytes.begin(), bytes.end(), &without_client_.at(static_cast<std::size_t>(which)));
 }
 
 void GigeControl::change(GigeRegister which, std::uint32_t value) {
   Bytes bytes;
-  append_big_endian(bytes, value);
+  append_numbers<std::endian::big>(bytes, value);
   std::copy(bytes.begin(), bytes.end(), &memory_.at(static_cast<std::size_t>(which)));
 }
 

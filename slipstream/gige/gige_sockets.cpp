@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/gige/big_endian.h"
+#include "slipstream/error/number_bytes.h"
 
 namespace slipstream {
 namespace {
@@ -49,7 +49,7 @@ in_addr broadcast_of(const std::string& address) {
 
 bool is_discovery(std::span<const std::uint8_t> packet) {
   constexpr std::uint16_t discovery = 0x02;
-  return packet.size() >= 4 && big_endian_at<std::uint16_t>(packet, 2) == discovery;
+  return packet.size() >= 4 && number_at<std::uint16_t, std::endian::big>(packet, 2) == discovery;
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/io/detail/number_bytes.h"
+#include "slipstream/error/number_bytes.h"
 #include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
 
@@ -51,11 +51,12 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
 }
 
 void append_place(std::string& bytes, const Cloud& cloud, int column, int row) {
-  append_bytes(bytes, std::array{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)});
+  append_numbers(bytes,
+                 std::array{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)});
 }
 
 void append_extras(std::string& bytes, const std::vector<Extra>& extras, int column, int row) {
-  for (const Extra& extra : extras) append_bytes(bytes, extra.values(column, row));
+  for (const Extra& extra : extras) append_numbers(bytes, extra.values(column, row));
 }
 
 template <class Visit>
@@ -86,7 +87,7 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
   file.reserve(file.size() + points * (place_intensity_colour + 4 * extras.size()));
   for_each_point(cloud, [&](int column, int row) {
     append_place(file, cloud, column, row);
-    append_bytes(file, double{cloud.intensity(column, row)});
+    append_numbers(file, double{cloud.intensity(column, row)});
     append_extras(file, extras, column, row);
     file.append(3, static_cast<char>(grey_level(cloud.intensity(column, row))));
   });
@@ -110,7 +111,7 @@ std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
       cloud.size().height, cloud.z.pixel_count());
   for_each_pixel(cloud, [&](int column, int row) {
     append_place(file, cloud, column, row);
-    append_bytes(file, cloud.intensity(column, row));
+    append_numbers(file, cloud.intensity(column, row));
     append_extras(file, extras, column, row);
   });
   return file;

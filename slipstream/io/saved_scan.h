@@ -38,8 +38,10 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
                     bool in_colour = false);
 
-/// A path in `parent` that is not there yet, named by the time: "WHAT-20260131-142530ENDING", with
-/// -2, -3 and so on before the ending where there is one already.
+/// The path, with -2, -3 and so on before the ending where it is there already.
+std::filesystem::path free_path(const std::filesystem::path& path);
+
+/// One in `parent`, named by the time: "WHAT-20260131-142530ENDING".
 std::filesystem::path path_named_by_time(const std::filesystem::path& parent, std::string_view what,
                                          std::string_view ending);
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_bytes.h"
 #include "slipstream/io/detail/glb.h"
-#include "slipstream/io/detail/number_bytes.h"
 #include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
@@ -25,13 +25,12 @@ std::string ply_file(const Surface& surface) {
       "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
       surface.vertices.size(), ply_intensity, surface.triangles.size());
   for (std::size_t i = 0; i < surface.vertices.size(); ++i) {
-    append_bytes(file, surface.vertices[i]);
-    append_bytes(file, double{surface.intensity[i]});
+    append_numbers(file, surface.vertices[i], double{surface.intensity[i]});
     file.append(3, static_cast<char>(grey_level(surface.intensity[i])));
   }
   for (const auto& triangle : surface.triangles) {
     file += '\3';
-    append_bytes(file, triangle);
+    append_numbers(file, triangle);
   }
   return file;
 }
@@ -39,15 +38,12 @@ std::string ply_file(const Surface& surface) {
 std::string stl_file(const Surface& surface) {
   std::string file = "slipstream, camera frame, mm";
   file.resize(80);
-  append_bytes(file, static_cast<std::uint32_t>(surface.triangles.size()));
+  append_numbers(file, static_cast<std::uint32_t>(surface.triangles.size()));
   for (const auto& [a, b, c] : surface.triangles) {
     const Eigen::Vector3f &first = surface.vertices[a], &second = surface.vertices[b],
                           &third = surface.vertices[c];
-    append_bytes(file, (second - first).cross(third - first).normalized().eval());
-    append_bytes(file, first);
-    append_bytes(file, second);
-    append_bytes(file, third);
-    append_bytes(file, std::uint16_t{0});
+    append_numbers(file, (second - first).cross(third - first).normalized().eval(), first, second,
+                   third, std::uint16_t{0});
   }
   return file;
 }

@@ -28,16 +28,6 @@ const Sequence& sequence_of(const LivePlan& plan) {
 /// Share of the pixels that move from which on a window is no still one.
 constexpr double least_moving = 0.01;
 
-/// The cycle in the middle of a window of `extra` frames more, in pattern order.
-FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra) {
-  const int N = window.count() - extra;
-  std::vector<int> frames(static_cast<std::size_t>(N));
-  for (int n = extra / 2; n < extra / 2 + N; ++n) {
-    frames[static_cast<std::size_t>((first_pattern + n) % N)] = n;
-  }
-  return window.chosen(frames);
-}
-
 /// LiveCheck as a function that can be copied.
 std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
   const bool known = has_geometry(setup.scanner);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ struct PublishedRun {
   std::function<std::string()> statistics{};  ///< what the run has counted until now, as JSON
   std::function<std::string()> trouble{};     ///< one line; empty where all is well
   std::function<std::string()> save{};        ///< writes the newest cloud; returns where
+  /// The phase that the cloud's frames show: of each pixel 1 to 255 over a period, 0 where it is
+  /// too dark. Empty where they are not of what is looked for now. One thread at a time.
+  std::function<Image<std::uint8_t>(const LiveCloud&)> phase{};
   /// What can be changed now, in an order that stays; a camera that is gone has no settings. All
   /// sinks and the viewer see what any of them has changed.
   std::function<std::vector<RunSetting>()> settings{};

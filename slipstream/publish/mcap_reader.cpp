@@ -11,7 +11,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
-#include "slipstream/publish/little_endian.h"
+#include "slipstream/publish/byte_reader.h"
 #include "slipstream/publish/mcap_records.h"
 
 namespace slipstream {

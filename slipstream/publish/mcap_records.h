@@ -2,6 +2,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "slipstream/error/number_bytes.h"
 
 /// What stands in MCAP files: mcap.dev/spec.
 namespace slipstream::mcap {
@@ -20,5 +26,22 @@ enum Opcode : std::uint8_t {
   summary_offset = 0x0e,
   data_end = 0x0f,
 };
+
+/// Adds what a record says: numbers, texts behind their length in 32 bits, and bytes.
+template <class... Values>
+void append(std::vector<std::uint8_t>& record, const Values&... values) {
+  const auto add = [&](const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_arithmetic_v<Value>) {
+      append_numbers(record, value);
+    } else if constexpr (std::is_convertible_v<Value, std::string_view>) {
+      append_numbers(record, static_cast<std::uint32_t>(value.size()));
+      for (const char letter : value) record.push_back(static_cast<std::uint8_t>(letter));
+    } else {
+      record.insert(record.end(), value.begin(), value.end());
+    }
+  };
+  (add(values), ...);
+}
 
 }  // namespace slipstream::mcap

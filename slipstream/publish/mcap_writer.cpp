@@ -7,7 +7,6 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/checksum.h"
-#include "slipstream/publish/little_endian.h"
 #include "slipstream/publish/mcap_records.h"
 
 namespace slipstream {

@@ -24,12 +24,14 @@
 #include "slipstream/publish/dds_messages.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/ros_parameters.h"
 
 namespace slipstream {
 namespace {
 using namespace std::chrono_literals;
 
 constexpr auto between_saves = 1s;
+constexpr auto between_looks = DDS_MSECS(200);
 constexpr std::size_t most_news = 64;
 
 std::string variable(const char* name) {
@@ -50,6 +52,13 @@ Qos quality(dds_reliability_kind_t reliability, int kept) {
   Qos qos(dds_create_qos(), &dds_delete_qos);
   dds_qset_reliability(qos.get(), reliability, DDS_SECS(1));
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kept);
+  return qos;
+}
+
+/// Who comes later gets the newest too.
+Qos lasting() {
+  Qos qos = quality(DDS_RELIABILITY_RELIABLE, 1);
+  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   return qos;
 }
 
@@ -79,7 +88,10 @@ class Domain {
     config = fmt::format("{}{}<CycloneDDS><Domain>{}</Domain></CycloneDDS>", own,
                          own.empty() ? "" : ",", config);
     domain_ = dds_create_domain(*id, config.c_str());
-    participant_ = domain_ < 0 ? domain_ : dds_create_participant(*id, nullptr, nullptr);
+    const Qos qos(dds_create_qos(), &dds_delete_qos);
+    constexpr std::string_view is_of_ros = "enclave=/;";
+    dds_qset_userdata(qos.get(), is_of_ros.data(), is_of_ros.size());
+    participant_ = domain_ < 0 ? domain_ : dds_create_participant(*id, qos.get(), nullptr);
     if (participant_ < 0) {
       const std::vector<std::string> why = news();
       leave();
@@ -120,24 +132,32 @@ class Domain {
 /// Messages of one type under one name, made where somebody listens.
 class MessageWriter {
  public:
-  MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type) {
-    const Qos qos = quality(DDS_RELIABILITY_BEST_EFFORT, 5);  // ROS 2's for data of sensors
-    const dds_entity_t topic = made(
-        create_message_topic(participant, "rt/" + name, "sensor_msgs::msg::dds_::" + type + "_"),
-        name);
+  MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type,
+                const Qos& qos) {
+    const dds_entity_t topic = made(create_message_topic(participant, name, type), name);
     writer_ = made(dds_create_writer(participant, topic, qos.get(), nullptr), name);
   }
+  /// Of a sensor's data.
+  MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type)
+      : MessageWriter(participant, "rt/" + name, "sensor_msgs::msg::dds_::" + type + "_",
+                      quality(DDS_RELIABILITY_BEST_EFFORT, 5)) {}
 
-  template <class Write>
-  void write(Write write_message) {
+  [[nodiscard]] bool is_heard() const {
     dds_publication_matched_status_t listeners;
     dds_get_publication_matched_status(writer_, &listeners);
-    if (listeners.current_count == 0) return;
+    return listeners.current_count > 0;
+  }
+  template <class Write>
+  void write(Write write_message) {
     if (message_.use_count() != 1) message_ = std::make_shared<RosMessage>();  // DDS has it still
     write_message(*message_);
     pad(*message_);
     const SharedMessage message = message_;
-    made(dds_write(writer_, &message), "a cloud");
+    made(dds_write(writer_, &message), "a message");
+  }
+  template <class Write>
+  void write_if_heard(Write write_message) {
+    if (is_heard()) write(write_message);
   }
 
  private:
@@ -145,25 +165,18 @@ class MessageWriter {
   std::shared_ptr<RosMessage> message_;
 };
 
-struct TriggerAnswer {
-  bool success;
-  std::string text;
-};
-
-/// A service std_srvs/srv/Trigger.
-class TriggerService {
+/// A service, answered in the thread that asks for it.
+class Service {
  public:
-  TriggerService(dds_entity_t participant, const std::string& name,
-                 std::function<TriggerAnswer()> answer)
-      : answer_(std::move(answer)) {
+  Service(dds_entity_t participant, const RosService& service) : answer_(service.answer) {
+    const std::string& name = service.name;
     const Qos qos = quality(DDS_RELIABILITY_RELIABLE, 10);
     const auto topic = [&](const char* prefix, const char* ending, const char* type) {
-      return made(create_message_topic(participant, prefix + name + ending,
-                                       fmt::format("std_srvs::srv::dds_::Trigger_{}_", type)),
+      return made(create_message_topic(participant, prefix + name + ending, service.type + type),
                   name);
     };
-    const dds_entity_t requests = topic("rq/", "Request", "Request"),
-                       answers = topic("rr/", "Reply", "Response");
+    const dds_entity_t requests = topic("rq/", "Request", "_Request_"),
+                       answers = topic("rr/", "Reply", "_Response_");
     dds_guid_t participant_id;
     dds_instance_handle_t number = 0;
     made(dds_get_guid(participant, &participant_id), name);
@@ -184,41 +197,58 @@ class TriggerService {
     void* sample = &request;
     dds_sample_info_t info;
     while (!stop && dds_take(reader_, &sample, &info, 1, 1) == 1) {
-      const auto from = info.valid_data && request ? request_in(*request) : std::nullopt;
-      if (!from) continue;
-      const TriggerAnswer answer = answer_();
-      const auto message = std::make_shared<RosMessage>();
-      write_trigger_answer(*from, answer.success, answer.text, *message);
-      pad(*message);
-      const SharedMessage written = message;
-      dds_write(writer_, &written);  // who does not listen any more gets none
+      if (info.valid_data && request) answer(*request);
     }
   }
 
  private:
-  std::function<TriggerAnswer()> answer_;
+  void answer(const RosMessage& request) try {
+    const auto message = std::make_shared<RosMessage>();
+    CdrReader asked(request);
+    Cdr answer(*message);
+    answer.add(asked.get<std::uint64_t>());  // the client, over Cyclone DDS
+    answer.add(asked.get<std::int64_t>());   // its number of the request
+    answer_(asked, answer);
+    pad(*message);
+    const SharedMessage written = message;
+    dds_write(writer_, &written);    // who does not listen any more gets none
+  } catch (const std::exception&) {  // nor who asks in no way that is known
+  }
+
+  std::function<void(CdrReader& request, Cdr& answer)> answer_;
   dds_entity_t reader_, writer_;
+};
+
+struct TriggerAnswer {
+  bool success;
+  std::string text;
 };
 
 class Ros2Sink final : public CloudSink {
  public:
   Ros2Sink(const std::string& name, PublishedRun run)
-      : run_(std::move(run)), image_(participant_, name + "/image", "Image") {
+      : run_(std::move(run)), name_(name), image_(participant_, name + "/image", "Image") {
     if (run_.has_points) {
       points_.emplace(participant_, name + "/points", "PointCloud2");
       depth_.emplace(participant_, name + "/depth", "Image");
       camera_.emplace(participant_, name + "/camera_info", "CameraInfo");
     }
-    services_.emplace_back(participant_, name + "/capture", [this] { return capture(); });
-    services_.emplace_back(participant_, name + "/check", [this] { return check(); });
+    add_trigger("capture", [this] { return capture(); });
+    add_trigger("check", [this] { return check(); });
+    if (run_.settings) {
+      for (const RosService& service : parameter_services(name, run_)) {
+        services_.emplace_back(participant_, service);
+      }
+    }
     waiting_ = made(dds_create_waitset(participant_), name);
     wake_ = made(dds_create_guardcondition(participant_), name);
     made(dds_waitset_attach(waiting_, wake_, 0), name);
-    for (const TriggerService& service : services_) {
+    for (const Service& service : services_) {
       const dds_entity_t any =
           made(dds_create_readcondition(service.reader(), DDS_ANY_STATE), name);
       made(dds_waitset_attach(waiting_, any, 0), name);
     }
+    tell_node();
     thread_ = std::thread([this] { serve(); });
   }
   ~Ros2Sink() override { stop(); }
@@ -228,13 +258,13 @@ class Ros2Sink final : public CloudSink {
   void put(const Pooled<LiveCloud>& cloud) override {
     if (!std::exchange(gives_way_, true)) let_others_go_first();
     const std::uint64_t time = world_time(cloud->newest.host_time);
-    image_.write([&](RosMessage& message) { write_image(*cloud, time, message); });
+    image_.write_if_heard([&](RosMessage& message) { write_image(*cloud, time, message); });
     if (!points_) return;
     const Cloud& points = cloud->cloud;
-    camera_->write(
+    camera_->write_if_heard(
         [&](RosMessage& message) { write_camera_info(run_.camera, points.size(), time, message); });
-    depth_->write([&](RosMessage& message) { write_depth(points, time, message); });
-    points_->write([&](RosMessage& message) { write_point_cloud(points, time, message); });
+    depth_->write_if_heard([&](RosMessage& message) { write_depth(points, time, message); });
+    points_->write_if_heard([&](RosMessage& message) { write_point_cloud(points, time, message); });
   }
 
   void finish() override { stop(); }
@@ -250,47 +280,94 @@ class Ros2Sink final : public CloudSink {
   void serve() {
     let_others_go_first();
     try {
-      while (!stopping_ && dds_waitset_wait(waiting_, nullptr, 0, DDS_INFINITY) >= 0) {
-        for (TriggerService& service : services_) service.answer_requests(stopping_);
+      while (!stopping_ && dds_waitset_wait(waiting_, nullptr, 0, between_looks) >= 0) {
+        for (Service& service : services_) service.answer_requests(stopping_);
+        if (run_.settings) tell_changes();
       }
     } catch (const std::exception& error) {
       domain_.hear(fmt::format("no request is answered any more: {}", error.what()));
     }
   }
 
+  /// A service std_srvs/srv/Trigger.
+  void add_trigger(const char* what, std::function<TriggerAnswer()> pulled) {
+    services_.emplace_back(participant_,
+                           RosService{name_ + "/" + what, "std_srvs::srv::dds_::Trigger",
+                                      [pulled = std::move(pulled)](CdrReader&, Cdr& answer) {
+                                        const auto [success, text] = outcome_of(pulled);
+                                        answer.add(static_cast<std::uint8_t>(success));
+                                        answer.add_text(text);
+                                      }});
+  }
+  static TriggerAnswer outcome_of(const std::function<TriggerAnswer()>& pulled) try {
+    return pulled();
+  } catch (const std::exception& error) {
+    return {false, error.what()};
+  }
+
   TriggerAnswer capture() {
     const auto now = std::chrono::steady_clock::now();
     if (saved_ && now - *saved_ < between_saves) return {false, "saved a moment ago"};
-    try {
-      TriggerAnswer answer{true, run_.save()};
-      saved_ = std::chrono::steady_clock::now();
-      return answer;
-    } catch (const std::exception& error) {
-      return {false, error.what()};
-    }
+    TriggerAnswer answer{true, run_.save()};
+    saved_ = std::chrono::steady_clock::now();
+    return answer;
   }
 
   TriggerAnswer check() {
-    try {
-      std::vector<std::string> amiss;
-      if (std::string trouble = run_.trouble(); !trouble.empty()) amiss.push_back(trouble);
-      const auto document = nlohmann::json::parse(run_.statistics());
-      for (const auto& finding : document.value("findings", nlohmann::json::array())) {
-        if (finding.at("end").is_null()) amiss.push_back(finding.at("what").get<std::string>());
-      }
-      if (amiss.empty()) return {true, "nothing is amiss"};
-      return {false, fmt::format("{}", fmt::join(amiss, "; "))};
-    } catch (const std::exception& error) {
-      return {false, error.what()};
+    std::vector<std::string> amiss;
+    if (std::string trouble = run_.trouble(); !trouble.empty()) amiss.push_back(trouble);
+    const auto document = nlohmann::json::parse(run_.statistics());
+    for (const auto& finding : document.value("findings", nlohmann::json::array())) {
+      if (finding.at("end").is_null()) amiss.push_back(finding.at("what").get<std::string>());
     }
+    if (amiss.empty()) return {true, "nothing is amiss"};
+    return {false, fmt::format("{}", fmt::join(amiss, "; "))};
+  }
+
+  /// To who listens, what any sink or the viewer has changed.
+  void tell_changes() try {
+    if (!events_.is_heard()) return;
+    std::vector<RunSetting> now = run_.settings();
+    RosMessage event;
+    const std::uint64_t time = world_time(std::chrono::steady_clock::now());
+    if (write_parameter_event(name_, time, told_, now, event)) {
+      events_.write([&](RosMessage& message) { message.swap(event); });
+    }
+    told_ = std::move(now);
+  } catch (const std::exception&) {  // the camera is going, or nobody takes it: later
+  }
+
+  /// rmw_dds_common/msg/ParticipantEntitiesInfo: by this ROS 2 knows of the node. An identity has
+  /// 24 bytes up to Humble, 16 since.
+  void tell_node() {
+    const std::string distribution = variable("ROS_DISTRO");
+    const std::size_t spare = distribution == "humble" ? 8 : 0;
+    const std::string whole = fmt::format("/{}", name_);
+    const std::size_t last = whole.rfind('/');
+    dds_guid_t id;
+    made(dds_get_guid(participant_, &id), name_);
+    node_.write([&](RosMessage& message) {
+      Cdr cdr(message);
+      for (const std::uint8_t byte : id.v) cdr.add(byte);
+      for (std::size_t i = 0; i < spare; ++i) cdr.add(std::uint8_t{0});
+      cdr.add_count(1).add_text(whole.substr(0, std::max<std::size_t>(last, 1)));
+      cdr.add_text(whole.substr(last + 1)).add_count(0).add_count(0);
+    });
   }
 
   const PublishedRun run_;
+  const std::string name_;
   Domain domain_;
   const dds_entity_t participant_ = domain_.participant();
   MessageWriter image_;
   std::optional<MessageWriter> points_, depth_, camera_;
-  std::vector<TriggerService> services_;
+  MessageWriter events_{participant_, "rt/parameter_events",
+                        "rcl_interfaces::msg::dds_::ParameterEvent_",
+                        quality(DDS_RELIABILITY_RELIABLE, 100)};
+  MessageWriter node_{participant_, "ros_discovery_info",
+                      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", lasting()};
+  std::vector<Service> services_;
+  std::vector<RunSetting> told_;  ///< of the serving thread
   dds_entity_t waiting_ = 0, wake_ = 0;
   DisjointClouds clouds_;
   bool gives_way_ = false;                                      ///< its thread

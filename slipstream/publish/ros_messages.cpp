@@ -12,7 +12,6 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/io/limits.h"
-#include "slipstream/publish/little_endian.h"
 
 namespace slipstream {
 namespace {
@@ -37,46 +36,6 @@ constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
                                                   {"sigma_x", 1000},
                                                   {"sigma_y", 1000},
                                                   {"sigma_z", 1000}}};
-
-/// Numbers and texts one after the other, each where CDR aligns it.
-class Cdr {
- public:
-  explicit Cdr(RosMessage& message) : message_(message) {
-    message_.assign({0, 1, 0, 0});  // CDR, little-endian
-  }
-
-  template <class Number>
-  Cdr& add(Number number) {
-    align(sizeof number);
-    append(message_, number);
-    return *this;
-  }
-  Cdr& add_text(std::string_view text) {
-    add(static_cast<std::uint32_t>(text.size() + 1));
-    message_.insert(message_.end(), text.begin(), text.end());
-    message_.push_back(0);
-    return *this;
-  }
-  Cdr& add_header(std::uint64_t time) {
-    constexpr std::uint64_t second = 1'000'000'000;
-    add(static_cast<std::int32_t>(time / second));
-    add(static_cast<std::uint32_t>(time % second));
-    return add_text("camera");
-  }
-  /// A list of so many bytes, to be filled before more is added.
-  std::span<std::uint8_t> add_bytes(std::size_t count) {
-    add(static_cast<std::uint32_t>(count));
-    message_.resize(message_.size() + count);
-    return std::span(message_).last(count);
-  }
-
- private:
-  void align(std::size_t size) {
-    message_.resize(message_.size() + (size - (message_.size() - 4) % size) % size);
-  }
-
-  RosMessage& message_;
-};
 
 template <class Pixel, class Grey>
 void add_picture(Cdr& cdr, const Image<Pixel>& picture, std::string_view encoding, Grey grey) {
@@ -116,7 +75,7 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
   const auto width = static_cast<std::uint32_t>(cloud.size().width);
   Cdr cdr(message);
   cdr.add_header(time).add(static_cast<std::uint32_t>(cloud.size().height)).add(width);
-  cdr.add(static_cast<std::uint32_t>(fields));
+  cdr.add_count(fields);
   for (std::uint32_t i = 0; i < fields; ++i) {
     cdr.add_text(point_fields[i].name).add(4 * i).add(float32).add(std::uint32_t{1});
   }
@@ -137,27 +96,17 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
 }
 
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
-  ByteReader whole(message);
-  if (ByteReader(whole.take(4)).get<std::uint16_t>() != 0x100) {
-    throw Error("a cloud is no little-endian CDR");
-  }
-  ByteReader cdr(whole.take(whole.left()));
-  const auto number = [&] {
-    cdr.align(4);
-    return cdr.get<std::uint32_t>();
-  };
-  number();  // seconds
-  number();
+  CdrReader cdr(message);
+  cdr.count();  // seconds
+  cdr.count();
   cdr.text();  // of the frame
-  const std::uint32_t height = number(), width = number(), fields = number();
+  const std::uint32_t height = cdr.count(), width = cdr.count(), fields = cdr.count();
   std::array<std::optional<std::uint32_t>, point_fields.size()> offsets;
   for (std::uint32_t i = 0; i < fields; ++i) {
-    cdr.align(4);
-    std::string_view name = cdr.text();
-    name = name.substr(0, name.find('\0'));
-    const std::uint32_t offset = number();
+    const std::string_view name = cdr.text();
+    const std::uint32_t offset = cdr.count();
     const bool wanted = cdr.get<std::uint8_t>() == float32;
-    number();  // how many, of which the first is taken
+    cdr.count();  // how many, of which the first is taken
     const auto known = std::find_if(point_fields.begin(), point_fields.end(),
                                     [&](const PointField& field) { return field.name == name; });
     if (wanted && known != point_fields.end()) {
@@ -165,8 +114,8 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
     }
   }
   const bool big_endian = cdr.get<std::uint8_t>() != 0;
-  const std::uint32_t step = number(), row_step = number();
-  const auto data = cdr.take(number());
+  const std::uint32_t step = cdr.count(), row_step = cdr.count();
+  const auto data = cdr.list();
   const auto largest = [&](const std::optional<std::uint32_t>& offset) {
     return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
   };
@@ -252,7 +201,7 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
   cdr.add_header(time).add(static_cast<std::uint32_t>(size.height));
   cdr.add(static_cast<std::uint32_t>(size.width));
   cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial");
-  cdr.add(static_cast<std::uint32_t>(count));
+  cdr.add_count(count);
   for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
   const auto add_rows = [&](const auto& matrix) {
     for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
@@ -266,20 +215,6 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
   add_rows(projection);
   for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, all of the sensor
   cdr.add(std::uint8_t{0});
-}
-
-std::optional<RosRequest> request_in(const RosMessage& message) {
-  RosRequest request;
-  if (message.size() < 4 + sizeof request || message[0] != 0 || message[1] != 1) return {};
-  std::memcpy(&request, message.data() + 4, sizeof request);
-  return request;
-}
-
-void write_trigger_answer(const RosRequest& request, bool success, std::string_view text,
-                          RosMessage& message) {
-  Cdr cdr(message);
-  cdr.add(request.client).add(request.number);
-  cdr.add(static_cast<std::uint8_t>(success)).add_text(text);
 }
 
 }  // namespace slipstream

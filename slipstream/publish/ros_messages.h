@@ -2,20 +2,15 @@
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "slipstream/geometry/lens.h"
 #include "slipstream/io/stored_cloud.h"
 #include "slipstream/live/live_cloud.h"
+#include "slipstream/publish/cdr.h"
 
 namespace slipstream {
-
-/// A message of ROS 2 in its binary form: CDR, little-endian.
-using RosMessage = std::vector<std::uint8_t>;
 
 /// A type of message: "sensor_msgs/msg/Image", and its definition with those that it names.
 struct RosType {
@@ -48,16 +43,5 @@ void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 /// sensor_msgs/msg/CameraInfo of a camera whose pictures have this size.
 void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message);
-
-/// What stands before a service's request, and before the answer to it, over Cyclone DDS.
-struct RosRequest {
-  std::uint64_t client = 0;
-  std::int64_t number = 0;
-};
-/// Empty where the message is none.
-std::optional<RosRequest> request_in(const RosMessage& message);
-/// std_srvs/srv/Trigger's answer.
-void write_trigger_answer(const RosRequest& request, bool success, std::string_view text,
-                          RosMessage& message);
 
 }  // namespace slipstream

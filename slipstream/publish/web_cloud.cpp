@@ -70,7 +70,7 @@ std::string web_rays(const Lens& camera) {
   return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
 }
 
-std::string web_cloud(const LiveCloud& live) {
+std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const Cloud& cloud = live.cloud;
   const Frame& frame = *live.frames.front();
   const bool has_depth = !cloud.z.empty();
@@ -85,7 +85,7 @@ std::string web_cloud(const LiveCloud& live) {
                 double{std::numeric_limits<float>::min()}}));
   const DepthScale numbers{step, nearest - step};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  std::string bytes(24 + 3 * pixels, '\0');
+  std::string bytes(24 + (phase.empty() ? 3 : 4) * pixels, '\0');
   Places head{bytes.data()};
   for (const int number :
        {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
@@ -107,6 +107,9 @@ std::string web_cloud(const LiveCloud& live) {
           });
         },
         frame.pixels);
+  }
+  if (!phase.empty()) {
+    each_sent(size, every, [&](int column, int row) { greys.put(phase(column, row)); });
   }
   return bytes;
 }

@@ -26,7 +26,8 @@ std::string web_rays(const Lens& camera);
 /// the number of points of the whole cloud, each as 32-bit integer; the nearest depth and the step
 /// of depth, mm, as 32-bit float; then for each pixel its depth in 16 bits, 0 where there is no
 /// point, else steps from the nearest, plus 1; and its grey level in 8 bits. Without a scanner the
-/// grey levels are those of the window's first frame.
-std::string web_cloud(const LiveCloud& cloud);
+/// grey levels are those of the window's first frame. Behind it the phases, as PublishedRun tells
+/// them, where there are any.
+std::string web_cloud(const LiveCloud& cloud, const Image<std::uint8_t>& phase = {});
 
 }  // namespace slipstream

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <exception>
@@ -96,7 +97,7 @@ class WebSink final : public CloudSink {
   [[nodiscard]] std::string refusal(const Request& request) const;
   http::response<http::string_body> answer(const Request& request);
   /// The newest cloud, and which it is, where it is newer.
-  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen);
+  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen, bool with_phase);
   void wait_for_cloud() { anybody_waits_ = true; }
 
   std::set<Connection*> connections{};
@@ -122,10 +123,10 @@ class WebSink final : public CloudSink {
   std::atomic<bool> anybody_waits_ = false;
   struct Sent {
     Bytes bytes{};
-    std::uint64_t count = 0;  ///< of the cloud
-    std::chrono::steady_clock::time_point at{};
+    std::uint64_t count = 0;                       ///< of the cloud
+    std::chrono::steady_clock::time_point next{};  ///< when another may be
   };
-  Sent sent_;
+  std::array<Sent, 2> sent_{};  ///< without phase and with it
   std::chrono::steady_clock::time_point saved_{}, looked_at_{};
   std::string settings_;  ///< of that time
   asio::io_context io_{1};
@@ -159,7 +160,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void send_cloud() {
     if (!asked_ || sending_) return;
     sink_.wait_for_cloud();  // first: one may come while this looks
-    auto [bytes, count] = sink_.newer_than(seen_);
+    auto [bytes, count] = sink_.newer_than(seen_, with_phase_);
     if (!bytes) return;
     asked_ = false;
     sending_ = bytes;
@@ -202,7 +203,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
-  /// All that a page says is "next".
+  /// All that a page says is "next" or "next phase".
   void read_wish() {
     buffer_.clear();
     page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
@@ -210,7 +211,9 @@ class Connection : public std::enable_shared_from_this<Connection> {
         self->sink_.tell("a page that stopped reading was let go");
       }
       if (failure) return;
-      if (beast::buffers_to_string(self->buffer_.data()) != "next") {
+      const std::string wish = beast::buffers_to_string(self->buffer_.data());
+      self->with_phase_ = wish == "next phase";
+      if (wish != "next" && !self->with_phase_) {
         beast::get_lowest_layer(*self->page_).close();
         return;
       }
@@ -226,7 +229,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<http::request_parser<http::string_body>> parser_;
   http::response<http::string_body> response_;
   std::optional<websocket::stream<beast::tcp_stream>> page_;
-  bool asked_ = false;
+  bool asked_ = false, with_phase_ = false;
   Bytes sending_;
   std::uint64_t seen_ = 0;  ///< count of the newest cloud that was sent
 };
@@ -305,18 +308,22 @@ void WebSink::serve_waiting() {
   for (Connection* const connection : connections) connection->send_cloud();
 }
 
-std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen) {
+std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen, bool with_phase) {
   const auto now = std::chrono::steady_clock::now();
+  Sent& sent = sent_[with_phase ? 1 : 0];
   std::unique_lock lock(mutex_);
-  if (newest_ && count_ != sent_.count && now - sent_.at >= between_clouds) {
+  if (newest_ && count_ != sent.count && now >= sent.next) {
     const Pooled<LiveCloud> cloud = newest_;
-    sent_.count = count_;
-    sent_.at = now;
+    sent.count = count_;
+    // Clouds come a little early and late.
+    sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
     lock.unlock();
-    sent_.bytes = std::make_shared<const std::string>(web_cloud(*cloud));
+    const bool has_phase = with_phase && run_.phase;
+    sent.bytes = std::make_shared<const std::string>(
+        web_cloud(*cloud, has_phase ? run_.phase(*cloud) : Image<std::uint8_t>()));
   }
-  if (sent_.count <= seen) return {};
-  return {sent_.bytes, sent_.count};
+  if (sent.count <= seen) return {};
+  return {sent.bytes, sent.count};
 }
 
 void WebSink::tell(const std::string& line) {

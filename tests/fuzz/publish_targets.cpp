@@ -1,14 +1,15 @@
 // What others may have written of clouds: MCAP files, messages of ROS 2.
-#include "slipstream/publish/little_endian.h"
 #include "slipstream/publish/mcap_reader.h"
 #include "slipstream/publish/mcap_records.h"
 #include "slipstream/publish/mcap_writer.h"
 #include "slipstream/publish/ros_messages.h"
+#include "slipstream/publish/ros_parameters.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream {
 namespace {
 using namespace std::string_view_literals;
+using mcap::append;
 namespace fs = std::filesystem;
 
 RosMessage some_cloud(bool with_uncertainty) {
@@ -25,8 +26,23 @@ std::vector<Bytes> clouds() {
 }
 
 /// A request begins like any message, and is taken or not.
+void answer_requests(std::span<const std::uint8_t> input) {
+  const PublishedRun run{.settings = [] { return std::vector<RunSetting>(); },
+                         .change = [](const std::string&, const std::string&) {}};
+  for (const RosService& service : parameter_services("scanner", run)) {
+    try {
+      CdrReader request(input);
+      RosMessage message;
+      Cdr answer(message);
+      service.answer(request, answer);
+    } catch (const Error&) {
+      continue;
+    }
+  }
+}
+
 void read_messages(std::span<const std::uint8_t> input) {
-  (void)request_in(RosMessage(input.begin(), input.end()));
+  answer_requests(input);
   const StoredCloud stored = read_point_cloud(input);
   (void)point_count(stored.cloud);
 }

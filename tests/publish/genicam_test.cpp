@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "slipstream/error/error.h"
-#include "slipstream/gige/big_endian.h"
+#include "slipstream/error/number_bytes.h"
 #include "slipstream/gige/gige_block.h"
 #include "slipstream/publish/detail/scan3d_description.h"
 #include "slipstream/publish/named_sink.h"
@@ -19,6 +19,11 @@
 
 namespace slipstream {
 namespace {
+
+template <class Number>
+Number big_endian_at(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return number_at<Number, std::endian::big>(bytes, at);
+}
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 using enum GigeRegister;

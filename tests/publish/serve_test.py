@@ -129,6 +129,29 @@ def test_sighup_reads_the_file_again_in_the_same_process(tmp_path):
         assert service.settings()["min-modulation"]["value"] == "33"
 
 
+def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
+    rig = VIRTUAL + "publish: [web:0, mcap:clouds.mcap]\nrecord: frames.slip\n"
+    with Service(tmp_path, rig).wait_until_ready() as service:
+        for name in ("clouds.mcap", "clouds-2.mcap"):
+            wait_for(lambda: service.statistics()["clouds"] > 20)
+            assert service.statistics()["sinks"][1]["name"] == f"mcap:{name}"
+            service.process.send_signal(signal.SIGHUP)
+            service.wait_until_ready()
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(60) == 0
+        assert "clouds.mcap is there already; clouds-2.mcap is written" in service.words.read_text()
+    (tmp_path / "ear").unlink()
+    before = {path: path.read_bytes() for path in tmp_path.glob("*.*") if path.suffix != ".yaml"}
+    assert {path.name for path in before} == {
+        f"{stem}{copy}{ending}" for stem, ending in (("clouds", ".mcap"), ("frames", ".slip"))
+        for copy in ("", "-2", "-3")}
+    with Service(tmp_path, rig).wait_until_ready() as service:
+        service.process.send_signal(signal.SIGTERM)
+        assert service.process.wait(60) == 0
+    assert (tmp_path / "clouds-4.mcap").exists() and (tmp_path / "frames-4.slip").exists()
+    assert all(path.read_bytes() == content for path, content in before.items())
+
+
 @pytest.mark.parametrize("bad, words, shows_at_once", [
     ("stratgy: pmp\n", "rig.yaml: line 1: no command has a setting 'stratgy'", True),
     (VIRTUAL + "publish: [wbe:1]\n", "rig.yaml: line 5: --publish wbe:1", True),

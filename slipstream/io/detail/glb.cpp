@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/error/error.h"
-#include "slipstream/io/detail/number_bytes.h"
+#include "slipstream/error/number_bytes.h"
 #include "slipstream/io/image_file.h"
 
 namespace slipstream {
@@ -106,10 +106,6 @@ json document_of(const Surface& surface, Binary& binary) {
   };
 }
 
-void append_number(std::string& file, std::size_t number) {
-  append_bytes(file, static_cast<std::uint32_t>(number));
-}
-
 /// The bytes from `offset`, `size` of them. Throws Error where they are not there.
 std::span<const std::uint8_t> part(std::span<const std::uint8_t> bytes, std::size_t offset,
                                    std::size_t size) {
@@ -117,10 +113,8 @@ std::span<const std::uint8_t> part(std::span<const std::uint8_t> bytes, std::siz
   return bytes.subspan(offset, size);
 }
 
-std::uint32_t number_at(std::span<const std::uint8_t> bytes, std::size_t offset) {
-  std::uint32_t number = 0;
-  std::memcpy(&number, part(bytes, offset, sizeof(number)).data(), sizeof(number));
-  return number;
+std::uint32_t count_at(std::span<const std::uint8_t> bytes, std::size_t offset) {
+  return number_at<std::uint32_t>(part(bytes, offset, sizeof(std::uint32_t)), 0);
 }
 
 std::size_t count_of(const json& number) {
@@ -131,8 +125,8 @@ std::size_t count_of(const json& number) {
 /// The chunk that begins at `offset`, of that kind.
 std::span<const std::uint8_t> chunk(std::span<const std::uint8_t> bytes, std::size_t offset,
                                     std::uint32_t kind) {
-  if (number_at(bytes, offset + 4) != kind) throw Error("a chunk in it is of another kind");
-  return part(bytes, offset + 8, number_at(bytes, offset));
+  if (count_at(bytes, offset + 4) != kind) throw Error("a chunk in it is of another kind");
+  return part(bytes, offset + 8, count_at(bytes, offset));
 }
 
 /// The numbers of an accessor, `components` for each of its elements.
@@ -184,19 +178,17 @@ std::string glb_file(const Surface& surface) {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   constexpr std::size_t header = 12, chunk_header = 8;
   std::string file;
-  append_number(file, magic);
-  append_number(file, version);
-  append_number(file, header + chunk_header + text.size() + chunk_header + binary.bytes.size());
-  append_number(file, text.size());
-  append_number(file, json_chunk);
+  const auto size_of = [](std::size_t bytes) { return static_cast<std::uint32_t>(bytes); };
+  append_numbers(file, magic, version,
+                 size_of(header + 2 * chunk_header + text.size() + binary.bytes.size()),
+                 size_of(text.size()), json_chunk);
   file += text;
-  append_number(file, binary.bytes.size());
-  append_number(file, binary_chunk);
+  append_numbers(file, size_of(binary.bytes.size()), binary_chunk);
   return file + binary.bytes;
 }
 
 StoredPoints glb_points(std::span<const std::uint8_t> bytes) {
-  if (number_at(bytes, 0) != magic || number_at(bytes, 4) != version) {
+  if (count_at(bytes, 0) != magic || count_at(bytes, 4) != version) {
     throw Error("it is no binary glTF 2.0");
   }
   constexpr std::size_t header = 12, chunk_header = 8;

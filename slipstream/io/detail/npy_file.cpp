@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_bytes.h"
 #include "slipstream/error/number_text.h"
-#include "slipstream/io/detail/number_bytes.h"
 #include "slipstream/io/limits.h"
 
 namespace slipstream {
@@ -89,7 +89,7 @@ std::vector<std::uint8_t> npy_file_of(const cv::Mat& mat) {
   constexpr std::size_t block = 64;  // what is before the numbers fills so many bytes, or twice
   header.append(block - 1 - (preamble + header.size()) % block, ' ').push_back('\n');
   std::string file(magic);
-  append_bytes(file, static_cast<std::uint16_t>(header.size()));
+  append_numbers(file, static_cast<std::uint16_t>(header.size()));
   file += header;
   const std::size_t numbers = mat.total() * mat.elemSize();
   std::vector<std::uint8_t> bytes(file.size() + numbers);

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_bytes.h"
 #include "slipstream/io/detail/picture_size.h"
 
 namespace slipstream {
@@ -16,16 +17,6 @@ namespace {
 using Bytes = std::span<const std::uint8_t>;
 
 constexpr std::size_t bmp_header = 54;
-
-std::uint32_t little_endian(Bytes bytes, std::size_t at, std::size_t size) {
-  std::uint32_t number = 0;
-  for (std::size_t i = size; i-- > 0;) number = number << 8 | bytes[at + i];
-  return number;
-}
-
-void put_little_endian(std::vector<std::uint8_t>& bytes, std::uint32_t number, int size = 4) {
-  for (int i = 0; i < size; ++i) bytes.push_back(static_cast<std::uint8_t>(number >> (8 * i)));
-}
 
 /// Lines of a BMP file fill whole words of four bytes.
 std::size_t bmp_line(std::uint64_t columns, std::uint64_t bits) {
@@ -51,10 +42,11 @@ cv::Mat read_bmp(Bytes bytes) {
     throw Error(fmt::format("not a whole BMP file{}", why));
   };
   if (bytes.size() < bmp_header) refuse("");
-  const std::size_t pixels = little_endian(bytes, 10, 4), header = little_endian(bytes, 14, 4);
-  const auto height = static_cast<std::int32_t>(little_endian(bytes, 22, 4));
-  const std::uint32_t columns = little_endian(bytes, 18, 4), bits = little_endian(bytes, 28, 2);
-  const std::uint32_t compression = little_endian(bytes, 30, 4);
+  const auto number = [&](std::size_t at) { return number_at<std::uint32_t>(bytes, at); };
+  const std::size_t pixels = number(10), header = number(14);
+  const auto height = static_cast<std::int32_t>(number(22));
+  const std::uint32_t columns = number(18), bits = number_at<std::uint16_t>(bytes, 28);
+  const std::uint32_t compression = number(30);
   if (header < 40) refuse(": a header of another kind");
   constexpr std::uint32_t by_masks = 3;  // of 32 bits, as a rule those of blue, green and red
   if ((bits != 8 && bits != 24 && bits != 32) || (compression != 0 && compression != by_masks)) {
@@ -95,16 +87,9 @@ std::vector<std::uint8_t> bmp_file_of(const cv::Mat& mat) {
   const std::size_t line = bmp_line(static_cast<std::uint64_t>(mat.cols), bits);
   const auto size = static_cast<std::uint32_t>(line * static_cast<std::size_t>(mat.rows));
   std::vector<std::uint8_t> bytes{'B', 'M'};
-  for (const std::uint32_t number : {first + size, 0U, first, 40U})
-    put_little_endian(bytes, number);
-  put_little_endian(bytes, static_cast<std::uint32_t>(mat.cols));
-  put_little_endian(bytes, static_cast<std::uint32_t>(mat.rows));
-  put_little_endian(bytes, 1, 2);
-  put_little_endian(bytes, bits, 2);
-  for (const std::uint32_t number : {0U, size, 0U, 0U, palette, 0U})
-    put_little_endian(bytes, number);
-  for (std::uint32_t level = 0; level < palette; ++level)
-    put_little_endian(bytes, level * 0x010101U);
+  append_numbers(bytes, first + size, 0U, first, 40U, mat.cols, mat.rows, std::uint16_t{1},
+                 static_cast<std::uint16_t>(bits), 0U, size, 0U, 0U, palette, 0U);
+  for (std::uint32_t level = 0; level < palette; ++level) append_numbers(bytes, level * 0x010101U);
   for (int row = mat.rows - 1; row >= 0; --row) {
     const std::size_t end = bytes.size() + line;
     bytes.insert(bytes.end(), mat.ptr(row),

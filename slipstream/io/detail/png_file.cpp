@@ -15,6 +15,7 @@
 #include <png.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/number_bytes.h"
 
 namespace slipstream {
 namespace {
@@ -78,10 +79,8 @@ bool read_into(cv::Mat& mat, png_structp png, png_infop info) {
   return true;
 }
 
-std::uint32_t big_endian(const std::uint8_t* bytes) {
-  std::uint32_t number = 0;
-  for (int i = 0; i < 4; ++i) number = number << 8 | bytes[i];
-  return number;
+std::uint32_t big_endian(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return number_at<std::uint32_t, std::endian::big>(bytes, at);
 }
 
 constexpr std::uint32_t chunk_named(const char (&name)[5]) {
@@ -99,12 +98,12 @@ struct Chunk {
 bool take_chunk(std::span<const std::uint8_t>& left, Chunk& chunk) {
   constexpr std::size_t around = 12;  // length, name, check sum
   if (left.size() < around) return false;
-  const std::size_t length = big_endian(left.data());
+  const std::size_t length = big_endian(left, 0);
   if (length > left.size() - around) return false;
   const auto checked = left.subspan(4, 4 + length);
-  const std::uint32_t sum = big_endian(left.data() + 8 + length);
+  const std::uint32_t sum = big_endian(left, 8 + length);
   if (libdeflate_crc32(0, checked.data(), checked.size()) != sum) return false;
-  chunk = {big_endian(checked.data()), checked.subspan(4)};
+  chunk = {big_endian(checked, 0), checked.subspan(4)};
   left = left.subspan(around + length);
   return true;
 }
@@ -193,7 +192,7 @@ cv::Mat read_plain_grey(std::span<const std::uint8_t> bytes) {
     return {};
   }
   const std::uint8_t* const header = chunk.data.data();
-  const std::uint32_t width = big_endian(header), height = big_endian(header + 4);
+  const std::uint32_t width = big_endian(chunk.data, 0), height = big_endian(chunk.data, 4);
   constexpr std::uint32_t longest = 1'000'000;  // libpng's
   const bool is_grey = std::all_of(header + 9, header + 13, [](int zero) { return zero == 0; });
   if (!is_grey || (header[8] != 8 && header[8] != 16) || width - 1 >= longest ||
@@ -217,19 +216,14 @@ cv::Mat read_plain_grey(std::span<const std::uint8_t> bytes) {
                         : unfiltered<std::uint16_t>(rows, columns, lines);
 }
 
-void put_big_endian(std::vector<std::uint8_t>& bytes, std::uint32_t number) {
-  for (int shift = 24; shift >= 0; shift -= 8) {
-    bytes.push_back(static_cast<std::uint8_t>(number >> shift));
-  }
-}
-
 void put_chunk(std::vector<std::uint8_t>& bytes, std::uint32_t name,
                std::span<const std::uint8_t> data) {
-  put_big_endian(bytes, static_cast<std::uint32_t>(data.size()));
+  append_numbers<std::endian::big>(bytes, static_cast<std::uint32_t>(data.size()));
   const std::size_t checked = bytes.size();
-  put_big_endian(bytes, name);
+  append_numbers<std::endian::big>(bytes, name);
   bytes.insert(bytes.end(), data.begin(), data.end());
-  put_big_endian(bytes, libdeflate_crc32(0, &bytes[checked], bytes.size() - checked));
+  append_numbers<std::endian::big>(bytes,
+                                   libdeflate_crc32(0, &bytes[checked], bytes.size() - checked));
 }
 
 std::vector<std::uint8_t> deflated(const std::vector<std::uint8_t>& bytes) {
@@ -247,8 +241,7 @@ std::vector<std::uint8_t> deflated(const std::vector<std::uint8_t>& bytes) {
 std::vector<std::uint8_t> png_file_of(cv::Size size, int bits, bool in_colour,
                                       const std::vector<std::uint8_t>& rows) {
   std::vector<std::uint8_t> header;
-  put_big_endian(header, static_cast<std::uint32_t>(size.width));
-  put_big_endian(header, static_cast<std::uint32_t>(size.height));
+  append_numbers<std::endian::big>(header, size.width, size.height);
   header.push_back(static_cast<std::uint8_t>(bits));
   header.push_back(in_colour ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY);
   header.insert(header.end(),

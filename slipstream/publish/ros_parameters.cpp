@@ -1,0 +1,195 @@
+#include "slipstream/publish/ros_parameters.h"
+
+#include <algorithm>
+#include <exception>
+#include <iterator>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/error/error.h"
+#include "slipstream/error/number_text.h"
+
+namespace slipstream {
+namespace {
+
+/// rcl_interfaces/msg/ParameterType
+enum class Kind : std::uint8_t { none = 0, boolean = 1, integer = 2, real = 3, text = 4 };
+
+using Settings = std::vector<RunSetting>;
+struct Wish {
+  std::string name, value;
+};
+
+Kind kind_of(const RunSetting& setting) {
+  if (setting.choices.empty()) return Kind::real;
+  return setting.choices == std::vector<std::string>{"off", "on"} ? Kind::boolean : Kind::text;
+}
+
+const RunSetting* find(const Settings& settings, std::string_view name) {
+  const auto found = std::find_if(settings.begin(), settings.end(),
+                                  [&](const RunSetting& setting) { return setting.name == name; });
+  return found == settings.end() ? nullptr : &*found;
+}
+
+/// A ParameterValue.
+void add_value(const RunSetting* setting, Cdr& cdr) {
+  const Kind kind = setting == nullptr ? Kind::none : kind_of(*setting);
+  const std::string value = setting == nullptr ? "" : setting->value;
+  cdr.add(kind).add(static_cast<std::uint8_t>(kind == Kind::boolean && value == "on"));
+  cdr.add(std::int64_t{0});
+  cdr.add(kind == Kind::real ? number_in<double>(value).value_or(0) : 0.0);
+  cdr.add_text(kind == Kind::text ? value : "");
+  for (int list = 0; list < 5; ++list) cdr.add_count(0);
+}
+
+std::string read_value(CdrReader& cdr) {
+  const auto kind = cdr.get<Kind>();
+  const bool on = cdr.get<std::uint8_t>() != 0;
+  const auto integer = cdr.get<std::int64_t>();
+  const auto real = cdr.get<double>();
+  std::string text(cdr.text());
+  for (const std::size_t size : {1, 1, 8, 8}) cdr.list(size);
+  for (std::uint32_t texts = cdr.count(); texts > 0; --texts) cdr.text();
+  return kind == Kind::boolean   ? (on ? "on" : "off")
+         : kind == Kind::integer ? fmt::format("{}", integer)
+         : kind == Kind::real    ? fmt::format("{}", real)
+                                 : std::move(text);  // of all else it is empty
+}
+
+void add_parameters(const std::vector<const RunSetting*>& settings, Cdr& cdr) {
+  cdr.add_count(settings.size());
+  for (const RunSetting* setting : settings) {
+    cdr.add_text(setting->name);
+    add_value(setting, cdr);
+  }
+}
+
+std::vector<std::string> read_names(CdrReader& request) {
+  std::vector<std::string> names;
+  for (std::uint32_t left = request.count(); left > 0; --left) names.emplace_back(request.text());
+  return names;
+}
+
+std::vector<Wish> read_wishes(CdrReader& request) {
+  std::vector<Wish> wishes;
+  for (std::uint32_t left = request.count(); left > 0; --left) {
+    std::string name(request.text());
+    wishes.push_back({std::move(name), read_value(request)});
+  }
+  return wishes;
+}
+
+/// A SetParametersResult of what that does.
+template <class Change>
+void add_result(Cdr& answer, Change change) {
+  std::string refusal;
+  try {
+    change();
+  } catch (const std::exception& error) {
+    refusal = error.what();
+  }
+  answer.add(static_cast<std::uint8_t>(refusal.empty())).add_text(refusal);
+}
+
+/// All of them or none, as far as a camera lets itself be set back.
+void change_all(const PublishedRun& run, const std::vector<Wish>& wishes) {
+  const Settings before = run.settings();
+  for (const auto& [name, value] : wishes) require_settable(before, name, value);
+  for (std::size_t done = 0; done < wishes.size(); ++done) {
+    try {
+      run.change(wishes[done].name, wishes[done].value);
+    } catch (...) {
+      while (done-- > 0) run.change(wishes[done].name, find(before, wishes[done].name)->value);
+      throw;
+    }
+  }
+}
+
+void add_description(const std::string& name, const RunSetting* setting, Cdr& cdr) {
+  cdr.add_text(name).add(setting == nullptr ? Kind::none : kind_of(*setting));
+  const bool is_number = setting != nullptr && setting->choices.empty();
+  const std::string unit = is_number && !setting->unit.empty() ? ", " + setting->unit : "";
+  cdr.add_text(setting == nullptr ? "" : setting->help + unit);
+  cdr.add_text(setting == nullptr ? "" : fmt::format("{}", fmt::join(setting->choices, "; ")));
+  cdr.add(std::uint8_t{0}).add(std::uint8_t{0});  // can be set, to a value of its type
+  cdr.add_count(is_number ? 1 : 0);
+  if (is_number) cdr.add(setting->least).add(setting->most).add(0.0);
+  cdr.add_count(0);  // of whole numbers
+}
+
+}  // namespace
+
+std::vector<RosService> parameter_services(const std::string& node, const PublishedRun& run) {
+  const auto service = [&](const char* name, const char* type, auto answer) {
+    return RosService{node + "/" + name, std::string("rcl_interfaces::srv::dds_::") + type,
+                      std::move(answer)};
+  };
+  /// What is told of each of the names that are asked for.
+  const auto of_each = [&run](auto add) {
+    return [&run, add](CdrReader& request, Cdr& answer) {
+      const Settings settings = run.settings();
+      const std::vector<std::string> names = read_names(request);
+      answer.add_count(names.size());
+      for (const std::string& name : names) add(name, find(settings, name), answer);
+    };
+  };
+  return {
+      service("describe_parameters", "DescribeParameters", of_each(add_description)),
+      service("get_parameters", "GetParameters",
+              of_each([](const std::string&, const RunSetting* setting, Cdr& answer) {
+                add_value(setting, answer);
+              })),
+      service("get_parameter_types", "GetParameterTypes",
+              of_each([](const std::string&, const RunSetting* setting, Cdr& answer) {
+                answer.add(setting == nullptr ? Kind::none : kind_of(*setting));
+              })),
+      service("list_parameters", "ListParameters",
+              [&run](CdrReader& request, Cdr& answer) {
+                const std::vector<std::string> wanted = read_names(request);
+                std::vector<std::string> names;
+                for (const RunSetting& setting : run.settings()) {
+                  const auto found = std::find(wanted.begin(), wanted.end(), setting.name);
+                  if (wanted.empty() || found != wanted.end()) names.push_back(setting.name);
+                }
+                answer.add_count(names.size());
+                for (const std::string& name : names) answer.add_text(name);
+                answer.add_count(0);  // no name has parts
+              }),
+      service("set_parameters", "SetParameters",
+              [&run](CdrReader& request, Cdr& answer) {
+                const std::vector<Wish> wishes = read_wishes(request);
+                answer.add_count(wishes.size());
+                for (const auto& [name, value] : wishes) {
+                  add_result(answer,
+                             [&, &name = name, &value = value] { run.change(name, value); });
+                }
+              }),
+      service("set_parameters_atomically", "SetParametersAtomically",
+              [&run](CdrReader& request, Cdr& answer) {
+                const std::vector<Wish> wishes = read_wishes(request);
+                add_result(answer, [&] { change_all(run, wishes); });
+              }),
+  };
+}
+
+bool write_parameter_event(const std::string& node, std::uint64_t time, const Settings& before,
+                           const Settings& now, RosMessage& message) {
+  std::vector<const RunSetting*> come, changed, gone;
+  for (const RunSetting& setting : now) {
+    const RunSetting* const was = find(before, setting.name);
+    if (was == nullptr) come.push_back(&setting);
+    if (was != nullptr && was->value != setting.value) changed.push_back(&setting);
+  }
+  for (const RunSetting& setting : before) {
+    if (find(now, setting.name) == nullptr) gone.push_back(&setting);
+  }
+  if (come.empty() && changed.empty() && gone.empty()) return false;
+  Cdr cdr(message);
+  cdr.add_time(time).add_text("/" + node);
+  for (const auto& list : {come, changed, gone}) add_parameters(list, cdr);
+  return true;
+}
+
+}  // namespace slipstream

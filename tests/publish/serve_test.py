@@ -12,7 +12,7 @@ import subprocess
 
 import pytest
 
-from web_test import PROGRAM, SOURCES, Live, wait_for
+from web_test import PROGRAM, SOURCES, Live, ask_for_page, say, take_message, wait_for
 
 VIRTUAL = "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 60\n"
 
@@ -119,6 +119,26 @@ def test_it_is_ready_when_it_answers_and_ends_whole_by_sigterm(tmp_path):
     assert (tmp_path / "clouds.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
     assert subprocess.run([PROGRAM, "check", tmp_path / "frames.slip"]).returncode == 0
     assert not [*tmp_path.glob("*.part*")]
+
+
+def test_the_phase_that_a_page_gets_is_that_of_the_frames(tmp_path):
+    numpy = pytest.importorskip("numpy", reason="python3-numpy is not there")
+    for words in ("record --source virtual --world ideal --camera 64x48 --strategy pmp --steps 4 "
+                  "--frames 4 --rate 0 -o scan.slip",
+                  "reconstruct scan.slip -o cloud.ply --phase phase.npy --modulation light.npy"):
+        subprocess.run([PROGRAM, *words.split()], cwd=tmp_path, check=True, capture_output=True)
+    rig = "source: replay:scan.slip\nloop: true\nrate: 60\npublish: web:0\n"
+    with Service(tmp_path, rig).wait_until_ready() as service:
+        client, _ = ask_for_page(service.port, origin=f"http://127.0.0.1:{service.port}")
+        with client:
+            say(client, b"next phase")
+            message = take_message(client)[1]
+    told = numpy.frombuffer(message, numpy.uint8, offset=24 + 3 * 64 * 48).astype(float)
+    step = numpy.load(tmp_path / "phase.npy").ravel() * 255 / (2 * numpy.pi)
+    is_lit = numpy.load(tmp_path / "light.npy").ravel() >= 15
+    assert 0.1 < is_lit.mean() < 0.99
+    assert numpy.array_equal(told > 0, is_lit)
+    assert numpy.abs(told - 1 - numpy.floor(step))[is_lit].max() <= 1
 
 
 def test_sighup_reads_the_file_again_in_the_same_process(tmp_path):

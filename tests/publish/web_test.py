@@ -198,6 +198,14 @@ def test_a_page_gets_a_cloud_for_each_wish(live):
             client.recv(1)  # nothing that was not asked for
 
 
+def test_a_page_that_shows_the_phase_gets_it_too(live):
+    client, _ = ask_for_page(live.port, origin=f"http://127.0.0.1:{live.port}")
+    with client:
+        for wish, bytes_per_pixel in ((b"next phase", 4), (b"next", 3), (b"next phase", 4)):
+            say(client, wish)
+            assert len(take_message(client)[1]) == 24 + bytes_per_pixel * 320 * 240
+
+
 def test_save_writes_a_scan(live):
     status, folder = live.get("/save", method="POST", Origin=f"http://127.0.0.1:{live.port}")
     assert status == 200
@@ -391,7 +399,12 @@ def test_the_page_shows_the_cloud(live, tmp_path, look):
         wait_for(lambda: browser.value("seen.length") > 0)
         browser.value("at('picture').click()")
         assert browser.value(shown) > 0.1
-        browser.value("at('picture').click(); at('depth').click(); view.turn = 0.5; redraw()")
+        browser.value("at('phase').click()")
+        assert not browser.value("pressed('picture')")
+        wait_for(lambda: browser.value("cloud.phases.length") == 320 * 240)
+        assert browser.value(shown) > 0.1
+        browser.screenshot(pictures / f"{look[2]}-{look[0]}-{look[1]}-phase.png")
+        browser.value("at('phase').click(); at('depth').click(); view.turn = 0.5; redraw()")
         assert browser.value(shown) > 0.05
         browser.screenshot(pictures / f"{look[2]}-{look[0]}-{look[1]}-depth.png")
         assert not [told for told in browser.told if "exceptionDetails" in told]

@@ -20,11 +20,11 @@ struct Edge {
 using Edges = std::vector<Edge>;
 
 /// Where the channels' shares of the strongest change most: paint changes all alike, and one is lit
-/// on both sides of each transition.
-Edges edges_of(const std::vector<Image<float>>& channels, int row) {
-  constexpr float dimmest = 6, least = 0.05F;  // grey levels; of full light, from pixel to pixel
-  const int width = channels.front().width();
-  const auto count = static_cast<std::size_t>(width);
+/// on both sides of each transition. `stripe`: about as many pixels wide is one.
+Edges edges_of(const std::vector<Image<float>>& channels, int row, float stripe) {
+  constexpr float dimmest = 6, least = 0.35F;  // grey levels; of full light, over a stripe
+  const auto count = static_cast<std::size_t>(channels.front().width());
+  const auto reach = static_cast<std::size_t>(std::max(stripe / 5, 1.0F));
   std::vector<Rise> share(count), slope(count);
   std::vector<float> squares(count);
   for (std::size_t x = 0; x < count; ++x) {
@@ -32,18 +32,22 @@ Edges edges_of(const std::vector<Image<float>>& channels, int row) {
     const float brightest = std::max({share[x][0], share[x][1], share[x][2]});
     for (float& level : share[x]) level = brightest < dimmest ? 0 : level / brightest;
   }
-  for (std::size_t x = 1; x + 1 < count; ++x) {
+  for (std::size_t x = reach; x + reach < count; ++x) {
     for (std::size_t c = 0; c < 3; ++c) {
-      slope[x][c] = (share[x + 1][c] - share[x - 1][c]) / 2;
+      slope[x][c] =
+          stripe * (share[x + reach][c] - share[x - reach][c]) / static_cast<float>(2 * reach);
       squares[x] += slope[x][c] * slope[x][c];
     }
   }
   Edges edges;
-  for (std::size_t x = 2; x + 2 < count; ++x) {
-    const float before = squares[x - 1], here = squares[x], after = squares[x + 1];
+  for (std::size_t x = 2 * reach; x + 2 * reach < count; ++x) {
     Rise rise = slope[x];
     const float steepest = std::max({std::abs(rise[0]), std::abs(rise[1]), std::abs(rise[2])});
-    if (!(here > before && here >= after && steepest >= least)) continue;
+    bool highest = steepest >= least;
+    for (std::size_t k = 1; highest && k <= reach; ++k) {
+      highest = squares[x] > squares[x - k] && squares[x] >= squares[x + k];
+    }
+    if (!highest) continue;
     for (float& value : rise) value /= steepest;
     const auto along = [&](std::size_t at) {
       return rise[0] * slope[at][0] + rise[1] * slope[at][1] + rise[2] * slope[at][2];
@@ -155,7 +159,7 @@ Edges confirmed(const std::vector<Edges>& rows, std::ptrdiff_t row) {
 /// Between neighbouring transitions as far apart as those beside them: others are of two surfaces.
 void fill(const Edges& edges, const std::vector<Image<float>>& channels, int row, int stripes,
           LocatedPixels& to) {
-  constexpr float most = 1.6F;                // times the distance beside
+  constexpr float most = 1.25F;               // times the distance beside
   const auto distance = [&](std::size_t i) {  // to the next, where that is the next one shown
     const bool follows = i + 1 < edges.size() && edges[i + 1].transition == edges[i].transition + 1;
     return follows ? edges[i + 1].x - edges[i].x : 0;
@@ -195,11 +199,12 @@ LocatedPixels located_by_stripes(const SymbolGrid& grid,
     }
   }
   LocatedPixels located(channels.front().size());
-  const int height = located.coordinate.height();
+  const auto [width, height] = located.coordinate.size();
+  const float stripe = static_cast<float>(width) / static_cast<float>(grid.columns);
   std::vector<Edges> rows(static_cast<std::size_t>(height));
   for_each_row(height, [&](int row) {
     Edges& edges = rows[static_cast<std::size_t>(row)];
-    edges = edges_of(channels, row);
+    edges = edges_of(channels, row, stripe);
     match(edges, transitions);
   });
   for_each_row(height,

@@ -42,6 +42,9 @@ class OnGpu : public testing::Test {
 std::vector<Strategy> every_strategy_on_gpu() {
   std::vector<Strategy> strategies = every_phase_strategy();
   for (const Strategy& strategy : own_strategies()) strategies.push_back(strategy);
+  for (const int steps : {3, 4, 5, 6, 8}) {
+    strategies.emplace_back(PhaseChannelMultiplexing{.steps = steps});
+  }
   for (const Strategy& strategy :
        {Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}),
         Strategy(PhaseMeasuring{.steps = 5, .frequency = 0.8}),
@@ -68,20 +71,31 @@ struct Any {
   [[nodiscard]] int bits() const { return 8 + static_cast<int>(number % 9); }
 };
 
-Given statue(const Any& any) {
-  const Scanner scanner = example_scanner(any.size());
+constexpr double ambient = 5;
+
+Given statue(const Any& any, Photometry photometry) {
+  photometry.ambient = ambient;
+  Scanner scanner = example_scanner(any.size());
+  scanner.photometry.ambient = ambient;
   return {setup_of(scanner, any.strategy, any.axis()),
-          statue_frames(scanner, any.strategy, any.axis(),
-                        {.ambient = 5, .noise_variance = 1.55, .bits = any.bits()})};
+          statue_frames(scanner, any.strategy, any.axis(), photometry)};
+}
+
+Given quiet(const Any& any) {
+  return statue(any, {.noise_variance = 1.55, .bits = any.bits()});
+}
+
+/// Where neighbours outvote many pixels.
+Given noisy(const Any& any) {
+  return statue(any, {.noise_variance = 9});
 }
 
 /// Before a response that bends little, corrected by a polynomial, or much, by a table.
 Given bent(const Any& any) {
   const double gamma = std::array{1.2, 2.2, 3.0}[any.number % 3];
-  Given given = statue(any);
-  Scanner& scanner = given.setup.scanner;
-  scanner.photometry.response = MeasuredResponse{.response = PowerLaw{gamma}, .gamma = gamma};
-  given.frames = statue_frames(scanner, any.strategy, any.axis(), {.response = PowerLaw{gamma}});
+  Given given = statue(any, {.response = PowerLaw{gamma}});
+  given.setup.scanner.photometry.response =
+      MeasuredResponse{.response = PowerLaw{gamma}, .gamma = gamma};
   return given;
 }
 
@@ -184,9 +198,10 @@ TEST_P(EveryStrategyOnGpu, GivesTheSame) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryStrategyOnGpu,
-                         testing::Values(Scene{"statue", statue}, Scene{"bent", bent},
+                         testing::Values(Scene{"quiet", quiet}, Scene{"noisy", noisy, 20'000},
+                                         Scene{"bent", bent, 20'000},
                                          Scene{"random_scanners", random_scanners},
-                                         Scene{"random_pictures", random_pictures, 30'000}),
+                                         Scene{"random_pictures", random_pictures, 20'000}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 /// Whether a limit is met to rounding at the pixel or beside it: where the phases of few grey

@@ -20,6 +20,12 @@ constexpr std::uint32_t coordinates_spirv[] =  // NOLINT(modernize-avoid-c-array
 constexpr std::uint32_t points_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
 #include "points.spirv.inc"
     ;
+constexpr std::uint32_t vote_spirv[] =  // NOLINT(modernize-avoid-c-arrays)
+#include "vote.spirv.inc"
+    ;
+
+/// Passes of the vote, by the tasks of vote.comp: choose, restore, settle and finish.
+constexpr std::array<std::size_t, 13> vote_passes{0, 2, 0, 2, 0, 2, 1, 2, 1, 2, 1, 2, 3};
 
 constexpr std::size_t whole_words = 4;  // an invocation has four pixels
 
@@ -41,8 +47,8 @@ std::size_t pixels_in_buffers(int frames, std::size_t pixels, std::size_t most_b
   return std::min(pixels, most_bytes / each);
 }
 
-int part_count(Size size, std::size_t pixels) {
-  const std::size_t seen_beside = 2 * static_cast<std::size_t>(size.width);
+int part_count(Size size, int beside, std::size_t pixels) {
+  const std::size_t seen_beside = pixels_of({size.width, 2 * beside});
   pixels = pixels > seen_beside ? pixels - seen_beside : 1;
   return static_cast<int>(std::clamp<std::size_t>((pixels_of(size) + pixels - 1) / pixels, 1,
                                                   static_cast<std::size_t>(size.height)));
@@ -177,6 +183,9 @@ struct GpuEngine::Job {
     return frame_bytes() * static_cast<std::size_t>(scans.front().count());
   }
   [[nodiscard]] std::size_t plane_bytes() const { return plane_pixels * sizeof(float); }
+  [[nodiscard]] std::size_t between_bytes() const {
+    return together * static_cast<std::size_t>(stages.kept) * plane_bytes();
+  }
   // Of each scan:
   [[nodiscard]] std::size_t upload_bytes() const {
     return all_frames() + (coarse != nullptr ? plane_bytes() : 0);
@@ -208,16 +217,23 @@ GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_
   for (const auto& band : stages.bands) sinusoids_.push_back(band.sinusoid);
   const auto [width, height] = stages.rays.E_x.size();
   const std::size_t at_once = pixels_in_buffers(stages.frames, pixels, gpu_->most_bytes());
-  const int count = part_count({width, height}, at_once);
+  const int beside = stages.cue ? VoteBlock::seen : 1;
+  const int count = part_count({width, height}, beside, at_once);
   const auto border = [&, height = height](int i) {
     return static_cast<int>(std::int64_t{height} * i / count);
   };
   for (int i = 0; i < count; ++i) {
     const int first = border(i), last = border(i + 1);
-    const int first_seen = std::max(first - 1, 0), last_seen = std::min(last + 1, height);
+    const int first_seen = std::max(first - beside, 0), last_seen = std::min(last + beside, height);
     parts_.push_back(
         {first, last, first_seen, last_seen, rays_on(gpu_, stages.rays, first_seen, last_seen)});
     largest_ = {width, std::max(largest_.height, last_seen - first_seen)};
+  }
+  if (stages.cue) {
+    cue_limits_ = cue_limits(stages, settings_, 255);
+    for (std::uint32_t task = 0; task < 4; ++task) {
+      vote_.emplace_back(gpu_, vote_spirv, std::array{task});
+    }
   }
   if (count > 1) return;
   together_ = std::clamp<std::size_t>(at_once / padded(largest_), 1, GpuRun::most_layers);
@@ -236,7 +252,7 @@ GpuScanMemory::Slot GpuEngine::slot_for(const Job& job, bool resident) const {
   GpuScanMemory::Slot slot{
       .frames = GpuBuffer(gpu_, job.together * job.upload_bytes(), GpuMemory::upload),
       .stages = GpuBuffer(gpu_, stage_bytes, GpuMemory::upload),
-      .between = GpuBuffer(gpu_, job.together * 2 * job.plane_bytes(), GpuMemory::device),
+      .between = GpuBuffer(gpu_, job.between_bytes(), GpuMemory::device),
       .output = GpuBuffer(gpu_, job.together * job.output_bytes(), results),
       .packed = GpuBuffer(gpu_, job.together * job.plane_pixels * sizeof(std::uint16_t), results),
       .run = GpuRun(gpu_)};
@@ -260,12 +276,14 @@ void GpuEngine::start(const Step& step, Job& job, GpuScanMemory::Slot& slot) con
   const Part& part = step.part;
   job.stages.height = part.last_seen - part.first_seen;
   std::memcpy(slot.stages.data(), &job.stages, sizeof(job.stages));
-  const std::array programs{
-      job.pixel_bytes == 1 ? &coordinates_of_8_bits_ : &coordinates_of_16_bits_, &points_};
+  std::vector programs{job.pixel_bytes == 1 ? &coordinates_of_8_bits_ : &coordinates_of_16_bits_};
+  if (!vote_.empty()) {
+    for (const std::size_t task : vote_passes) programs.push_back(&vote_[task]);
+  }
+  if (job.outputs.front().makes_points()) programs.push_back(&points_);
   slot.run.start(std::array<const GpuBuffer*, 6>{&slot.frames, &slot.stages, &part.rays,
                                                  &slot.between, &slot.output, &slot.packed},
-                 std::span(programs).first(job.outputs.front().makes_points() ? 2 : 1),
-                 padded({job.stages.width, job.stages.height}) / whole_words,
+                 programs, padded({job.stages.width, job.stages.height}) / whole_words,
                  static_cast<std::uint32_t>(step.scans));
 }
 
@@ -305,7 +323,8 @@ GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
           .pixel_bytes = bytes_of_pixels(frames),
           .together = std::min(together_, scans.size())};
   for (const FusedOutput& of : outputs) {
-    job.planes.push_back(planes_of(of, size, text_.stages.links > 0, job.plane_pixels));
+    job.planes.push_back(
+        planes_of(of, size, text_.stages.links > 0 || !vote_.empty(), job.plane_pixels));
   }
   GpuStages& stages = job.stages;
   const double full_scale = frames.full_scale();
@@ -316,6 +335,15 @@ GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
     stages.bands[i].least_square = limits.least_square;
     stages.bands[i].mean_scale = limits.mean_scale;
     stages.bands[i].full_scale = limits.full_scale;
+  }
+  if (!vote_.empty()) {
+    const auto level = static_cast<float>(full_scale / 255);
+    stages.cue.ambient = level * cue_limits_.ambient;
+    stages.cue.lit_square = level * level * cue_limits_.lit_square;
+    stages.cue.voting_square = level * level * cue_limits_.voting_square;
+    stages.cue.to_8_bits = 1 / level;
+    stages.cue.shade =
+        static_cast<float>(mean_of) * level * stages.cue.cue_share / stages.cue.share;
   }
   const GpuStages::Band& first = stages.bands.front();
   stages.code.mean_to_frames = 1 / (first.mean_scale * static_cast<float>(first.steps));
@@ -354,7 +382,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Fu
   // What was made later is no larger.
   const bool keeps = !slots.empty() &&
                      slots.back().frames.size() >= job.together * job.upload_bytes() &&
-                     slots.back().between.size() >= job.together * 2 * job.plane_bytes() &&
+                     slots.back().between.size() >= job.between_bytes() &&
                      slots.back().output.size() >= job.together * job.output_bytes();
   if (!keeps) slots.clear();
   while (slots.size() < std::min<std::size_t>(steps, 2)) {

@@ -78,6 +78,8 @@ class GpuEngine {
   Size largest_;              ///< of the parts
   std::size_t together_ = 1;  ///< scans that are computed at once, where there are so many
   GpuProgram coordinates_of_8_bits_, coordinates_of_16_bits_, points_;
+  std::vector<GpuProgram> vote_;  ///< its tasks, where a cue asks for one
+  CueLimits cue_limits_;          ///< of frames of 8 bits
 };
 
 }  // namespace slipstream

@@ -161,9 +161,28 @@ GpuStages::Points gpu_points(const FusedStages& stages, Words& words) {
           .nearest = point.nearest,
           .farthest = point.farthest,
           .half_fringe = consensus.half_fringe,
-          .confirmed = stages.chain.empty() ? 0 : 1,
+          .confirmed = stages.chain.empty() && !stages.cue ? 0 : 1,
           .fewest_neighbours = consensus.fewest_neighbours,
           .fewest_if_doubtful = consensus.fewest_if_doubtful};
+}
+
+GpuStages::Cue gpu_cue(const FusedStages::Cue& cue, Words& words) {
+  const CueStage& stage = cue.stage;
+  const OrderCostStage& costs = cue.costs;
+  std::vector<Word> lines(SurfaceWindow::line_cells.begin(), SurfaceWindow::line_cells.end());
+  return {.form = 1 + static_cast<Word>(costs.form),
+          .periods = stage.periods,
+          .gain = stage.gain,
+          .offset = stage.offset,
+          .largest_doubt = stage.largest_doubt,
+          .share = costs.share,
+          .cue_share = costs.cue_share,
+          .constant_light = costs.constant_light,
+          .steady = costs.steady,
+          .component_variance = costs.component_variance,
+          .cue_variance = costs.cue_variance,
+          .margin = costs.margin,
+          .lines = words.add_all(lines)};
 }
 
 bool is_too_much(const FusedStages& stages) {
@@ -178,7 +197,7 @@ bool is_too_much(const FusedStages& stages) {
 }  // namespace
 
 std::optional<GpuProgramText> gpu_stages(const FusedStages& stages) {
-  if (stages.cue || is_too_much(stages)) return std::nullopt;
+  if (is_too_much(stages)) return std::nullopt;
   Words words;
   const Size size = stages.rays.E_x.size();
   GpuStages out{.width = size.width,
@@ -188,12 +207,20 @@ std::optional<GpuProgramText> gpu_stages(const FusedStages& stages) {
                 .coarse_in_field = stages.coarse_in_field ? 1 : 0,
                 .weighs_bands = stages.weighs_bands ? 1 : 0,
                 .coarse_stage = stages.coarse_stage,
-                .coordinate = stages.coordinate,
+                .coordinate = stages.cue ? stages.cue->stage.coordinate : stages.coordinate,
                 .points = gpu_points(stages, words)};
   if (!stages.coarse.empty()) out.coarse = gpu_link(stages.coarse, {}, words);
   if (stages.code) out.code = gpu_code(*stages.code, words);
   for (std::size_t i = 0; i < stages.bands.size(); ++i) {
     out.bands[i] = gpu_band(stages.bands[i], words);
+  }
+  if (stages.cue) {
+    out.kept = 8;
+    out.cue = gpu_cue(*stages.cue, words);
+    SinusoidStage channel;
+    channel.cosines = stages.cue->costs.cue;
+    channel.sines = stages.cue->costs.cue_sine;
+    out.bands[1] = gpu_band({.sinusoid = channel}, words);
   }
   for (std::size_t i = 0; i < stages.chain.size(); ++i) {
     out.chain[i] = gpu_link(stages.chain[i].of, stages.chain[i].unwrap, words);

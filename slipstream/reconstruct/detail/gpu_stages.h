@@ -56,6 +56,17 @@ struct GpuStages {
     float half_fringe = 0;
     Word confirmed = 0, fewest_neighbours = 0, fewest_if_doubtful = 0;
   };
+  /// Of FusedStages::Cue; its channel is the second band.
+  struct Cue {
+    Word form = 0;  ///< 0 where there is none, else OrderCostStage::Cue + 1
+    float periods = 12, gain = 1, offset = 0;
+    float shade = 0;  ///< of the mean, by a grey level of 8 bits
+    float largest_doubt = 0;
+    float share = 1, cue_share = 1, constant_light = 0, steady = 0, component_variance = 1,
+          cue_variance = 1, margin = 0;
+    Word lines = 0;  ///< place of SurfaceWindow::line_cells
+    float ambient = 0, lit_square = 0, voting_square = 0, to_8_bits = 1;
+  };
   /// Where planes of the output begin, in fours of pixels; -1 for those that are not wanted.
   struct Planes {
     Word x = -1, y = -1, z = -1, mean = -1, modulation = -1, phase = -1, coordinate = -1,
@@ -73,6 +84,7 @@ struct GpuStages {
   Word scan_words = 0;   ///< of a scan's frames and coarse coordinates
   Word scan_fours = 0;   ///< of its planes
   Word links = 0;
+  Word kept = 2;  ///< words of a pixel between the shaders
   Word begins_with_code = 0;
   Word coarse_given = 0;  ///< words before the coarse coordinates that follow the frames; 0: none
   Word coarse_in_field = 0, weighs_bands = 0;
@@ -81,6 +93,7 @@ struct GpuStages {
   Link coarse{};
   Code code{};
   Points points{};
+  Cue cue{};
   Planes planes{};
   Packed packed{};
   std::array<Band, most_bands> bands{};
@@ -93,7 +106,7 @@ struct GpuProgramText {
   std::vector<GpuStages::Word> words;
 };
 
-/// None where the shaders cannot stand in: for a cue, and for more bands or frames than they take.
+/// None where the shaders cannot stand in: for more bands or frames than they take.
 std::optional<GpuProgramText> gpu_stages(const FusedStages& stages);
 
 }  // namespace slipstream

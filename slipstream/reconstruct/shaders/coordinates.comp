@@ -17,7 +17,7 @@ layout(std430, binding = 4) writeonly buffer Output { uvec4 planes[]; };
 vec4 turns[band_count];
 
 struct Pixels {
-  vec4 mean, modulation, y, doubt;
+  vec4 mean, square, modulation, y, doubt;
   ivec4 flags;
 };
 
@@ -78,7 +78,12 @@ vec4 joined(ivec4 most, ivec4 middle, ivec4 least, float unit) {
   return (vec4(most) * 4194304.0 + (vec4(middle) * 2048.0 + vec4(least))) * unit;
 }
 
-void decode(const int index, const int fours, inout Pixels pixels) {
+struct Sums {
+  vec4 U, V, mean;
+  ivec4 greatest;
+};
+
+Sums sums(const int index, const int fours) {
   ivec4 c0 = ivec4(0), c1 = c0, c2 = c0, s0 = c0, s1 = c0, s2 = c0, greatest = c0;
   vec4 sum = vec4(0.0);
   const int count = bands[index].frames, first = bands[index].first_frame;
@@ -96,15 +101,23 @@ void decode(const int index, const int fours, inout Pixels pixels) {
     sum = fma(vec4(word(w + 6)), vec4(I), sum);
     greatest = max(greatest, I);
   }
-  vec4 U = joined(c0, c1, c2, bands[index].cosine_unit);
-  vec4 V = joined(s0, s1, s2, bands[index].sine_unit);
+  return Sums(joined(c0, c1, c2, bands[index].cosine_unit),
+              joined(s0, s1, s2, bands[index].sine_unit), sum, greatest);
+}
+
+void decode(const int index, const int fours, inout Pixels pixels) {
+  const Sums of = sums(index, fours);
+  const vec4 U = of.U, V = of.V;
   vec4 square = fma(bands[index].sine_square * V, V, U * U);
   pixels.flags |= flagged(dark, lessThan(square, vec4(bands[index].least_square)));
   pixels.flags |=
-      flagged(saturated, greaterThanEqual(greatest, ivec4(bands[index].full_scale)));
+      flagged(saturated, greaterThanEqual(of.greatest, ivec4(bands[index].full_scale)));
   vec4 modulation = sqrt(square) * bands[index].modulation_scale;
   pixels.modulation = index == 0 ? modulation : min(modulation, pixels.modulation);
-  if (index == 0) pixels.mean = sum * bands[index].mean_scale;
+  if (index == 0) {
+    pixels.mean = of.mean * bands[index].mean_scale;
+    pixels.square = square;
+  }
   vec4 turn = corrected(index, angles_in_turns(bands[index].sine_weight * V, U));
   const float direction = bands[index].direction, offset = bands[index].offset;
   if (direction != 1.0 || offset != 0.0) {
@@ -186,9 +199,46 @@ void weigh(inout Pixels pixels) {
   pixels.y = coarse_in_field != 0 ? sum : in_field(stage, sum);
 }
 
+// CueEvidence::coordinate, in periods of the measuring band.
+vec4 cue_periods(Sums channel, vec4 modulation) {
+  if (cue.form == circle) return cue.periods * angles_in_turns(channel.V, channel.U);
+  const vec4 light = max(modulation, vec4(1e-9));
+  vec4 R = clamp(cue.gain * ((channel.U - cue.ambient) / light) - cue.offset, -1.0, 1.0);
+  vec4 y = cue.form == linear ? 0.5 * R + 0.5
+                              : 2.0 * angles_in_turns(sqrt(max(1.0 - R * R, vec4(0.0))), R);
+  return mix(vec4(0.0), cue.periods * y, greaterThan(modulation, vec4(1e-9)));
+}
+
+// By each pixel alone; the neighbours vote later.
+void decode_cue(int fours, Sums channel, vec4 said, inout Pixels pixels) {
+  const bool turns_round = cue.form == circle;
+  vec4 turn = turns[0];
+  if (!turns_round) turn = mix(vec4(0.0), turn, lessThan(turn, vec4(1.0)));
+  const vec4 periods = said - turn;
+  vec4 k = roundEven(periods);
+  if (!turns_round) k = clamp(k, 0.0, cue.periods - 1.0);
+  pixels.y = turns_round ? in_field(coordinate, turn + k) : (turn + k) * coordinate.scale;
+  pixels.doubt = abs(periods - k);
+  if (!turns_round) pixels.doubt = min(pixels.doubt, vec4(0.5));
+  pixels.flags |= flagged(dim, lessThanEqual(pixels.square, vec4(cue.lit_square))) |
+                  flagged(nobody, lessThan(pixels.square, vec4(cue.voting_square))) |
+                  flagged(doubtful_order, greaterThan(pixels.doubt, vec4(cue.largest_doubt)));
+  const int at = (scan() * plane_fours + fours) * kept;
+  between[at + 2] = floatBitsToUint(cue.to_8_bits * pixels.modulation);
+  between[at + 3] = floatBitsToUint(cue.to_8_bits * channel.U);
+  between[at + 4] = floatBitsToUint(cue.to_8_bits * channel.V);
+  between[at + 5] = floatBitsToUint(said);
+  between[at + 6] = uvec4(0u);
+}
+
 Pixels measured(int fours) {
-  Pixels pixels = Pixels(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), ivec4(0));
+  Pixels pixels = Pixels(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), ivec4(0));
   for (int i = 0; i < band_count; ++i) decode(i, fours, pixels);
+  if (cue.form != 0) {
+    const Sums channel = sums(1, fours);
+    decode_cue(fours, channel, cue_periods(channel, pixels.modulation), pixels);
+    return pixels;
+  }
   if (links == 0) {
     pixels.y = in_field(coordinate, turns[0]);
     return pixels;
@@ -217,9 +267,9 @@ void main() {
   write(phase_plane, fours, floatBitsToUint(wrapped_phases(turns[0])));
   write(coordinate_plane, fours, mix(uvec4(nan), floatBitsToUint(pixels.y), known));
   write(doubt_plane, fours, floatBitsToUint(pixels.doubt));
-  if (wants_points == 0) return;
-  const bvec4 lit = equal(pixels.flags & dark, ivec4(0));
-  const int at = 2 * (scan() * plane_fours + fours);
+  if (wants_points == 0 && cue.form == 0) return;
+  const bvec4 lit = equal(pixels.flags & (cue.form == 0 ? dark : 0), ivec4(0));
+  const int at = (scan() * plane_fours + fours) * kept;
   between[at] = floatBitsToUint(mix(vec4(no_coordinate), pixels.y, lit));
   between[at + 1] = uvec4(pixels.flags);
 }

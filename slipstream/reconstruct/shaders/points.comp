@@ -15,9 +15,7 @@ layout(std430, binding = 5) writeonly buffer Packed { uint packed[]; };
 const int valid = 0, too_dark = 1, is_saturated = 2, doubtful = 3, no_point = 4, outside_field = 5,
           out_of_range = 6;
 
-float coordinate_at(int at) {
-  return uintBitsToFloat(between[(scan() * plane_fours + at / 4) * 8 + at % 4]);
-}
+float coordinate_at(int at) { return uintBitsToFloat(between[place(0, at)]); }
 
 int agreeing(float y, int row, int column) {
   if (row < 0 || row >= height || column < 0 || column >= width) return 0;
@@ -103,8 +101,8 @@ void main() {
   vec4 y, z;
   ivec4 flags;
   for (int k = 0; k < 4; ++k) {
-    y[k] = uintBitsToFloat(between[8 * among_scans + k]);
-    flags[k] = int(between[8 * among_scans + 4 + k]);
+    y[k] = coordinate_at(first + k);
+    flags[k] = int(between[place(1, first + k)]);
   }
   const vec4 E_x = rays[2 * fours], E_y = rays[2 * fours + 1];
   ivec4 why = find_points(E_x, E_y, y, z);

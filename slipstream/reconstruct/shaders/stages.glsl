@@ -38,17 +38,27 @@ struct Points {
   int confirmed, fewest_neighbours, fewest_if_doubtful;
 };
 
+struct Cue {
+  int form;  // 0: none
+  float periods, gain, offset, shade, largest_doubt;
+  float share, cue_share, constant_light, steady, component_variance, cue_variance, margin;
+  int lines;
+  float ambient, lit_square, voting_square, to_8_bits;
+};
+
 layout(std430, binding = 1) readonly buffer Stages {
   int width, height;
   int plane_fours;  // of a frame, a plane
   int scan_words, scan_fours;  // of a scan's frames and coarse coordinates, of its planes
   int links;
+  int kept;  // slots between the shaders
   int begins_with_code, coarse_given, coarse_in_field, weighs_bands;
   Coordinate coarse_stage;
   Coordinate coordinate;
   Link coarse;
   Code code;
   Points points;
+  Cue cue;
   // Where planes of the output begin, in fours of pixels; -1 where one is not wanted.
   int x_plane, y_plane, z_plane, mean_plane, modulation_plane, phase_plane, coordinate_plane,
       doubt_plane;
@@ -61,7 +71,8 @@ layout(std430, binding = 1) readonly buffer Stages {
 
 float word(int at) { return intBitsToFloat(words[at]); }
 
-const int dark = 1, saturated = 2, doubtful_order = 4;
+const int dark = 1, saturated = 2, doubtful_order = 4, dim = 8, nobody = 16;
+const int linear = 1, cosine = 2, circle = 3;
 
 // Instead of NaN, which a driver need not keep: a coordinate that nothing is near to.
 const float no_coordinate = 1e30;
@@ -71,6 +82,16 @@ int pixel_count() { return width * height; }
 
 // Of those that are computed at once.
 int scan() { return int(gl_WorkGroupID.z); }
+
+// What is kept of four pixels between the shaders: y, flags, and with a cue modulation, the cue and
+// its sine, the periods that it gives, and shifts twice. In words:
+int place(int slot, int at) { return 4 * ((scan() * plane_fours + at / 4) * kept + slot) + at % 4; }
+
+// CueReference.
+float reference(float y) {
+  const float held = clamp(y, 0.0, 1.0);
+  return cue.form == linear ? 2.0 * held - 1.0 : cos(3.14159265 * held);
+}
 
 // The first of the four pixels of this invocation.
 int first_pixel() {

@@ -48,17 +48,12 @@ dds_entity_t made(dds_entity_t entity, std::string_view what) {
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
 
-Qos quality(dds_reliability_kind_t reliability, int kept) {
+Qos quality(dds_reliability_kind_t reliability, int kept,
+            dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE) {
   Qos qos(dds_create_qos(), &dds_delete_qos);
+  dds_qset_durability(qos.get(), durability);
   dds_qset_reliability(qos.get(), reliability, DDS_SECS(1));
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, kept);
-  return qos;
-}
-
-/// Who comes later gets the newest too.
-Qos lasting() {
-  Qos qos = quality(DDS_RELIABILITY_RELIABLE, 1);
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   return qos;
 }
 
@@ -365,7 +360,8 @@ class Ros2Sink final : public CloudSink {
                         "rcl_interfaces::msg::dds_::ParameterEvent_",
                         quality(DDS_RELIABILITY_RELIABLE, 100)};
   MessageWriter node_{participant_, "ros_discovery_info",
-                      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_", lasting()};
+                      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+                      quality(DDS_RELIABILITY_RELIABLE, 1, DDS_DURABILITY_TRANSIENT_LOCAL)};
   std::vector<Service> services_;
   std::vector<RunSetting> told_;  ///< of the serving thread
   dds_entity_t waiting_ = 0, wake_ = 0;

@@ -22,25 +22,25 @@ struct Wish {
   std::string name, value;
 };
 
+/// Of a setting that is none, which has no name, none.
 Kind kind_of(const RunSetting& setting) {
+  if (setting.name.empty()) return Kind::none;
   if (setting.choices.empty()) return Kind::real;
   return setting.choices == std::vector<std::string>{"off", "on"} ? Kind::boolean : Kind::text;
 }
 
-const RunSetting* find(const Settings& settings, std::string_view name) {
+RunSetting find(const Settings& settings, std::string_view name) {
   const auto found = std::find_if(settings.begin(), settings.end(),
                                   [&](const RunSetting& setting) { return setting.name == name; });
-  return found == settings.end() ? nullptr : &*found;
+  return found == settings.end() ? RunSetting() : *found;
 }
 
 /// A ParameterValue.
-void add_value(const RunSetting* setting, Cdr& cdr) {
-  const Kind kind = setting == nullptr ? Kind::none : kind_of(*setting);
-  const std::string value = setting == nullptr ? "" : setting->value;
-  cdr.add(kind).add(static_cast<std::uint8_t>(kind == Kind::boolean && value == "on"));
-  cdr.add(std::int64_t{0});
-  cdr.add(kind == Kind::real ? number_in<double>(value).value_or(0) : 0.0);
-  cdr.add_text(kind == Kind::text ? value : "");
+void add_value(const RunSetting& setting, Cdr& cdr) {
+  const Kind kind = kind_of(setting);
+  cdr.add(kind).add(static_cast<std::uint8_t>(kind == Kind::boolean && setting.value == "on"));
+  cdr.add(std::int64_t{0}).add(number_in<double>(setting.value).value_or(0));
+  cdr.add_text(kind == Kind::text ? setting.value : "");
   for (int list = 0; list < 5; ++list) cdr.add_count(0);
 }
 
@@ -58,10 +58,10 @@ std::string read_value(CdrReader& cdr) {
                                  : std::move(text);  // of all else it is empty
 }
 
-void add_parameters(const std::vector<const RunSetting*>& settings, Cdr& cdr) {
+void add_parameters(const Settings& settings, Cdr& cdr) {
   cdr.add_count(settings.size());
-  for (const RunSetting* setting : settings) {
-    cdr.add_text(setting->name);
+  for (const RunSetting& setting : settings) {
+    cdr.add_text(setting.name);
     add_value(setting, cdr);
   }
 }
@@ -101,21 +101,20 @@ void change_all(const PublishedRun& run, const std::vector<Wish>& wishes) {
     try {
       run.change(wishes[done].name, wishes[done].value);
     } catch (...) {
-      while (done-- > 0) run.change(wishes[done].name, find(before, wishes[done].name)->value);
+      while (done-- > 0) run.change(wishes[done].name, find(before, wishes[done].name).value);
       throw;
     }
   }
 }
 
-void add_description(const std::string& name, const RunSetting* setting, Cdr& cdr) {
-  cdr.add_text(name).add(setting == nullptr ? Kind::none : kind_of(*setting));
-  const bool is_number = setting != nullptr && setting->choices.empty();
-  const std::string unit = is_number && !setting->unit.empty() ? ", " + setting->unit : "";
-  cdr.add_text(setting == nullptr ? "" : setting->help + unit);
-  cdr.add_text(setting == nullptr ? "" : fmt::format("{}", fmt::join(setting->choices, "; ")));
+void add_description(const std::string& name, const RunSetting& setting, Cdr& cdr) {
+  const bool is_number = kind_of(setting) == Kind::real;
+  cdr.add_text(name).add(kind_of(setting));
+  cdr.add_text(setting.help + (setting.unit.empty() ? "" : ", " + setting.unit));
+  cdr.add_text(fmt::format("{}", fmt::join(setting.choices, "; ")));
   cdr.add(std::uint8_t{0}).add(std::uint8_t{0});  // can be set, to a value of its type
   cdr.add_count(is_number ? 1 : 0);
-  if (is_number) cdr.add(setting->least).add(setting->most).add(0.0);
+  if (is_number) cdr.add(setting.least).add(setting.most).add(0.0);
   cdr.add_count(0);  // of whole numbers
 }
 
@@ -138,12 +137,12 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
   return {
       service("describe_parameters", "DescribeParameters", of_each(add_description)),
       service("get_parameters", "GetParameters",
-              of_each([](const std::string&, const RunSetting* setting, Cdr& answer) {
+              of_each([](const std::string&, const RunSetting& setting, Cdr& answer) {
                 add_value(setting, answer);
               })),
       service("get_parameter_types", "GetParameterTypes",
-              of_each([](const std::string&, const RunSetting* setting, Cdr& answer) {
-                answer.add(setting == nullptr ? Kind::none : kind_of(*setting));
+              of_each([](const std::string&, const RunSetting& setting, Cdr& answer) {
+                answer.add(kind_of(setting));
               })),
       service("list_parameters", "ListParameters",
               [&run](CdrReader& request, Cdr& answer) {
@@ -176,15 +175,14 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
 
 bool write_parameter_event(const std::string& node, std::uint64_t time, const Settings& before,
                            const Settings& now, RosMessage& message) {
-  std::vector<const RunSetting*> come, changed, gone;
+  Settings come, changed, gone;
   for (const RunSetting& setting : now) {
-    const RunSetting* const was = find(before, setting.name);
-    if (was == nullptr) come.push_back(&setting);
-    if (was != nullptr && was->value != setting.value) changed.push_back(&setting);
+    const RunSetting was = find(before, setting.name);
+    if (was.name.empty()) come.push_back(setting);
+    if (!was.name.empty() && was.value != setting.value) changed.push_back(setting);
   }
-  for (const RunSetting& setting : before) {
-    if (find(now, setting.name) == nullptr) gone.push_back(&setting);
-  }
+  std::copy_if(before.begin(), before.end(), std::back_inserter(gone),
+               [&](const RunSetting& setting) { return find(now, setting.name).name.empty(); });
   if (come.empty() && changed.empty() && gone.empty()) return false;
   Cdr cdr(message);
   cdr.add_time(time).add_text("/" + node);

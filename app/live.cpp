@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -249,12 +250,14 @@ std::string save_newest(LiveSession& session) {
                             doubts(session.pipeline.statistics().findings));
 }
 
-/// What the frames of a session's clouds say of the phase, as PublishedRun tells it.
+/// What the frames of a session's clouds say of the phase, as PublishedRun tells it; any sink may
+/// ask.
 class PhasePicture {
  public:
   explicit PhasePicture(LiveSession& session) : session_(session) {}
 
   Image<std::uint8_t> operator()(const LiveCloud& cloud) {
+    const std::lock_guard lock(mutex_);
     if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
       EngineSetup setup = setup_of(session_);
       motion_ = std::exchange(setup.sequence.motion, 0);
@@ -280,6 +283,7 @@ class PhasePicture {
 
  private:
   LiveSession& session_;
+  std::mutex mutex_;
   std::optional<Engine> engine_;
   std::uint64_t changes_ = 0;
   int motion_ = 0;

@@ -338,9 +338,8 @@ class BundleProblem {
             &huber_, parameters_.camera.data(), parameters_.projector.data(),
             parameters_.rig.data(), pose, place);
       } else if (view.camera[i].allFinite()) {
-        problem_.AddResidualBlock(
-            owned(std::make_unique<CameraError>(view.camera[i], deviations.camera)), &huber_,
-            parameters_.camera.data(), pose, place);
+        auto* error = owned(std::make_unique<CameraError>(view.camera[i], deviations.camera));
+        problem_.AddResidualBlock(error, &huber_, parameters_.camera.data(), pose, place);
       }
     }
   }
@@ -354,9 +353,9 @@ class BundleProblem {
     if (held) return hold(lens.data());
     std::vector<int> constant;
     for (int i = 4 + coefficients; i < lens_size; ++i) constant.push_back(i);
-    if (!constant.empty()) {
-      problem_.SetManifold(lens.data(), new ceres::SubsetManifold(lens_size, constant));
-    }
+    if (constant.empty()) return;
+    manifolds_.push_back(std::make_unique<ceres::SubsetManifold>(lens_size, constant));
+    problem_.SetManifold(lens.data(), manifolds_.back().get());
   }
 
   void settle_places(const std::vector<Eigen::Vector3d>& printed,
@@ -380,10 +379,12 @@ class BundleProblem {
   Parameters parameters_;
   // Not the problem's, which loses them where there is no more memory.
   std::vector<std::unique_ptr<ceres::CostFunction>> errors_;
+  std::vector<std::unique_ptr<ceres::Manifold>> manifolds_;
   ceres::HuberLoss huber_{huber_reach};
   ceres::Problem problem_{
       ceres::Problem::Options{.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP,
-                              .loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP}};
+                              .loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP,
+                              .manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP}};
 };
 
 /// Standard deviation of the components, by the median of their sizes.

@@ -1,5 +1,7 @@
 #include "slipstream/calibrate/first_guess.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -50,6 +52,18 @@ Eigen::Matrix<double, Rows, Columns> matrix_of(const cv::Mat& mat) {
   return matrix;
 }
 
+/// To 14 bits, which is near enough to start from. The last digits of OpenCV's solvers are not
+/// those of the run before: LAPACK's sums go by where their memory lies.
+double rounded(double value) {
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return std::ldexp(std::round(std::ldexp(mantissa, 14)), exponent - 14);
+}
+
+void round_off(cv::Mat& numbers) {
+  std::transform(numbers.begin<double>(), numbers.end<double>(), numbers.begin<double>(), rounded);
+}
+
 struct OneDevice {
   cv::Mat intrinsic, distortion;
   std::vector<cv::Mat> rotations, translations;
@@ -61,6 +75,10 @@ OneDevice calibrated(const std::vector<std::vector<cv::Point3f>>& board,
   cv::calibrateCamera(board, pixels, {size.width, size.height}, device.intrinsic, device.distortion,
                       device.rotations, device.translations,
                       cv::CALIB_ZERO_TANGENT_DIST | cv::CALIB_FIX_K3);
+  round_off(device.intrinsic);
+  round_off(device.distortion);
+  for (cv::Mat& turn : device.rotations) round_off(turn);
+  for (cv::Mat& translation : device.translations) round_off(translation);
   return device;
 }
 
@@ -85,13 +103,17 @@ BundleState guess(const SharedCorners& shared, const std::vector<Eigen::Vector3d
                   Size camera_size, Size projector_size) {
   OneDevice camera = calibrated(shared.board, shared.camera, camera_size);
   OneDevice projector = calibrated(shared.board, shared.projector, projector_size);
-  cv::Mat rotation, translation, essential, fundamental;
+  cv::Mat rotation, turn, translation, essential, fundamental;
   cv::stereoCalibrate(shared.board, shared.camera, shared.projector, camera.intrinsic,
                       camera.distortion, projector.intrinsic, projector.distortion,
                       {camera_size.width, camera_size.height}, rotation, translation, essential,
                       fundamental, cv::CALIB_FIX_INTRINSIC);
-  BundleState state{{lens_of(camera, camera_size), lens_of(projector, projector_size),
-                     matrix_of<3, 3>(rotation), matrix_of<3, 1>(translation)},
+  cv::Rodrigues(rotation, turn);
+  round_off(turn);
+  round_off(translation);
+  const Eigen::Isometry3d rig = pose_of(turn, translation);
+  BundleState state{{lens_of(camera, camera_size), lens_of(projector, projector_size), rig.linear(),
+                     rig.translation()},
                     {},
                     printed};
   for (std::size_t v = 0; v < shared.board.size(); ++v) {

@@ -53,6 +53,16 @@ std::string text_of(const std::uint8_t* letters) {
   return reinterpret_cast<const char*>(letters);
 }
 
+/// Of the device's clock; 0, as by a device without one, where its driver tells no time that can
+/// be.
+std::chrono::nanoseconds time_of(const timeval& time) {
+  constexpr std::int64_t longest = std::int64_t{1} << 31;  // seconds: 68 years
+  const bool possible = 0 <= time.tv_sec && time.tv_sec < longest && 0 <= time.tv_usec &&
+                        time.tv_usec < std::micro::den;
+  if (!possible) return {};
+  return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
+}
+
 bool is_camera(VideoDevice& device, v4l2_capability& capability) {
   std::memset(&capability, 0, sizeof(capability));
   if (device.control(VIDIOC_QUERYCAP, &capability) != 0) return false;
@@ -291,8 +301,7 @@ class V4l2Source::Stream {
         frame.pixels);
     frame.stamp = {.sequence = buffer.sequence,
                    .pattern_index = std::nullopt,
-                   .device_time = std::chrono::seconds(buffer.timestamp.tv_sec) +
-                                  std::chrono::microseconds(buffer.timestamp.tv_usec),
+                   .device_time = time_of(buffer.timestamp),
                    .host_time = steady_clock::now()};
     return Arrival::frame;
   }

@@ -71,6 +71,12 @@ Scanner scanner_of(InputNumbers& numbers) {
   return scanner;
 }
 
+/// Past the field the lens polynomial of the fused pass says nothing, so that it does not tell what
+/// lies there from what lies nowhere.
+bool is_off_field(Validity validity) {
+  return validity == Validity::no_point || validity == Validity::outside_field;
+}
+
 /// Any pixels in any scanner: a point is finite where it is valid, and the fused pass and the
 /// reference engine agree on nearly all of them. Where a limit or a tie is met to rounding they may
 /// not.
@@ -106,8 +112,11 @@ void compare_engines(std::span<const std::uint8_t> input) {
     if (std::isfinite(a) != (fused.validity.begin()[i] == Validity::valid)) {
       throw std::logic_error("a valid point that is not finite, or the other way round");
     }
-    const bool same = fused.validity.begin()[i] == reference.validity.begin()[i] &&
-                      (!std::isfinite(a) || std::abs(a - b) <= 1e-2F * std::abs(b));
+    const Validity by_fused = fused.validity.begin()[i],
+                   by_reference = reference.validity.begin()[i];
+    const bool same = by_fused == by_reference
+                          ? !std::isfinite(a) || std::abs(a - b) <= 1e-2F * std::abs(b)
+                          : is_off_field(by_fused) && is_off_field(by_reference);
     other += same ? 0 : 1;
   }
   if (other > fused.z.pixel_count() / 8) {

@@ -34,6 +34,18 @@ PointMethod point_method(PhaseMethod method) {
   return PointMethod::inverse;
 }
 
+/// Whether the point is seen by the projector's lens at that pixel. Past the angle at which its
+/// polynomial turns back, a lens seems to light from within its field what it does not.
+bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d direction = point / point.z();
+  // Only a lens that moves the point this far turns back; to ask it is dear.
+  constexpr double least_turn = 0.1;  // of the field
+  const Eigen::Vector2d moved = (lens.intrinsic * direction).head<2>() - pixel;
+  if (!(moved.norm() > least_turn * lens.size.width)) return true;
+  constexpr double largest_error = 1e-2;
+  return !((ray_through(lens, pixel) - direction).norm() > largest_error);
+}
+
 }  // namespace
 
 ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections)
@@ -194,9 +206,10 @@ Validity ReferenceEngine::validity_of(double coordinate, const Eigen::Vector3d& 
   if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
 
   const Axis other = across(sequence.axis);
-  const double place =
-      coordinate_along(other, project(scanner.projector, in_projector), scanner.projector.size);
-  if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin)) {
+  const Eigen::Vector2d pixel = project(scanner.projector, in_projector);
+  const double place = coordinate_along(other, pixel, scanner.projector.size);
+  if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin) ||
+      !is_lit(scanner.projector, in_projector, pixel)) {
     return Validity::outside_field;
   }
   const auto [nearest, farthest] = depth_range(setup_);

@@ -4,8 +4,8 @@
 // default some of the calls fail, spread evenly. SLIPSTREAM_FAULTS=100 tries about so many of each
 // kind in each command, so that 1000000 are all; SLIPSTREAM_FAULTS=all every one, but of malloc, of
 // each place in the code (see fault_protocol.h) that no command before has tried, the first call
-// and one of those after it; SLIPSTREAM_FAULTS=@500 the 500th call alone. SLIPSTREAM_FAULTS_OF=malloc
-// leaves the other kinds out.
+// and one of those after it; SLIPSTREAM_FAULTS=@500 the 500th call alone.
+// SLIPSTREAM_FAULTS_OF=malloc leaves the other kinds out.
 #include <algorithm>
 #include <array>
 #include <cstdlib>

@@ -10,6 +10,7 @@
 #include <new>
 #include <string>
 
+#include <fcntl.h>
 #include <opencv2/imgproc.hpp>
 #include <tiffio.h>
 
@@ -147,6 +148,12 @@ bool read_lines(TIFF* tiff, cv::Mat& mat) {
   return true;
 }
 
+/// Where there is no more memory: closing must not write on without what was not had.
+[[noreturn]] void give_up(TIFF* tiff) {
+  TIFFSetMode(tiff, O_RDONLY);
+  throw std::bad_alloc();
+}
+
 /// Colours in the other order.
 cv::Mat turned(const cv::Mat& mat) {
   cv::Mat other = mat;
@@ -191,12 +198,13 @@ std::vector<std::uint8_t> tiff_file_of(const cv::Mat& mat) {
   TIFFSetField(tiff.get(), TIFFTAG_COMPRESSION, COMPRESSION_LZW);
   if (!real) TIFFSetField(tiff.get(), TIFFTAG_PREDICTOR, PREDICTOR_HORIZONTAL);
   TIFFSetField(tiff.get(), TIFFTAG_ROWSPERSTRIP, TIFFDefaultStripSize(tiff.get(), 0));
+  if (memory.fault.front() != 0) give_up(tiff.get());
   std::vector<std::uint8_t> line(static_cast<std::size_t>(mat.cols) * mat.elemSize());
   for (int row = 0; row < mat.rows; ++row) {
     // A predictor changes the line that it is given.
     std::copy_n(pixels.ptr(row), line.size(), line.begin());
     if (TIFFWriteScanline(tiff.get(), line.data(), static_cast<std::uint32_t>(row), 0) < 0) {
-      throw std::bad_alloc();  // nothing else can fail in memory
+      give_up(tiff.get());  // nothing else can fail in memory
     }
   }
   tiff.reset();  // writes the directory

@@ -156,6 +156,7 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
                     const std::optional<Scanner>& scanner,
                     const std::optional<fs::path>& scanner_file, bool in_colour) {
+  require_as_taken(sequence.strategy);
   if (lower_case_extension(path) == ".slip") {
     if (in_colour) {
       throw Error(

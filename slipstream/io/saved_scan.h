@@ -32,7 +32,8 @@ Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {
 /// they are not quantised, scan.yaml, and scanner.yaml where the scanner is known, or
 /// `scanner_file` in its place, which is there already; or, where the path ends in .slip, as a
 /// recording of one cycle. `in_colour`: three frames to a picture, see colour_channels.h. Returns
-/// what that says. Throws Error for a recording of unquantised frames or in colour.
+/// what that says. Throws Error for a recording of unquantised frames or in colour, and
+/// as require_as_taken, before anything is written.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,

@@ -239,7 +239,17 @@ void write_scan_files(const fs::path& file, const ScanFiles& scan) {
   write_file(file, scan_yaml_of(scan, file.parent_path()));
 }
 
+void require_as_taken(const Strategy& strategy) {
+  if (strategy.is_spectral() && !strategy.demodulation()) {
+    throw Error(
+        fmt::format("a scan of {} is written as it was taken, and these frames were taken apart as "
+                    "they were read; copy the scan itself",
+                    strategy.name()));
+  }
+}
+
 std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
+  require_as_taken(scan.sequence.strategy);
   YAML::Emitter yaml;
   yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;

@@ -34,7 +34,11 @@ ScanFiles read_scan_files(const std::filesystem::path& file);
 ScanFiles scan_files_from(const std::string& text, const std::string& name,
                           const std::filesystem::path& folder);
 
-/// The text of the scan.yaml in that folder. `frames` is missing where there are none.
+/// Throws Error where the frames of the strategy are not as they were taken, see Strategy::read_as.
+void require_as_taken(const Strategy& strategy);
+
+/// The text of the scan.yaml in that folder. `frames` is missing where there are none. Throws Error
+/// as require_as_taken.
 std::string scan_yaml_of(const ScanFiles& scan, const std::filesystem::path& folder);
 
 /// Writes scan.yaml; frames and scanner are named relative to its folder.

@@ -46,6 +46,9 @@ Sequence changed(const Sequence& first, const SequenceChanges& changes) {
   sequence.projector = changes.projector.value_or(sequence.projector);
   add_settings_in_pixels(changes, length_along(sequence.axis, sequence.projector), settings);
   sequence.strategy = make_strategy(changes.strategy.value_or(known.strategy.name()), settings);
+  // Frames that were taken apart stay so.
+  const bool read = known.strategy.is_spectral() && !known.strategy.demodulation();
+  if (read && !replaced) sequence.strategy = sequence.strategy.read_as();
   sequence.light.alpha_p = changes.alpha_p.value_or(known.light.alpha_p);
   sequence.light.beta_p = changes.beta_p.value_or(known.light.beta_p);
   require_valid(sequence.light);

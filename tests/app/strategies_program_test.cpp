@@ -2,6 +2,7 @@
 // settings that cannot be.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -87,10 +88,17 @@ TEST_P(StrategiesLive, HasTheCloudOfTheScan) {
                                        "--headless", "-o", path("live.ply")});
   ASSERT_EQ(live.exit_code, 0) << live.err;
   EXPECT_TRUE(contents(path("live.ply")) == contents(path("cloud.ply")));
+  if (!of_one_frame()) return;
+  const ProgramRun record = run_program(
+      {"record", "--source", "replay:" + path("scan"), "--rate", "0", "-o", path("scan.slip")});
+  EXPECT_EQ(record.exit_code, 2) << record.err;
+  EXPECT_NE(record.err.find("written as it was taken"), std::string::npos) << record.err;
+  EXPECT_FALSE(std::filesystem::exists(path("scan.slip")));
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesLive,
-                         testing::Values("multi-frequency", "gray-phase", "micro", "modulated"),
+                         testing::Values("multi-frequency", "gray-phase", "micro", "modulated",
+                                         "de-bruijn", "m-array"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
 class StrategiesRefused : public StrategiesProgram {

@@ -13,6 +13,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/phase_measuring.h"
+#include "slipstream/strategy/registry.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
@@ -103,6 +104,14 @@ TEST(SavedScan, MayHaveNoScannerButGivesNoCloudThen) {
   const Scan read = load_scan(folder.path());
   EXPECT_FALSE(read.scanner);
   expect_error([&] { (void)reconstruct(read); }, {"scanner"});
+}
+
+TEST(SavedScan, IsNotWrittenOfFramesThatWereTakenApart) {
+  const TemporaryFolder folder;
+  const Sequence read{.strategy = make_strategy("fourier", {}).read_as()};
+  expect_error([&] { save_scan(folder.path() / "scan", some_scan().frames, read, scanner); },
+               {"fourier", "as it was taken"});
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "scan"));
 }
 
 TEST(SavedScan, HasTheSecondCamerasScanWithIt) {

@@ -22,7 +22,12 @@ void list(const GpuFlags&, Output& output) {
                                           {"software", device.software},
                                           {"memory_bytes", device.memory}});
   }
-  if (devices.empty()) output.say("no GPU that Vulkan finds");
+  if (!devices.empty()) return;
+  try {
+    Gpu::open(std::nullopt);
+  } catch (const WorldError& why) {
+    output.say("{}", why.what());
+  }
 }
 
 }  // namespace

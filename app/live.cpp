@@ -243,11 +243,24 @@ std::string trouble_of(const LivePipeline& pipeline, const Publisher& publisher)
   return pipeline.running() ? "" : "the source has ended";
 }
 
-std::string save_newest(LiveSession& session) {
+/// When the newest cloud was saved last: once a second at most, whoever asks.
+struct LastSave {
+  std::mutex mutex{};
+  std::chrono::steady_clock::time_point end{};
+};
+
+std::string save_newest(LiveSession& session, LastSave& last) {
+  const std::lock_guard lock(last.mutex);
+  if (std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1)) {
+    throw Error("saved a moment ago");
+  }
   const Pooled<LiveCloud> newest = session.pipeline.newest();
   if (!newest) throw Error("no cloud has come that could be saved");
-  return save_in_new_folder(views_of(newest->frames), setup_of(session), session.view.save_to,
-                            doubts(session.pipeline.statistics().findings));
+  std::string folder =
+      save_in_new_folder(views_of(newest->frames), setup_of(session), session.view.save_to,
+                         doubts(session.pipeline.statistics().findings));
+  last.end = std::chrono::steady_clock::now();
+  return folder;
 }
 
 /// What the frames of a session's clouds say of the phase, as PublishedRun tells it; any sink may
@@ -295,13 +308,14 @@ class PhasePicture {
 void open_sinks(const std::vector<std::string>& names, LiveSession& session,
                 const std::function<nlohmann::json()>& document, Publisher& publisher) {
   const Scanner& scanner = session.setup.scanner;
+  const auto last = std::make_shared<LastSave>();
   for (const std::string& name : names) {
     PublishedRun run{
         .camera = scanner.camera,
         .has_points = has_geometry(scanner),
         .statistics = [document] { return document().dump(); },
         .trouble = [&] { return trouble_of(session.pipeline, publisher); },
-        .save = [&session] { return save_newest(session); },
+        .save = [&session, last] { return save_newest(session, *last); },
         .phase = [picture = std::make_shared<PhasePicture>(session)](
                      const LiveCloud& cloud) { return (*picture)(cloud); },
         .settings = [&session] { return settings_of(session); },

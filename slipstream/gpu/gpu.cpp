@@ -250,8 +250,8 @@ struct GpuRun::Parts {
                      static_cast<std::uint32_t>(rows), layers);
   }
 
-  void before(vk::PipelineStageFlags next, vk::AccessFlags reads) {
-    const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite, reads);
+  void before(vk::PipelineStageFlags next, vk::AccessFlags access) {
+    const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite, access);
     command.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, next, {}, written, {}, {});
   }
 
@@ -311,7 +311,8 @@ void GpuRun::start(std::span<const GpuBuffer* const> buffers,
         (invocations + GpuProgram::group_size - 1) / GpuProgram::group_size;
     for (const GpuProgram* program : programs) {
       if (program != programs.front()) {
-        parts_->before(vk::PipelineStageFlagBits::eComputeShader, vk::AccessFlagBits::eShaderRead);
+        parts_->before(vk::PipelineStageFlagBits::eComputeShader,
+                       vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite);
       }
       parts_->dispatch(program->parts_->pipeline, groups, layers);
     }

@@ -18,7 +18,8 @@ struct PublishedRun {
   bool has_points = true;  ///< whether a scanner is known; else there are pictures alone
   std::function<std::string()> statistics{};  ///< what the run has counted until now, as JSON
   std::function<std::string()> trouble{};     ///< one line; empty where all is well
-  std::function<std::string()> save{};        ///< writes the newest cloud; returns where
+  /// Writes the newest cloud; returns where. Throws Error within a second of the last time.
+  std::function<std::string()> save{};
   /// The phase that the cloud's frames show: of each pixel 1 to 255 over a period, 0 where it is
   /// too dark. Empty where they are not of what is looked for now. One thread at a time.
   std::function<Image<std::uint8_t>(const LiveCloud&)> phase{};

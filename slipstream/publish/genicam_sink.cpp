@@ -16,7 +16,6 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/capture/thread_priority.h"
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_text.h"
 #include "slipstream/gige/gige_block.h"
@@ -172,8 +171,7 @@ class GenicamSink final : public CloudSink {
   std::atomic<bool> is_sending_ = false;
   std::uint64_t number_ = 0;        ///< of the newest block, since the client opened its port
   steady_clock::time_point due_{};  ///< of the publisher's thread, as what follows
-  bool gives_way_ = false;
-  std::jthread thread_;  ///< goes first
+  std::jthread thread_;             ///< goes first
 };
 
 void GenicamSink::serve(const std::stop_token& stop) {
@@ -393,7 +391,6 @@ std::shared_ptr<SentBlock> GenicamSink::next_block(bool is_multipart) {
 }
 
 void GenicamSink::put(const Pooled<LiveCloud>& cloud) {
-  if (!std::exchange(gives_way_, true)) let_others_go_first();
   std::unique_lock lock(mutex_);
   const auto stream = stream_for(*cloud);
   if (!stream) return;

@@ -1,6 +1,5 @@
 #include <utility>
 
-#include "slipstream/capture/thread_priority.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/mcap_writer.h"
 #include "slipstream/publish/named_sink.h"
@@ -20,7 +19,6 @@ class McapSink final : public CloudSink {
   bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
   void put(const Pooled<LiveCloud>& cloud) override {
-    if (!std::exchange(gives_way_, true)) let_others_go_first();
     const std::uint64_t time = world_time(cloud->newest.host_time);
     write_image(*cloud, time, message_);
     writer_.write(image_, time, message_);
@@ -42,7 +40,6 @@ class McapSink final : public CloudSink {
   McapWriter writer_;
   std::uint16_t image_ = 0, points_ = 0;
   RosMessage message_;
-  bool gives_way_ = false;  ///< its thread
   DisjointClouds clouds_;
 };
 

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/capture/thread_priority.h"
 #include "slipstream/live/cloud_follower.h"
 
 namespace slipstream {
@@ -28,6 +29,7 @@ struct Publisher::Outlet {
         sink(std::move(opened)),
         follower(
             [this](const Pooled<LiveCloud>& cloud) {
+              if (published == 0) let_others_go_first();
               sink->put(cloud);
               ++published;
             },

@@ -30,7 +30,6 @@ namespace slipstream {
 namespace {
 using namespace std::chrono_literals;
 
-constexpr auto between_saves = 1s;
 constexpr auto between_looks = DDS_MSECS(200);
 constexpr std::size_t most_news = 64;
 
@@ -228,7 +227,7 @@ class Ros2Sink final : public CloudSink {
       depth_.emplace(participant_, name + "/depth", "Image");
       camera_.emplace(participant_, name + "/camera_info", "CameraInfo");
     }
-    add_trigger("capture", [this] { return capture(); });
+    add_trigger("capture", [this] { return TriggerAnswer{true, run_.save()}; });
     add_trigger("check", [this] { return check(); });
     if (run_.settings) {
       for (const RosService& service : parameter_services(name, run_)) {
@@ -251,7 +250,6 @@ class Ros2Sink final : public CloudSink {
   bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
   void put(const Pooled<LiveCloud>& cloud) override {
-    if (!std::exchange(gives_way_, true)) let_others_go_first();
     const std::uint64_t time = world_time(cloud->newest.host_time);
     image_.write_if_heard([&](RosMessage& message) { write_image(*cloud, time, message); });
     if (!points_) return;
@@ -298,14 +296,6 @@ class Ros2Sink final : public CloudSink {
     return pulled();
   } catch (const std::exception& error) {
     return {false, error.what()};
-  }
-
-  TriggerAnswer capture() {
-    const auto now = std::chrono::steady_clock::now();
-    if (saved_ && now - *saved_ < between_saves) return {false, "saved a moment ago"};
-    TriggerAnswer answer{true, run_.save()};
-    saved_ = std::chrono::steady_clock::now();
-    return answer;
   }
 
   TriggerAnswer check() {
@@ -366,8 +356,6 @@ class Ros2Sink final : public CloudSink {
   std::vector<RunSetting> told_;  ///< of the serving thread
   dds_entity_t waiting_ = 0, wake_ = 0;
   DisjointClouds clouds_;
-  bool gives_way_ = false;                                      ///< its thread
-  std::optional<std::chrono::steady_clock::time_point> saved_;  ///< of the serving thread
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

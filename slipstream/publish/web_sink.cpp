@@ -42,7 +42,7 @@ constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body 
                       largest_message = 64;
 /// How long a client may take to ask for something, and to take it.
 constexpr auto patience = 10s, answer_patience = 30s;
-constexpr std::chrono::milliseconds between_saves{1000}, between_clouds{30}, between_looks{200};
+constexpr std::chrono::milliseconds between_clouds{30}, between_looks{200};
 /// Scripts and styles are the page's own; nothing else is fetched, and no other page frames it.
 constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
@@ -107,7 +107,6 @@ class WebSink final : public CloudSink {
   void accept();
   void serve_waiting();
   void serve();
-  std::string save();
   const std::string& settings();
   void change(const std::string& wish);
 
@@ -127,7 +126,7 @@ class WebSink final : public CloudSink {
     std::chrono::steady_clock::time_point next{};  ///< when another may be
   };
   std::array<Sent, 2> sent_{};  ///< without phase and with it
-  std::chrono::steady_clock::time_point saved_{}, looked_at_{};
+  std::chrono::steady_clock::time_point looked_at_{};
   std::string settings_;  ///< of that time
   asio::io_context io_{1};
   tcp::acceptor acceptor_{io_};
@@ -357,13 +356,6 @@ std::string WebSink::refusal(const Request& request) const {
   return "";
 }
 
-std::string WebSink::save() {
-  if (std::chrono::steady_clock::now() - saved_ < between_saves) return "saved a moment ago";
-  std::string folder = run_.save();
-  saved_ = std::chrono::steady_clock::now();
-  return folder;
-}
-
 /// A camera is not asked for each page.
 const std::string& WebSink::settings() {
   const auto now = std::chrono::steady_clock::now();
@@ -427,7 +419,7 @@ http::response<http::string_body> WebSink::answer(const Request& request) {
       change(request.body());
       say(http::status::ok, settings(), "application/json");
     } else if (request.method() == http::verb::post && path == "/save") {
-      say(http::status::ok, save());
+      say(http::status::ok, run_.save());
     } else {
       say(http::status::not_found, "there is no such page\n");
     }

@@ -45,30 +45,6 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
 }
 
-void prepare(const FusedOutput& output, Size size, bool doubtful) {
-  if (output.cloud != nullptr) {
-    Cloud& cloud = *output.cloud;
-    for (Image<float>* image : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity}) {
-      prepare(*image, size);
-    }
-    prepare(cloud.validity, size);
-  }
-  if (output.depth != nullptr) {
-    prepare(output.depth->z, size);
-    prepare(output.depth->validity, size);
-  }
-  if (output.maps != nullptr) {
-    Maps& maps = *output.maps;
-    for (Image<float>* image :
-         {&maps.mean, &maps.modulation, &maps.wrapped_phase, &maps.coordinate}) {
-      prepare(*image, size);
-    }
-    prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
-  }
-  if (output.modulation != nullptr) prepare(*output.modulation, size);
-  if (output.numbers != nullptr) prepare(*output.numbers, size);
-}
-
 /// Where what is written would push out of the cache what is read, and rows start at whole vectors
 /// or at halves of the widest.
 bool written_past_cache(Size size) {
@@ -431,6 +407,30 @@ void run_bands(const Pass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
 }
 
 }  // namespace
+
+void prepare(const FusedOutput& output, Size size, bool doubtful) {
+  if (output.cloud != nullptr) {
+    Cloud& cloud = *output.cloud;
+    for (Image<float>* image : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity}) {
+      prepare(*image, size);
+    }
+    prepare(cloud.validity, size);
+  }
+  if (output.depth != nullptr) {
+    prepare(output.depth->z, size);
+    prepare(output.depth->validity, size);
+  }
+  if (output.maps != nullptr) {
+    Maps& maps = *output.maps;
+    for (Image<float>* image :
+         {&maps.mean, &maps.modulation, &maps.wrapped_phase, &maps.coordinate}) {
+      prepare(*image, size);
+    }
+    prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
+  }
+  if (output.modulation != nullptr) prepare(*output.modulation, size);
+  if (output.numbers != nullptr) prepare(*output.numbers, size);
+}
 
 void require_frames(const FrameViews& frames, const FusedStages& stages) {
   const Size camera = stages.rays.E_x.size();

@@ -54,6 +54,9 @@ struct FusedOutput {
   }
 };
 
+/// Gives what is wanted the size of the picture; `doubtful`: the maps have doubts.
+void prepare(const FusedOutput& output, Size size, bool doubtful);
+
 /// Throws Error where the frames are not as many as the strategy's or not of the camera's size.
 void require_frames(const FrameViews& frames, const FusedStages& stages);
 

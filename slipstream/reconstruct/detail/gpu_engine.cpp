@@ -106,8 +106,7 @@ struct PlaneList {
   GpuStages::Planes planes{};
   std::vector<Image<float>*> images{};
 
-  void add(GpuStages::Word& plane, Image<float>& image, Size size) {
-    if (image.size() != size) image = Image<float>(size);
+  void add(GpuStages::Word& plane, Image<float>& image) {
     plane = static_cast<GpuStages::Word>(images.size() * (plane_pixels / whole_words));
     images.push_back(&image);
   }
@@ -118,36 +117,25 @@ Image<Validity>* reasons_of(const FusedOutput& output) {
   return output.depth != nullptr ? &output.depth->validity : nullptr;
 }
 
-PlaneList planes_of(const FusedOutput& output, Size size, bool several_bands,
-                    std::size_t plane_pixels) {
+PlaneList planes_of(const FusedOutput& output, std::size_t plane_pixels) {
   PlaneList list{.plane_pixels = plane_pixels};
   GpuStages::Planes& at = list.planes;
   if (Cloud* const cloud = output.cloud) {
-    list.add(at.x, cloud->x, size);
-    list.add(at.y, cloud->y, size);
-    list.add(at.z, cloud->z, size);
-    if (output.maps == nullptr) list.add(at.mean, cloud->intensity, size);
+    list.add(at.x, cloud->x);
+    list.add(at.y, cloud->y);
+    list.add(at.z, cloud->z);
+    if (output.maps == nullptr) list.add(at.mean, cloud->intensity);
   } else if (output.depth != nullptr) {
-    list.add(at.z, output.depth->z, size);
+    list.add(at.z, output.depth->z);
   }
   if (Maps* const maps = output.maps) {
-    list.add(at.mean, maps->mean, size);
-    list.add(at.modulation, maps->modulation, size);
-    list.add(at.phase, maps->wrapped_phase, size);
-    list.add(at.coordinate, maps->coordinate, size);
-    if (several_bands) {
-      list.add(at.doubt, maps->fringe_order_doubt, size);
-    } else {
-      maps->fringe_order_doubt = {};
-    }
+    list.add(at.mean, maps->mean);
+    list.add(at.modulation, maps->modulation);
+    list.add(at.phase, maps->wrapped_phase);
+    list.add(at.coordinate, maps->coordinate);
+    if (!maps->fringe_order_doubt.empty()) list.add(at.doubt, maps->fringe_order_doubt);
   } else if (output.modulation != nullptr) {
-    list.add(at.modulation, *output.modulation, size);
-  }
-  if (Image<Validity>* const reasons = reasons_of(output); reasons && reasons->size() != size) {
-    *reasons = Image<Validity>(size);
-  }
-  if (output.numbers != nullptr && output.numbers->size() != size) {
-    *output.numbers = Image<std::uint16_t>(size);
+    list.add(at.modulation, *output.modulation);
   }
   return list;
 }
@@ -159,7 +147,6 @@ void copy_rows(const std::byte* from, int first, int last, Image<Pixel>& to) {
 }
 
 void scale_intensity(const Image<float>& mean, double full_scale, Image<float>& intensity) {
-  if (intensity.size() != mean.size()) intensity = mean;
   const auto to_8_bits = static_cast<float>(255 / full_scale);
   std::transform(mean.begin(), mean.end(), intensity.begin(),
                  [&](float level) { return to_8_bits * level; });
@@ -323,8 +310,8 @@ GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
           .pixel_bytes = bytes_of_pixels(frames),
           .together = std::min(together_, scans.size())};
   for (const FusedOutput& of : outputs) {
-    job.planes.push_back(
-        planes_of(of, size, text_.stages.links > 0 || !vote_.empty(), job.plane_pixels));
+    prepare(of, size, text_.stages.links > 0 || !vote_.empty());
+    job.planes.push_back(planes_of(of, job.plane_pixels));
   }
   GpuStages& stages = job.stages;
   const double full_scale = frames.full_scale();

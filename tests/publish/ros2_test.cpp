@@ -2,18 +2,13 @@
 // a process of its own, over the network of this machine.
 #include <array>
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
-#include <functional>
 #include <map>
-#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
-#include <type_traits>
 #include <vector>
 
 #include <dds/dds.h>
@@ -21,59 +16,18 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/mman.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "ros2_messages.h"
 #include "slipstream/error/error.h"
 #include "slipstream/publish/dds_messages.h"
 #include "slipstream/publish/named_sink.h"
-#include "tests/app/program.h"
 #include "tests/publish/any_cloud.h"
+#include "tests/publish/ros2_client.h"
 
 namespace slipstream {
 namespace {
 using namespace std::chrono_literals;
-
-/// A domain that no other test uses at the same time, on this machine alone and without multicast.
-void choose_domain() {
-  ::setenv("ROS_DOMAIN_ID", std::to_string(1 + ::getpid() % 200).c_str(), 1);
-  ::setenv("ROS_LOCALHOST_ONLY", "1", 1);
-  ::setenv("CYCLONEDDS_URI",
-           "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast>"
-           "<Interfaces><NetworkInterface address=\"127.0.0.1\"/></Interfaces></General>"
-           "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
-           "<Peers><Peer Address=\"127.0.0.1\"/></Peers></Discovery>"
-           "<Internal><SocketReceiveBufferSize min=\"4MB\"/></Internal></Domain></CycloneDDS>",
-           1);
-}
-
-/// Another process that does something, and is killed if it has not ended.
-class Child {
- public:
-  explicit Child(const std::function<void()>& work) : process_(::fork()) {
-    if (process_ != 0) return;
-    work();
-    ::_exit(0);
-  }
-  ~Child() {
-    ::kill(process_, SIGKILL);
-    ::waitpid(process_, nullptr, 0);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  [[nodiscard]] pid_t process() const { return process_; }
-
-  [[nodiscard]] long resident_pages() const {
-    std::ifstream file(fmt::format("/proc/{}/statm", process_));
-    long all = 0, resident = 0;
-    file >> all >> resident;
-    return resident;
-  }
-
- private:
-  pid_t process_;
-};
 
 /// What publisher and test both see.
 struct Shared {
@@ -109,48 +63,6 @@ void publish_clouds(Shared& shared) {
     sink->put(clouds[shared.published++ % clouds.size()]);
     std::this_thread::sleep_for(5ms);
   }
-}
-
-/// A program of ROS 2.
-struct Client {
-  Client() {
-    choose_domain();
-    const auto id = static_cast<dds_domainid_t>(std::atoi(std::getenv("ROS_DOMAIN_ID")));
-    participant = dds_create_participant(id, nullptr, nullptr);
-  }
-  ~Client() { dds_delete(participant); }
-
-  [[nodiscard]] dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& name,
-                                    bool reliable = false, bool lasting = false) const {
-    dds_qos_t* const qos = dds_create_qos();
-    if (lasting) dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
-    dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                         DDS_SECS(1));
-    dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, 5);
-    const auto topic = dds_create_topic(participant, &type, name.c_str(), nullptr, nullptr);
-    const auto made = dds_create_reader(participant, topic, qos, nullptr);
-    dds_delete_qos(qos);
-    return made;
-  }
-
-  dds_entity_t participant;
-};
-
-/// Whether it saw one; `see` is called for each that has come.
-template <class Message>
-bool take(dds_entity_t reader, const std::function<void(const Message&)>& see) {
-  void* sample = nullptr;
-  dds_sample_info_t info;
-  bool saw = false;
-  while (dds_take(reader, &sample, &info, 1, 1) == 1) {
-    if (info.valid_data) {
-      see(*static_cast<const Message*>(sample));
-      saw = true;
-    }
-    dds_return_loan(reader, &sample, 1);
-    sample = nullptr;
-  }
-  return saw;
 }
 
 using PointCloud = sensor_msgs_msg_dds__PointCloud2_;
@@ -257,45 +169,6 @@ TEST(Ros2, a_subscriber_by_the_public_definitions_gets_every_point_bit_for_bit) 
       << "picture and depth of one cloud have one time";
 }
 
-/// Calls a service until it answers, as a client of ROS 2 over Cyclone DDS does.
-template <class Request, class Response>
-struct ServiceCaller {
-  ServiceCaller(const Client& client, const std::string& name,
-                const dds_topic_descriptor_t& request, const dds_topic_descriptor_t& response) {
-    const auto topic = dds_create_topic(client.participant, &request,
-                                        ("rq/" + name + "Request").c_str(), nullptr, nullptr);
-    writer = dds_create_writer(client.participant, topic, nullptr, nullptr);
-    reader = client.reader(response, "rr/" + name + "Reply", true);
-    wait_until([&] {
-      std::this_thread::sleep_for(5ms);
-      dds_publication_matched_status_t to{};
-      dds_subscription_matched_status_t from{};
-      dds_get_publication_matched_status(writer, &to);
-      dds_get_subscription_matched_status(reader, &from);
-      return to.current_count > 0 && from.current_count > 0;
-    });
-  }
-  void call(Request request, const std::function<void(const Response&)>& see) {
-    request.guid = 0xfedcba9876543210U;
-    request.seq = ++number;
-    dds_write(writer, &request);
-    bool came = false;
-    wait_until([&] {
-      std::this_thread::sleep_for(1ms);
-      came = came || take<Response>(reader, [&](const Response& told) {
-               EXPECT_EQ(told.guid, request.guid);
-               EXPECT_EQ(told.seq, number);
-               see(told);
-             });
-      return came;
-    });
-    EXPECT_TRUE(came);
-  }
-
-  dds_entity_t writer, reader;
-  std::int64_t number = 0;
-};
-
 struct Caller : ServiceCaller<Request, Response> {
   Caller(const Client& client, const std::string& name)
       : ServiceCaller(client, name, std_srvs_srv_dds__Trigger_Request__desc,
@@ -328,213 +201,6 @@ TEST(Ros2, services_save_a_cloud_and_say_what_is_amiss) {
   shared.ill = true;
   EXPECT_EQ(check.call(), Answer(false, "the camera is gone; too dark"));
   EXPECT_EQ(capture.call_until_true(), Answer(true, "folder-2"));
-}
-
-// Those of ROS 2's parameters.
-#define OF_PARAMETERS(What)                                            \
-  ServiceCaller<rcl_interfaces_srv_dds__##What##Parameters_Request_,   \
-                rcl_interfaces_srv_dds__##What##Parameters_Response_>( \
-      client, "cell/scanner/" + name_of(#What),                        \
-      rcl_interfaces_srv_dds__##What##Parameters_Request__desc,        \
-      rcl_interfaces_srv_dds__##What##Parameters_Response__desc)
-
-std::string name_of(const std::string& what) {
-  return static_cast<char>(what[0] - 'A' + 'a') + what.substr(1) + "_parameters";
-}
-
-using Value = rcl_interfaces_msg_dds__ParameterValue_;
-using Parameter = rcl_interfaces_msg_dds__Parameter_;
-using Event = rcl_interfaces_msg_dds__ParameterEvent_;
-
-char* text(const char* letters) {
-  return const_cast<char*>(letters);
-}
-template <class Given>
-Value value_of(Given given) {
-  Value value{};
-  value.string_value = text("");
-  if constexpr (std::is_same_v<Given, bool>) {
-    value.type = 1;
-    value.bool_value = given;
-  } else if constexpr (std::is_same_v<Given, int>) {
-    value.type = 2;
-    value.integer_value = given;
-  } else if constexpr (std::is_same_v<Given, double>) {
-    value.type = 3;
-    value.double_value = given;
-  } else {
-    value.type = 4;
-    value.string_value = text(given);
-  }
-  return value;
-}
-/// "3: 20", as the value's type is.
-std::string text_of(const Value& value) {
-  return fmt::format("{}: {}", value.type,
-                     value.type == 1   ? (value.bool_value ? "true" : "false")
-                     : value.type == 3 ? fmt::format("{}", value.double_value)
-                                       : value.string_value);
-}
-template <class Sequence, class Tell>
-std::vector<std::string> all(const Sequence& sequence, Tell tell) {
-  std::vector<std::string> texts;
-  for (std::uint32_t i = 0; i < sequence._length; ++i) texts.push_back(tell(sequence._buffer[i]));
-  return texts;
-}
-std::string named(const Parameter& parameter) {
-  return fmt::format("{} {}", parameter.name, text_of(parameter.value));
-}
-using Texts = std::vector<std::string>;
-
-void publish_settings() {
-  std::mutex mutex;
-  std::vector<RunSetting> settings{
-      {.name = "min-modulation",
-       .help = "least modulation",
-       .unit = "grey levels",
-       .value = "15",
-       .most = 127},
-      {.name = "record", .help = "all frames", .value = "off", .choices = {"off", "on"}},
-      {.name = "strategy", .help = "what is shown", .value = "PMP", .choices = {"PMP", "Gray"}}};
-  const auto sink =
-      open_sink("ros2:/cell/scanner", {.camera = camera(),
-                                       .settings =
-                                           [&] {
-                                             const std::lock_guard lock(mutex);
-                                             return settings;
-                                           },
-                                       .change =
-                                           [&](const std::string& name, const std::string& value) {
-                                             const std::lock_guard lock(mutex);
-                                             require_settable(settings, name, value);
-                                             for (RunSetting& one : settings) {
-                                               if (one.name == name) one.value = value;
-                                             }
-                                           }});
-  while (true) std::this_thread::sleep_for(100ms);
-}
-
-TEST(Ros2, settings_are_a_nodes_parameters) {
-  choose_domain();
-  const Child publisher(publish_settings);
-  const Client client;
-  const auto events =
-      client.reader(rcl_interfaces_msg_dds__ParameterEvent__desc, "rt/parameter_events", true);
-  std::vector<Texts> come, changed;
-  const auto hear = [&] {
-    take<Event>(events, [&](const Event& event) {
-      EXPECT_STREQ(event.node, "/cell/scanner");
-      EXPECT_EQ(event.deleted_parameters._length, 0U);
-      if (event.new_parameters._length > 0) come.push_back(all(event.new_parameters, named));
-      if (event.changed_parameters._length > 0) {
-        changed.push_back(all(event.changed_parameters, named));
-      }
-    });
-  };
-  const auto nodes = client.reader(rmw_dds_common_msg_dds__ParticipantEntitiesInfo__desc,
-                                   "ros_discovery_info", true, true);
-  Texts known;
-  wait_until([&] {
-    take<rmw_dds_common_msg_dds__ParticipantEntitiesInfo_>(nodes, [&](const auto& info) {
-      known = all(info.node_entities_info_seq, [](const auto& node) {
-        return fmt::format("{} {}", node.node_namespace, node.node_name);
-      });
-    });
-    std::this_thread::sleep_for(1ms);
-    return !known.empty();
-  });
-  EXPECT_EQ(known, Texts{"/cell scanner"});
-  wait_until([&] {
-    dds_subscription_matched_status_t from{};
-    dds_get_subscription_matched_status(events, &from);
-    std::this_thread::sleep_for(1ms);
-    return from.current_count > 0;
-  });
-
-  const Texts names{"min-modulation", "record", "strategy"};
-  OF_PARAMETERS(List).call({}, [&](const auto& answer) {
-    EXPECT_EQ(all(answer.names, [](const char* name) { return name; }), names);
-    EXPECT_EQ(answer.prefixes._length, 0U);
-  });
-  std::array asked{text("strategy"), text("nothing"), text("record"), text("min-modulation")};
-  auto getter = OF_PARAMETERS(Get);
-  rcl_interfaces_srv_dds__GetParameters_Request_ of_these{};
-  of_these.names = {4, 4, asked.data(), false};
-  const auto get = [&] {
-    Texts values;
-    getter.call(of_these, [&](const auto& answer) { values = all(answer.values, text_of); });
-    return values;
-  };
-  EXPECT_EQ(get(), (Texts{"4: PMP", "0: ", "1: false", "3: 15"}));
-  rcl_interfaces_srv_dds__DescribeParameters_Request_ what{};
-  what.names = of_these.names;
-  OF_PARAMETERS(Describe).call(what, [&](const auto& answer) {
-    ASSERT_EQ(answer.descriptors._length, 4U);
-    const auto& [strategy, nothing, record, number] =
-        *reinterpret_cast<std::array<rcl_interfaces_msg_dds__ParameterDescriptor_, 4>*>(
-            answer.descriptors._buffer);
-    EXPECT_STREQ(strategy.additional_constraints, "PMP; Gray");
-    EXPECT_EQ(nothing.type, 0);
-    EXPECT_STREQ(nothing.name, "nothing");
-    EXPECT_EQ(record.type, 1);
-    EXPECT_STREQ(number.description, "least modulation, grey levels");
-    ASSERT_EQ(number.floating_point_range._length, 1U);
-    EXPECT_EQ(number.floating_point_range._buffer[0].from_value, 0);
-    EXPECT_EQ(number.floating_point_range._buffer[0].to_value, 127);
-  });
-  auto setter = OF_PARAMETERS(Set);
-  const auto set = [&](std::vector<Parameter> wishes) {
-    Texts outcomes;
-    const auto count = static_cast<std::uint32_t>(wishes.size());
-    rcl_interfaces_srv_dds__SetParameters_Request_ request{};
-    request.parameters = {count, count, wishes.data(), false};
-    setter.call(request, [&](const auto& answer) {
-      outcomes = all(answer.results, [](const auto& result) {
-        return result.successful ? "done" : std::string(result.reason);
-      });
-    });
-    return outcomes;
-  };
-  EXPECT_EQ(set({{text("min-modulation"), value_of(20)},
-                 {text("min-modulation"), value_of(200.5)},
-                 {text("record"), value_of(true)},
-                 {text("strategy"), value_of("Grey")},
-                 {text("strateg"), value_of("Gray")},
-                 {text("strategy"), value_of("Gray")}}),
-            (Texts{"done", "min-modulation '200.5': a number from 0 to 127 grey levels is wanted",
-                   "done", "strategy 'Grey': wanted is one of: PMP; Gray; did you mean Gray?",
-                   "there is no setting 'strateg' now; did you mean strategy?; there are "
-                   "min-modulation, record, strategy",
-                   "done"}));
-  EXPECT_EQ(get(), (Texts{"4: Gray", "0: ", "1: true", "3: 20"}));
-  std::vector<Parameter> wishes{{text("min-modulation"), value_of(30.0)},
-                                {text("record"), value_of("perhaps")}};
-  rcl_interfaces_srv_dds__SetParametersAtomically_Request_ both{};
-  both.parameters = {2, 2, wishes.data(), false};
-  ServiceCaller<rcl_interfaces_srv_dds__SetParametersAtomically_Request_,
-                rcl_interfaces_srv_dds__SetParametersAtomically_Response_>(
-      client, "cell/scanner/set_parameters_atomically",
-      rcl_interfaces_srv_dds__SetParametersAtomically_Request__desc,
-      rcl_interfaces_srv_dds__SetParametersAtomically_Response__desc)
-      .call(both, [](const auto& answer) {
-        EXPECT_FALSE(answer.result.successful);
-        EXPECT_STREQ(answer.result.reason, "record 'perhaps': wanted is one of: off; on");
-      });
-  EXPECT_EQ(get(), (Texts{"4: Gray", "0: ", "1: true", "3: 20"}));
-  wait_until([&] {
-    hear();
-    std::this_thread::sleep_for(1ms);
-    Texts last;
-    for (const Texts& some : changed) last.insert(last.end(), some.begin(), some.end());
-    return last.size() >= 3;
-  });
-  // What was there at the start may have been told before anybody could hear it.
-  for (const Texts& one : come) {
-    EXPECT_EQ(one, (Texts{"min-modulation 3: 15", "record 1: false", "strategy 4: PMP"}));
-  }
-  Texts last;
-  for (const Texts& some : changed) last.insert(last.end(), some.begin(), some.end());
-  EXPECT_EQ(last, (Texts{"min-modulation 3: 20", "record 1: true", "strategy 4: Gray"}));
 }
 
 TEST(Ros2, subscribers_that_stop_reading_or_send_garbage_or_go_away_change_nothing) {

@@ -25,13 +25,14 @@ set_property(GLOBAL PROPERTY SLIPSTREAM_PACKAGE_LINES "")
 # Sources include what they use all the same: CMAKE_DISABLE_PRECOMPILE_HEADERS goes without.
 slipstream_find_library(Eigen3::Eigen REQUIRED)
 slipstream_find_library(fmt::fmt REQUIRED)
+set(slipstream_precompiled_headers
+  <algorithm> <array> <atomic> <chrono> <cmath> <filesystem> <functional> <map> <memory> <mutex>
+  <optional> <span> <string> <thread> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
 file(CONFIGURE OUTPUT precompiled.cpp CONTENT "")
 add_library(slipstream_precompiled OBJECT ${CMAKE_CURRENT_BINARY_DIR}/precompiled.cpp)
 target_compile_features(slipstream_precompiled PRIVATE cxx_std_20)
 target_link_libraries(slipstream_precompiled PRIVATE Eigen3::Eigen fmt::fmt slipstream_warnings)
-target_precompile_headers(slipstream_precompiled PRIVATE
-  <algorithm> <array> <atomic> <chrono> <cmath> <filesystem> <functional> <map> <memory> <mutex>
-  <optional> <span> <string> <thread> <variant> <vector> <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
+target_precompile_headers(slipstream_precompiled PRIVATE ${slipstream_precompiled_headers})
 
 function(slipstream_room room)
   cmake_parse_arguments(PARSE_ARGV 1 arg "PRIVATE_HEADERS" "" "USES;LINKS;HIDES;LEAVES_OUT")

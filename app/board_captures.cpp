@@ -6,7 +6,7 @@ namespace slipstream::app {
 
 void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
   command
-      .add(
+      .add_file(
           "folder", flags.folder,
           "holds a folder for each pose: scans x and y (folders, or recordings x.slip and y.slip), "
           "or the pictures of both")

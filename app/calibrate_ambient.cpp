@@ -64,11 +64,11 @@ void add_calibrate_ambient(CLI::App& calibrate, Command& chosen) {
       add_command(calibrate, chosen, calibrate_ambient, "ambient",
                   "the ambient light, from scans of a bright surface with many steps");
   command
-      .add("folders", flags.folders,
-           "scan folders or recordings of one unmoved scene, pmp; averaged")
+      .add_file("folders", flags.folders,
+                "scan folders or recordings of one unmoved scene, pmp; averaged")
       ->required();
   command.add("--least-reflectivity", flags.least_alpha, "of the pixels that count, 0 to 1");
-  command.add("--histogram", flags.histogram, "of the pixels' ambient light: .png");
+  command.add_output("--histogram", flags.histogram, "of the pixels' ambient light: .png");
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
   command.app.footer("Example:\n  slipstream calibrate ambient scan_1 scan_2 -o scanner.yaml");

@@ -49,7 +49,8 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
 void add_calibrate_board(CLI::App& calibrate, Command& chosen) {
   const auto [command, flags] =
       add_command(calibrate, chosen, write_board, "board", "draw a calibration board to print");
-  command.add("-o,--output", flags.file, "the picture: .png, .tiff, .bmp or .pgm")->required();
+  command.add_output("-o,--output", flags.file, "the picture: .png, .tiff, .bmp or .pgm")
+      ->required();
   command.add("--dpi", flags.dots_per_inch, "pixels for each inch of paper");
   add_board_flags(command.app, flags.board);
   command.app.footer(

@@ -53,8 +53,8 @@ void add_calibrate_colour(CLI::App& calibrate, Command& chosen) {
                   "what a camera's red, green and blue see of a projector's, from pictures of a "
                   "white surface");
   command
-      .add("folder", flags.folder,
-           "pictures named as what was shown: black, red, green, blue (patterns --colour)")
+      .add_file("folder", flags.folder,
+                "pictures named as what was shown: black, red, green, blue (patterns --colour)")
       ->required();
   add_calibration_files(command.app, flags.files);
   command.app.footer(

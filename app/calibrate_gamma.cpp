@@ -135,15 +135,16 @@ void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
   const auto [command, flags] =
       add_command(calibrate, chosen, calibrate_gamma, "gamma",
                   "the projector's response, from scans of any surface or uniform patterns");
-  command.add("folders", flags.folders,
-              "scan folders or recordings of one unmoved scene, best of 8 steps or more; averaged");
+  command.add_file(
+      "folders", flags.folders,
+      "scan folders or recordings of one unmoved scene, best of 8 steps or more; averaged");
   command.add("--uniform", flags.uniform,
               "folder of pictures of uniform patterns, named by grey level: level_017.png");
   command.add("--response", flags.response,
               "take the curve through the uniform patterns, whatever its form");
   add_calibration_files(command.app, flags.files);
-  command.add("--map", flags.map, "gamma of every pixel: .tiff");
-  command.add("--histogram", flags.histogram, "gamma of the pixels, counted: .png");
+  command.add_output("--map", flags.map, "gamma of every pixel: .tiff");
+  command.add_output("--histogram", flags.histogram, "gamma of the pixels, counted: .png");
   command.add("--min-modulation", flags.minimum_modulation, "least modulation, grey levels of 255")
       ->default_str("16");
   add_scan_flags(command.app, flags.scan);

@@ -201,7 +201,8 @@ void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
 void add_calibrate_geometry(CLI::App& calibrate_command, Command& chosen) {
   const auto [command, flags] = add_command(calibrate_command, chosen, calibrate_boards, "geometry",
                                             "scans of a board in several poses to a scanner file");
-  command.add("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")->required();
+  command.add_scanner_output("-o,--output", flags.scanner, "the scanner file: .yaml or .xml")
+      ->required();
   command.add("--report", flags.report, "a folder for a report with pictures");
   command.add_file("--compare", flags.compare, "a scanner file to hold beside the result");
   command.add("--measured", flags.measured,

@@ -70,7 +70,7 @@ void add_calibrate_noise(CLI::App& calibrate, Command& chosen) {
   const auto [command, flags] =
       add_command(calibrate, chosen, calibrate_noise, "noise",
                   "the variance of the frames' noise, by all measurements that the scans allow");
-  command.add("folders", flags.folders, "scan folders or recordings of one unmoved scene")
+  command.add_file("folders", flags.folders, "scan folders or recordings of one unmoved scene")
       ->required();
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);

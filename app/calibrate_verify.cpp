@@ -103,8 +103,8 @@ void add_calibrate_verify(CLI::App& calibrate, Command& chosen) {
       add_command(calibrate, chosen, verify, "verify",
                   "whether a scanner file still holds, by scans of a board; corrects its pose");
   command.add_file("--scanner", flags.scanner, "the scanner file")->required();
-  command.add("-o,--output", flags.output,
-              "where it does not hold, the corrected scanner file: .yaml or .xml");
+  command.add_scanner_output("-o,--output", flags.output,
+                             "where it does not hold, the corrected scanner file: .yaml or .xml");
   add_board_capture_flags(command, flags.boards);
   command.app.footer(
       "Example:\n  slipstream calibrate verify poses --scanner scanner.yaml --corners 13x9 "

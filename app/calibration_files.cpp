@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
   const FlagGroup group{command};
   group.add_file("--scanner", files.scanner, "scanner file to add to; where not that of the scan");
-  group.add("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
+  group.add_scanner_output("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
 }
 
 void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& flags,

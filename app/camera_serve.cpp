@@ -123,7 +123,7 @@ void add_camera_serve(CLI::App& camera, Command& chosen) {
   command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
   command.add_file("--scanner", flags.scene.scanner,
                    "scanner file to imitate; an example where not given");
-  command.add("--write-scanner", flags.write_scanner, "scanner file to write, to reconstruct with");
+  command.add_scanner_output("--write-scanner", flags.write_scanner, "scanner file to write, to reconstruct with");
   add_virtual_flags(command.app, flags.scene);
   add_board_flags(command.app, flags.board);
   add_pattern_flags(command.app, flags.scan);

@@ -49,7 +49,7 @@ void add_check(CLI::App& program, Command& chosen) {
       add_command(program, chosen, check, "check",
                   "whether the frames of scans fit their patterns, the scanner and each other");
   command
-      .add("folders", flags.folders,
+      .add_file("folders", flags.folders,
            "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
   command.add("--min-modulation", flags.settings.minimum_modulation,

@@ -156,7 +156,7 @@ void add_design(CLI::App& program, Command& chosen) {
   command.add("--success", flags.goal.success,
               "share of the pixels to be unwrapped rightly each by itself");
   command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
-  command.add("--plot", flags.plot, "noise over f_h: .png")->excludes(frames)->excludes(noise);
+  command.add_output("--plot", flags.plot, "noise over f_h: .png")->excludes(frames)->excludes(noise);
   CLI::Option* const speed =
       command.add("--phase-speed", flags.phase_speed,
                   "things that move: rad that the phase of --steps moves from frame to frame");

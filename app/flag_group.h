@@ -13,6 +13,8 @@ namespace slipstream::app {
 inline constexpr const char* file_type = "FILE";
 /// The same of a file to write.
 inline constexpr const char* output_type = "OUTPUT";
+/// The same of a scanner file to write, which may be the one that is read and added to.
+inline constexpr const char* scanner_output_type = "SCANNER";
 
 /// Why the text is no number that a flag takes; empty where it is one. Nothing wants NaN.
 std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
@@ -65,6 +67,13 @@ struct FlagGroup {
   template <class Value>
   CLI::Option* add_output(const std::string& flag, Value& value, const std::string& help) const {
     return add(flag, value, help)->type_name(output_type);
+  }
+
+  /// The same of a scanner file to write.
+  template <class Value>
+  CLI::Option* add_scanner_output(const std::string& flag, Value& value,
+                                  const std::string& help) const {
+    return add(flag, value, help)->type_name(scanner_output_type);
   }
 };
 

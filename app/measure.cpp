@@ -147,7 +147,7 @@ void measure(const MeasureFlags& flags, Output& output) {
 void add_measure(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, measure, "measure",
                                             "points, distances, planes and spheres of a cloud, mm");
-  command.add("input", flags.path, "a scan folder, a recording or an organised cloud, .pcd")
+  command.add_file("input", flags.path, "a scan folder, a recording or an organised cloud, .pcd")
       ->required();
   const FlagGroup group{command.app, "What to measure, each as often as wanted"};
   group.add("--point", flags.points, "the point of a pixel, column and row, as 320,240");

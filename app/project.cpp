@@ -141,7 +141,7 @@ void add_project(CLI::App& program, Command& chosen) {
               "patterns per second: the monitor's refreshes divided by a whole number");
   command.add("--hold", flags.hold, "refreshes that each pattern stays for")->default_str("1");
   command.add("--duration", flags.duration, "seconds, then it ends");
-  command.add("--log", flags.log, "which pattern was shown when: .csv");
+  command.add_output("--log", flags.log, "which pattern was shown when: .csv");
   add_pattern_flags(command.app, flags.scan);
   add_marker_flag(command.app, flags.scan);
   command.app.footer(

@@ -95,7 +95,7 @@ void add_reproduce(CLI::App& program, Command& chosen) {
   command.add("names", flags.names, "as table-4.1 figure-4.7 section-4.5, or all");
   command.add("--list", flags.list, "say what there is");
   command.add("--plots", flags.plots, "folder for the figures as PNG");
-  command.add("--report", flags.report, "a Markdown report: .md");
+  command.add_output("--report", flags.report, "a Markdown report: .md");
   command.add("--seed", flags.seed, "of the simulated noise");
   command.app.footer(
       "Example:\n  slipstream reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report "

@@ -95,7 +95,7 @@ void add_unwrap(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, unwrap, "unwrap",
                   "unwraps a phase map of any instrument by its neighbouring pixels");
-  command.add("wrapped", flags.input, "phase in rad, NaN where there is none: .tiff or .npy")
+  command.add_file("wrapped", flags.input, "phase in rad, NaN where there is none: .tiff or .npy")
       ->required();
   command.add_output("-o,--output", flags.output, "the unwrapped phase: .tiff or .npy")->required();
   command.add("--method", flags.method, "how: see below");

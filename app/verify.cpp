@@ -100,7 +100,7 @@ void add_verify(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, verify_accuracy, "verify",
                   "accuracy by certified artefacts, as ISO 10360-13 and VDI/VDE 2634 state it");
-  command.add("artefacts", flags.artefacts, "certified lengths and scans: .yaml");
+  command.add_file("artefacts", flags.artefacts, "certified lengths and scans: .yaml");
   command.add("--rehearse", flags.rehearse, "artefacts and scans in the virtual world instead");
   command.add("--world", flags.devices.world, "of a rehearsal, as simulate has it");
   command.add_file("--calibrated", flags.calibrated,

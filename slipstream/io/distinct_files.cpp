@@ -37,7 +37,7 @@ void DistinctFiles::add_input(const fs::path& path) {
     return;  // who reads it says why
   }
   for (const fs::path& frame : scan.frames) inputs_.insert(identity(frame));
-  if (scan.scanner) inputs_.insert(identity(*scan.scanner));
+  if (scan.scanner) add_scanner(*scan.scanner);
   if (scan.second_camera) add_input(*scan.second_camera);
 }
 
@@ -54,6 +54,15 @@ void DistinctFiles::add_output(const fs::path& path) {
                     path.string()));
   }
   for (const fs::path& beside : files_beside(path)) add_output(beside);
+}
+
+void DistinctFiles::add_scanner(const fs::path& path) {
+  scanners_.insert(identity(path));
+  add_input(path);
+}
+
+void DistinctFiles::add_scanner_output(const fs::path& path) {
+  if (!scanners_.contains(identity(path))) add_output(path);
 }
 
 }  // namespace slipstream

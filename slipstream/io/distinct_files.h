@@ -14,9 +14,13 @@ class DistinctFiles {
   void add_input(const std::filesystem::path& path);
   /// Throws Error where it, or a file that is written beside it, is an input or an output already.
   void add_output(const std::filesystem::path& path);
+  /// A scanner file that is read, and may be added to.
+  void add_scanner(const std::filesystem::path& path);
+  /// As add_output, but it may be a scanner file that is read, or that of a scan folder.
+  void add_scanner_output(const std::filesystem::path& path);
 
  private:
-  std::set<std::filesystem::path> inputs_, outputs_;
+  std::set<std::filesystem::path> inputs_, scanners_, outputs_;
 };
 
 }  // namespace slipstream

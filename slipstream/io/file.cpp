@@ -212,8 +212,14 @@ void OutputFile::fail() const {
 
 GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& waits)
     : path_(path),
-      descriptor_(::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+      descriptor_(
+          ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NONBLOCK, 0666)) {
   require(descriptor_ >= 0);
+  struct stat found {};
+  if (::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
+    ::close(descriptor_);
+    throw WorldError(fmt::format("cannot write {}: no file", path.string()));
+  }
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   waits();
   while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;

@@ -32,7 +32,8 @@ cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
   return bytes[0] == 'P' ? read_pgm(bytes) : read_tiff(bytes);
 }
 
-cv::Mat read_mat(const fs::path& path) {
+/// One of so many frames of a scan, or a map.
+cv::Mat read_mat(const fs::path& path, std::size_t frames = 1) {
   const std::vector<std::uint8_t> bytes = read_file(path, largest_picture_file);
   const auto refuse = [&](std::string_view why) {
     throw Error(fmt::format("{}: {}", path.string(), why));
@@ -48,6 +49,7 @@ cv::Mat read_mat(const fs::path& path) {
     refuse(
         fmt::format("says that it has {} pixels; at most {} are read", *pixels, largest_picture));
   }
+  require_scan_fits(frames, std::max<std::uint64_t>(*pixels, 1), path);
   try {
     return decoded(bytes);
   } catch (const Error& error) {
@@ -56,8 +58,9 @@ cv::Mat read_mat(const fs::path& path) {
   return {};
 }
 
-cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) {
-  cv::Mat mat = read_mat(path);
+cv::Mat read_grey_mat(const fs::path& path, std::size_t frames,
+                      std::vector<std::string>& warnings) {
+  cv::Mat mat = read_mat(path, frames);
   if (mat.channels() == 1) return mat;
   if (mat.channels() < 3 || mat.depth() > CV_16U) {
     throw Error(
@@ -69,8 +72,8 @@ cv::Mat read_grey_mat(const fs::path& path, std::vector<std::string>& warnings) 
   return grey;
 }
 
-cv::Mat read_colour_mat(const fs::path& path) {
-  cv::Mat mat = read_mat(path);
+cv::Mat read_colour_mat(const fs::path& path, std::size_t frames) {
+  cv::Mat mat = read_mat(path, frames);
   if (mat.channels() < 3 || mat.depth() > CV_16U) {
     throw Error(
         fmt::format("{}: a grey picture; as few as these would have to be in colour, with a "
@@ -178,7 +181,8 @@ std::vector<ReadFrame> read_at_once(const std::vector<fs::path>& paths, bool in_
     const fs::path& path = paths[static_cast<std::size_t>(n)];
     auto& [mat, warnings, failure] = frames[static_cast<std::size_t>(n)];
     try {
-      mat = in_colour ? read_colour_mat(path) : read_grey_mat(path, warnings);
+      mat = in_colour ? read_colour_mat(path, paths.size())
+                      : read_grey_mat(path, paths.size(), warnings);
       const int depth = mat.depth();
       if (depth != CV_8U && depth != CV_16U && depth != CV_64F) {
         throw Error(fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits",

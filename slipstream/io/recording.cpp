@@ -162,7 +162,8 @@ bool is_recording(const fs::path& path) {
          InputFile(path, no_limit).read(0, {writable_bytes_of(begin)}) && begin == magic;
 }
 
-RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header)
+RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header,
+                                 OutputFile::Writing writing)
     : path_(path), format_(header.format) {
   require_valid(header);
   const std::string scan = scan_text(header);
@@ -186,7 +187,7 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
   const Bytes text_bytes(reinterpret_cast<const std::uint8_t*>(texts.data()), texts.size());
   written.checksum = checksum_of(written, text_bytes);
 
-  file_ = std::make_unique<OutputFile>(path, OutputFile::Writing::over_time);
+  file_ = std::make_unique<OutputFile>(path, writing);
   try {
     file_->write({bytes_of(written), text_bytes});
   } catch (const WorldError&) {

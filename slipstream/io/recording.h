@@ -37,7 +37,8 @@ class RecordingWriter {
 
   /// Throws Error where the header is not valid, WorldError where the file cannot be made; nothing
   /// is left behind then.
-  RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header);
+  RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header,
+                  OutputFile::Writing writing = OutputFile::Writing::over_time);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
   ~RecordingWriter();  ///< closes the file; without finish() it reads as interrupted

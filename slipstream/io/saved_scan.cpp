@@ -63,7 +63,8 @@ void save_recording(const fs::path& path, const FrameViews& frames, Sequence seq
   const std::vector<Frame> cycle = frames_of(frames, path.string());
   sequence.marker = false;
   RecordingWriter writer(
-      path, {.format = cycle.front().format(), .sequence = sequence, .scanner = scanner});
+      path, {.format = cycle.front().format(), .sequence = sequence, .scanner = scanner},
+      OutputFile::Writing::at_once);
   for (const Frame& frame : cycle) writer.append(frame);
   writer.finish();
 }

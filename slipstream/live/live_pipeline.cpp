@@ -10,6 +10,9 @@
 namespace slipstream {
 namespace {
 
+/// Bytes of the frames that a run keeps, at most: some hundred of 20 MP and 16 bits.
+constexpr std::uint64_t largest_run = std::uint64_t{16} << 30;
+
 /// One in each stage and in the queues between them, the newest, and those that consumers and
 /// followers hold.
 std::size_t clouds_needed(const LiveSettings& settings) {
@@ -54,6 +57,10 @@ std::shared_ptr<const LivePlan> LivePipeline::plan_for(const EngineSetup& setup)
   }
   auto reconstruct = std::make_shared<WindowEngine>(setup, settings_);
   const std::size_t needed = frames_needed(settings_, setup.sequence);
+  if (needed > largest_run / byte_count(format_)) {
+    throw Error(fmt::format("a run keeps {} frames, of {}x{} pixels; at most {} bytes of them",
+                            needed, camera.width, camera.height, largest_run));
+  }
   if (needed > frame_count_) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
     frame_count_ = needed;

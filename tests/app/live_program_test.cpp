@@ -98,7 +98,7 @@ TEST(LiveProgram, a_marker_and_a_count_tell_the_pattern_too) {
 }
 
 TEST(LiveProgram, an_interrupt_finishes_its_files) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const TemporaryFolder folder;
     const fs::path recording = folder.path() / "frames.slip", cloud = folder.path() / "cloud.ply";
     const auto arguments =

@@ -65,6 +65,11 @@ TEST_F(HostileInput, PipesDevicesAndLinksInARingAreRefusedAtOnce) {
   expect_refused({"reconstruct", path("ring")}, ring);
   expect_refused({"reconstruct", path("scan"), "--scanner", path("ring")}, ring);
   expect_refused({"check", std::string(5000, 'n')}, "name too long");
+  for (const std::string& special : {path("pipe"), std::string("/dev/null")}) {
+    expect_refused(
+        {"reconstruct", path("scan"), "-o", path("cloud.ply"), "--manifest", special, "--resume"},
+        special, 1);
+  }
 }
 
 TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
@@ -83,8 +88,42 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
   expect_refused({"live", "--frames", "4", "--headless", "--camera", "64x48", "-o",
                   path("same.ply"), "--record", path("same.ply")},
                  "two outputs");
+  expect_refused({"live", "--frames", "4", "--headless", "--camera", "64x48", "--publish",
+                  "mcap:" + path("same.mcap"), "--record", path("same.mcap")},
+                 "two outputs");
+  const std::string description = path("scan/scan.yaml");
+  for (const std::string& output : {frame, description}) {
+    expect_refused({"calibrate", "gamma", path("scan"), "-o", output}, "is read");
+    expect_refused(
+        {"calibrate", "gamma", path("scan"), "-o", path("a.yaml"), "--histogram", output},
+        "is read");
+    expect_refused(
+        {"calibrate", "ambient", path("scan"), "-o", path("a.yaml"), "--histogram", output},
+        "is read");
+    expect_refused({"unwrap", output, "-o", output}, "is read");
+    expect_refused({"measure", path("scan"), "--json", "--scanner", path("scan/scanner.yaml"),
+                    "--point", "1,1", "--anyway"},
+                   "", 0);
+  }
   EXPECT_EQ(contents(frame), before);
   EXPECT_FALSE(fs::exists(path("a.tiff")));
+}
+
+TEST_F(HostileInput, ARecordingThatASignalEndsLeavesNothing) {
+  for (const bool old : {false, true}) {
+    const std::string recording = path("large.slip");
+    if (old) std::ofstream(recording) << "old";
+    RunningProgram program({"simulate", recording, "--camera", "640x480", "--steps", "64"});
+    EXPECT_TRUE(wait_until([&] {
+      return std::any_of(fs::directory_iterator(folder_.path()), fs::directory_iterator(),
+                         [](const auto& entry) { return entry.path().extension() == ".part"; });
+    }));
+    program.send(SIGTERM);
+    EXPECT_NE(program.wait(), 0);
+    EXPECT_EQ(fs::exists(recording), old);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()),
+              old ? 2 : 1);
+  }
 }
 
 TEST_F(HostileInput, StandardOutputThatTakesNothingIsAFailure) {

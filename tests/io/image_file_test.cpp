@@ -290,6 +290,21 @@ std::string with_numbers(std::string bytes, std::initializer_list<std::uint32_t>
   return bytes;
 }
 
+std::string png_chunk(const std::string& name, const std::string& data) {
+  const std::string checked = name + data;
+  std::uint32_t sum = ~0U;
+  for (const char byte : checked) {
+    sum ^= static_cast<std::uint8_t>(byte);
+    for (int bit = 0; bit < 8; ++bit) sum = sum >> 1 ^ ((sum & 1) != 0 ? 0xedb88320U : 0U);
+  }
+  const auto big_endian = [](std::uint32_t number) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(number >> shift);
+    return bytes;
+  };
+  return big_endian(static_cast<std::uint32_t>(data.size())) + checked + big_endian(~sum);
+}
+
 TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
   const TemporaryFolder folder;
   const auto expect_refused = [&](const std::string& name, const std::string& bytes) {
@@ -308,6 +323,29 @@ TEST(Frames, LargerThanTheLimitAreRefusedByTheirHeaders) {
   };
   expect_refused("frame.tif", tiff + two + entry(0, 3, 30000) + entry(1, 4, 30000));
   expect_refused("tiles.tif", tiff + two + entry(66, 4, 30000) + entry(67, 9, 30000));
+
+  // Whose size does not stand where it usually does.
+  const auto expect_refused_in_time = [&](const std::string& name, const std::string& bytes) {
+    write_file(folder.path() / name, bytes);
+    expect_error([&] { read_frames({folder.path() / name}); }, {name, "too many pixels"});
+  };
+  const std::string one("\0\0\0\1\0\0\0\1", 8), grey("\x08\0\0\0\0", 5);
+  expect_refused_in_time("late.png", "\x89PNG\r\n\x1a\n" + png_chunk("abCd", one) +
+                                         png_chunk("IHDR", sides + grey) + png_chunk("IDAT", one));
+  const std::uint32_t width_at = 8 + 2 + 8 * 12 + 4;
+  expect_refused_in_time("long.tif", tiff + std::string("\x08\0", 2) + entry(1, 4, 30000) +
+                                         entry(2, 3, 8) + entry(6, 3, 1) + entry(17, 4, 8) +
+                                         entry(21, 3, 1) + entry(22, 4, 30000) + entry(23, 4, 8) +
+                                         entry(0, 16, width_at) +
+                                         with_numbers(std::string(4, '\0'), {30000, 0}));
+}
+
+TEST(Frames, OfMoreBytesThanAScanMayHaveAreRefusedBeforeTheyAreDecoded) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frame.pgm";
+  write_file(path, "P5\n12000 10000\n255\n");  // of which no pixel is there
+  expect_error([&] { read_frames(std::vector<fs::path>(40, path)); },
+               {"frame.pgm", "40 frames of 120000000 bytes"});
 }
 
 TEST(Maps, KeepNanAndThirtyTwoBits) {

@@ -16,6 +16,7 @@
 
 #include "slipstream/error/error.h"
 #include "slipstream/error/number_bytes.h"
+#include "slipstream/io/limits.h"
 
 namespace slipstream {
 namespace {
@@ -61,6 +62,11 @@ bool read_into(cv::Mat& mat, png_structp png, png_infop info) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
   png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
   png_read_info(png, info);
+  // Its header need not be where stated_pixels looks for it.
+  if (std::uint64_t{png_get_image_width(png, info)} * png_get_image_height(png, info) >
+      largest_picture) {
+    png_error(png, "it has too many pixels");
+  }
   png_set_palette_to_rgb(png);
   png_set_expand_gray_1_2_4_to_8(png);
   png_set_strip_alpha(png);
@@ -196,7 +202,7 @@ cv::Mat read_plain_grey(std::span<const std::uint8_t> bytes) {
   constexpr std::uint32_t longest = 1'000'000;  // libpng's
   const bool is_grey = std::all_of(header + 9, header + 13, [](int zero) { return zero == 0; });
   if (!is_grey || (header[8] != 8 && header[8] != 16) || width - 1 >= longest ||
-      height - 1 >= longest) {
+      height - 1 >= longest || std::uint64_t{width} * height > largest_picture) {
     return {};
   }
   std::vector<std::uint8_t> packed;

@@ -5,7 +5,6 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -15,6 +14,7 @@
 #include <tiffio.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/io/limits.h"
 
 namespace slipstream {
 namespace {
@@ -120,10 +120,15 @@ int type_of(TIFF* tiff) {
   return real && grey ? (bits == 32 ? CV_32FC1 : CV_64FC1) : -1;
 }
 
+/// The directory as libtiff understands it need not be what stated_pixels sees.
+bool is_too_large(std::uint64_t width, std::uint64_t height) {
+  return width > largest_picture / height;
+}
+
 bool read_tiles(TIFF* tiff, cv::Mat& mat) {
   const auto width = static_cast<int>(field<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH));
   const auto height = static_cast<int>(field<std::uint32_t>(tiff, TIFFTAG_TILELENGTH));
-  if (width < 1 || height < 1) return false;
+  if (width < 1 || height < 1 || is_too_large(width, height)) return false;
   cv::Mat tile(height, width, mat.type());
   if (TIFFTileSize64(tiff) != tile.total() * tile.elemSize()) return false;
   for (int y = 0; y < mat.rows; y += height) {
@@ -170,8 +175,8 @@ cv::Mat read_tiff(std::span<const std::uint8_t> bytes) {
   if (tiff == nullptr) refuse(memory);
   const auto width = field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGEWIDTH);
   const auto height = field<std::uint32_t>(tiff.get(), TIFFTAG_IMAGELENGTH);
-  constexpr auto longest = static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
-  if (width < 1 || height < 1 || width > longest || height > longest) refuse(memory);
+  if (width < 1 || height < 1) refuse(memory);
+  if (is_too_large(width, height)) throw Error("it has too many pixels");
   const int type = type_of(tiff.get());
   if (type < 0) throw Error("pixels of an unknown kind; grey of 8 or 16 bits or float is wanted");
   cv::Mat mat(static_cast<int>(height), static_cast<int>(width), type);

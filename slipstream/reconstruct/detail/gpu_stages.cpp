@@ -93,6 +93,7 @@ GpuStages::Band gpu_band(const FusedStages::BandStage& band, Words& words) {
                       .direction = stage.direction,
                       .offset = stage.offset,
                       .periods = static_cast<float>(band.periods),
+                      .period = 1 / static_cast<float>(band.periods),
                       .weight = band.weight};
   for (std::size_t n = 0; n < cosine.values.size(); ++n) {
     add_parts(cosine.values[n], words);
@@ -118,7 +119,7 @@ GpuStages::Link gpu_link(const std::vector<int>& of, const UnwrapStage& unwrap, 
           .largest_doubt = unwrap.largest_doubt,
           .open = unwrap.open,
           .doubt_scale = unwrap.doubt_scale,
-          .coordinate = unwrap.coordinate};
+          .coordinate = GpuStages::Coordinate(unwrap.coordinate)};
 }
 
 GpuStages::Code gpu_code(const FusedStages::CodeBits& bits, Words& words) {
@@ -169,18 +170,22 @@ GpuStages::Points gpu_points(const FusedStages& stages, Words& words) {
 GpuStages::Cue gpu_cue(const FusedStages::Cue& cue, Words& words) {
   const CueStage& stage = cue.stage;
   const OrderCostStage& costs = cue.costs;
+  const float c1 = costs.share, c2 = costs.cue_share;
   std::vector<Word> lines(SurfaceWindow::line_cells.begin(), SurfaceWindow::line_cells.end());
   return {.form = 1 + static_cast<Word>(costs.form),
           .periods = stage.periods,
+          .period = 1 / stage.periods,
           .gain = stage.gain,
           .offset = stage.offset,
           .largest_doubt = stage.largest_doubt,
-          .share = costs.share,
-          .cue_share = costs.cue_share,
+          .share = c1,
+          .cue_share = c2,
+          .relative_share = c2 / c1,
           .constant_light = costs.constant_light,
           .steady = costs.steady,
-          .component_variance = costs.component_variance,
           .cue_variance = costs.cue_variance,
+          .relative_variance = costs.component_variance / costs.cue_variance,
+          .circle_weight = 1 / ((c1 * c1 + c2 * c2) * costs.component_variance),
           .margin = costs.margin,
           .lines = words.add_all(lines)};
 }
@@ -200,14 +205,16 @@ std::optional<GpuProgramText> gpu_stages(const FusedStages& stages) {
   if (is_too_much(stages)) return std::nullopt;
   Words words;
   const Size size = stages.rays.E_x.size();
+  const CoordinateStage& field = stages.cue ? stages.cue->stage.coordinate : stages.coordinate;
   GpuStages out{.width = size.width,
                 .height = size.height,
                 .links = static_cast<Word>(stages.chain.size()),
                 .begins_with_code = stages.code ? 1 : 0,
                 .coarse_in_field = stages.coarse_in_field ? 1 : 0,
                 .weighs_bands = stages.weighs_bands ? 1 : 0,
-                .coarse_stage = stages.coarse_stage,
-                .coordinate = stages.cue ? stages.cue->stage.coordinate : stages.coordinate,
+                .coarse_stage = GpuStages::Coordinate(stages.coarse_stage),
+                .coordinate = GpuStages::Coordinate(field),
+                .weighed = GpuStages::Coordinate({1, field.period, field.cut}),
                 .points = gpu_points(stages, words)};
   if (!stages.coarse.empty()) out.coarse = gpu_link(stages.coarse, {}, words);
   if (stages.code) out.code = gpu_code(*stages.code, words);

@@ -17,6 +17,17 @@ struct GpuStages {
   using Word = std::int32_t;
   using Linear = PointStage::Linear;
 
+  /// FieldPlacer's numbers, made of a CoordinateStage: a device's own quotients are not exact.
+  struct Coordinate {
+    Coordinate() = default;
+    explicit Coordinate(const CoordinateStage& stage)
+        : scale(stage.scale),
+          period(stage.period),
+          fields_of_turn(stage.scale / stage.period),
+          cut_fields(stage.cut / stage.period) {}
+    float scale = 1, period = 1, fields_of_turn = 1, cut_fields = 0;
+  };
+
   /// The sums of a band's frames. Each weight is (a 2^22 + b 2^11 + c) of a unit, so that sums over
   /// `most_frames` frames of 16 bits are exact in integers of 32.
   struct Band {
@@ -31,14 +42,14 @@ struct GpuStages {
     Word full_scale = 0;
     Word steps = 0, wave_terms = 0, wave = 0, segments = 0, table = 0;
     float direction = 1, offset = 0;
-    float periods = 1, weight = 0;
+    float periods = 1, period = 1, weight = 0;
   };
   /// A sum of bands and how it is unwrapped.
   struct Link {
     Word factors = 0;  ///< place of one for each band
     Word alone = -1;   ///< the band whose sum it is
     float ratio = 1, largest_doubt = 0, open = 0, doubt_scale = 1;
-    CoordinateStage coordinate{};
+    Coordinate coordinate{};
   };
   /// Places are -1 where there are none.
   struct Code {
@@ -59,11 +70,16 @@ struct GpuStages {
   /// Of FusedStages::Cue; its channel is the second band.
   struct Cue {
     Word form = 0;  ///< 0 where there is none, else OrderCostStage::Cue + 1
-    float periods = 12, gain = 1, offset = 0;
+    float periods = 12, period = 1, gain = 1, offset = 0;
     float shade = 0;  ///< of the mean, by a grey level of 8 bits
     float largest_doubt = 0;
-    float share = 1, cue_share = 1, constant_light = 0, steady = 0, component_variance = 1,
-          cue_variance = 1, margin = 0;
+    float share = 1, cue_share = 1;
+    float relative_share = 1;  ///< of the cue's, c_2 / c_1
+    float constant_light = 0, steady = 0;
+    float cue_variance = 1;
+    float relative_variance = 1;  ///< of a component, in cue_variance
+    float circle_weight = 1;      ///< 1 / ((c_1^2 + c_2^2) component_variance)
+    float margin = 0;
     Word lines = 0;  ///< place of SurfaceWindow::line_cells
     float ambient = 0, lit_square = 0, voting_square = 0, to_8_bits = 1;
   };
@@ -88,8 +104,8 @@ struct GpuStages {
   Word begins_with_code = 0;
   Word coarse_given = 0;  ///< words before the coarse coordinates that follow the frames; 0: none
   Word coarse_in_field = 0, weighs_bands = 0;
-  CoordinateStage coarse_stage{};
-  CoordinateStage coordinate{};
+  Coordinate coarse_stage{}, coordinate{};
+  Coordinate weighed{};  ///< of coordinates that are not in turns
   Link coarse{};
   Code code{};
   Points points{};

@@ -33,12 +33,20 @@ ivec4 levels(int frame, int fours) {
 
 ivec4 flagged(int flag, bvec4 which) { return flag * ivec4(which); }
 
+// To half a unit in the last place: a driver's own may be wrong by five times that.
+vec4 quotients(vec4 a, vec4 b) {
+  const vec4 q = a / b;
+  precise const vec4 rest = fma(-q, b, a);
+  return q + rest / b;
+}
+
 // atan2(S, C) / (2 pi) in [0, 1] to 4e-7 rad: the polynomial of sinusoid_turns-inl.h.
 vec4 angles_in_turns(vec4 S, vec4 C) {
   vec4 sine = abs(S), cosine = abs(C);
   vec4 smaller = min(sine, cosine), greater = max(max(sine, cosine), vec4(1e-30));
   const vec4 tangent = vec4(0.41421356237);
-  vec4 q = fma(-tangent, greater, smaller) / fma(tangent, smaller, greater);
+  vec4 numerator = fma(-tangent, greater, smaller), denominator = fma(tangent, smaller, greater);
+  vec4 q = quotients(numerator, denominator);
   vec4 q2 = q * q;
   vec4 slope = fma(q2, vec4(-0.01715644503710709), vec4(0.03116408851608355));
   slope = fma(q2, slope, vec4(-0.05302114738541977));
@@ -192,11 +200,10 @@ void weigh(inout Pixels pixels) {
   for (int i = 1; i < band_count; ++i) {
     if (bands[i].weight == 0.0) continue;
     vec4 k = roundEven(fma(pixels.y, vec4(bands[i].periods), -turns[i]));
-    vec4 other = (turns[i] + k) * (1.0 / bands[i].periods);
+    vec4 other = (turns[i] + k) * bands[i].period;
     sum = fma(vec4(bands[i].weight), other - pixels.y, sum);
   }
-  Coordinate stage = Coordinate(1.0, coordinate.period, coordinate.cut);
-  pixels.y = coarse_in_field != 0 ? sum : in_field(stage, sum);
+  pixels.y = coarse_in_field != 0 ? sum : in_field(weighed, sum);
 }
 
 // CueEvidence::coordinate, in periods of the measuring band.

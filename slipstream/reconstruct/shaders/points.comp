@@ -71,7 +71,8 @@ ivec4 find_points(vec4 E_x, vec4 E_y, vec4 y, out vec4 z) {
   vec4 low = edge(points.low_edge, p), high = edge(points.high_edge, p);
   ivec4 why;
   for (int k = 0; k < 4; ++k) {
-    bool exists = z[k] > 0.0 && z[k] <= 3.4e38 && denominator[k] * g[k] > 0.0;
+    bool exists =
+        abs(denominator[k]) > 1e-30 && z[k] > 0.0 && denominator[k] * g[k] > 0.0;
     bool lit = q[k] > points.inner_low && q[k] < points.inner_high ||
                q[k] >= low[k] && q[k] <= high[k];
     bool in_field = points.may_leave_field == 0 ||

@@ -2,7 +2,7 @@
 const int most_bands = 16;
 
 struct Coordinate {
-  float scale, period, cut;
+  float scale, period, fields_of_turn, cut_fields;
 };
 
 struct Band {
@@ -13,7 +13,7 @@ struct Band {
   int full_scale;
   int steps, wave_terms, wave, segments, table;
   float direction, offset;
-  float periods, weight;
+  float periods, period, weight;
 };
 
 struct Link {
@@ -40,8 +40,9 @@ struct Points {
 
 struct Cue {
   int form;  // 0: none
-  float periods, gain, offset, shade, largest_doubt;
-  float share, cue_share, constant_light, steady, component_variance, cue_variance, margin;
+  float periods, period, gain, offset, shade, largest_doubt;
+  float share, cue_share, relative_share, constant_light, steady;
+  float cue_variance, relative_variance, circle_weight, margin;
   int lines;
   float ambient, lit_square, voting_square, to_8_bits;
 };
@@ -54,7 +55,7 @@ layout(std430, binding = 1) readonly buffer Stages {
   int kept;  // slots between the shaders
   int begins_with_code, coarse_given, coarse_in_field, weighs_bands;
   Coordinate coarse_stage;
-  Coordinate coordinate;
+  Coordinate coordinate, weighed;
   Link coarse;
   Code code;
   Points points;
@@ -87,10 +88,27 @@ int scan() { return int(gl_WorkGroupID.z); }
 // its sine, the periods that it gives, and shifts twice. In words:
 int place(int slot, int at) { return 4 * ((scan() * plane_fours + at / 4) * kept + slot) + at % 4; }
 
+// sin(2 pi turns) to 2e-7, of at most a quarter turn. What a driver calls sin and cos may be wrong by
+// 2^-11, and by anything past half a turn.
+float sine_of_quarter(float turns) {
+  const float square = turns * turns;
+  float slope = fma(square, 39.53670607844828, -76.54978229534504);
+  slope = fma(square, slope, 81.60100407334106);
+  slope = fma(square, slope, -41.34165503141761);
+  return turns * fma(square, slope, 6.2831851600894835);
+}
+
+float cosine_of(float turns) { return sine_of_quarter(0.25 - abs(turns - roundEven(turns))); }
+
+float sine_of(float turns) {
+  const float rest = turns - roundEven(turns);
+  return sine_of_quarter(abs(rest) > 0.25 ? 0.5 * sign(rest) - rest : rest);
+}
+
 // CueReference.
 float reference(float y) {
   const float held = clamp(y, 0.0, 1.0);
-  return cue.form == linear ? 2.0 * held - 1.0 : cos(3.14159265 * held);
+  return cue.form == linear ? 2.0 * held - 1.0 : cosine_of(0.5 * held);
 }
 
 // The first of the four pixels of this invocation.
@@ -101,7 +119,6 @@ int first_pixel() {
 
 // coordinate_in_field of turns.
 vec4 in_field(Coordinate stage, vec4 turns) {
-  vec4 periods =
-      floor(fma(turns, vec4(stage.scale / stage.period), vec4(-stage.cut / stage.period)));
-  return fma(vec4(-stage.period), periods, turns * stage.scale);
+  vec4 fields = floor(fma(turns, vec4(stage.fields_of_turn), vec4(-stage.cut_fields)));
+  return fma(vec4(-stage.period), fields, turns * stage.scale);
 }

@@ -107,31 +107,30 @@ void find_surface(uint among) {
   }
 }
 
-float slope(float y) { return cue.cue_share / cue.share * reference(y) + cue.steady; }
+float slope(float y) { return cue.relative_share * reference(y) + cue.steady; }
 
 // OrderCosts, of any shift.
 float against(int cell, int by) {
   if (by == 0) return 0.0;
   const ivec2 at = here + ivec2(cell % side, cell / side) - 2;
   const int pixel = at.y * width + at.x;
-  const float y = kept_at(0, pixel), other = y + float(by) / cue.periods;
+  const float y = kept_at(0, pixel), other = y + float(by) * cue.period;
   if (other < -cue.margin || other > 1.0 + cue.margin) return infinite;
   const float B = kept_at(2, pixel), C = kept_at(3, pixel), S = kept_at(4, pixel);
   if (cue.form == circle) {
-    const float turns = float(by) / cue.periods;
-    if (turns == roundEven(turns)) return 1e-3;  // the same cue: of both the own order
-    const float angle = 6.2831853 * y, turn = 6.2831853 * turns;
-    const float along = C * cos(angle) + S * sin(angle), across = S * cos(angle) - C * sin(angle);
-    const float versine = 2.0 * sin(0.5 * turn) * sin(0.5 * turn);
-    const float lost = cue.cue_share * (versine * along - sin(turn) * across);
+    const float turns = float(by) * cue.period, turn = turns - roundEven(turns);
+    if (abs(turn) < 1e-5) return 1e-3;  // the same cue: of both the own order
+    const float cosine = cosine_of(y), sine = sine_of(y), half_sine = sine_of(0.5 * turn);
+    const float along = C * cosine + S * sine, across = S * cosine - C * sine;
+    const float versine = 2.0 * half_sine * half_sine;
+    const float lost = cue.cue_share * (versine * along - sine_of(turn) * across);
     const float own = cue.share * B + cue.cue_share * along, held = max(own - lost, 0.0);
     const float less = own > 0.0 && held > 0.0 ? lost : max(own, 0.0) - held;
-    const float squares = cue.share * cue.share + cue.cue_share * cue.cue_share;
-    return less * (max(own, 0.0) + held) / (squares * cue.component_variance);
+    return less * (max(own, 0.0) + held) * cue.circle_weight;
   }
   const vec2 slopes = vec2(slope(other), slope(y));
   const vec2 difference = C - cue.constant_light - slopes * B;
-  const vec2 spread = 1.0 + cue.component_variance / cue.cue_variance * slopes * slopes;
+  const vec2 spread = 1.0 + cue.relative_variance * slopes * slopes;
   const vec2 square = difference * difference / (cue.cue_variance * spread);
   return square.x - square.y + log(spread.x / spread.y);
 }
@@ -262,11 +261,11 @@ int next_shift(float y) {
 
 void finish(int at) {
   const int by = int(between[place(chosen, at)]), fours = scan() * scan_fours + at / 4;
-  const float y = kept_at(0, at) + float(by) / cue.periods;
+  const float y = kept_at(0, at) + float(by) * cue.period;
   uint flags = between[place(1, at)];
   if (by != 0) {
     float periods = kept_at(5, at) - cue.periods * y;
-    if (cue.form == circle) periods -= cue.periods * round(periods / cue.periods);
+    if (cue.form == circle) periods -= cue.periods * roundEven(periods * cue.period);
     const float doubt = min(abs(periods), 0.5);
     flags &= ~uint(doubtful_order);
     if (doubt > cue.largest_doubt) flags |= uint(doubtful_order);

@@ -50,4 +50,10 @@ nlohmann::json json_of(const std::vector<LiveFinding>& findings) {
   return listed;
 }
 
+bool warn_of_gpu(const std::string& failure, Output& output) {
+  if (failure.empty()) return false;
+  output.warn(failure + "; the processor goes on");
+  return true;
+}
+
 }  // namespace slipstream::app

@@ -25,4 +25,7 @@ void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding
 /// told and first gone; null where it lasts.
 nlohmann::json json_of(const std::vector<LiveFinding>& findings);
 
+/// Warns of Engine::gpu_failure; false where there is none.
+bool warn_of_gpu(const std::string& failure, Output& output);
+
 }  // namespace slipstream::app

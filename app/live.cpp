@@ -133,12 +133,24 @@ void tell_news(Publisher& publisher, Output& output) {
                  [&](const std::string& line) { output.warn(line); });
 }
 
+/// What has been told of the clouds.
+struct ToldNews {
+  std::vector<LiveFinding> findings{};
+  bool gpu_failure = false;
+};
+
+void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
+  tell_news(pipeline.findings(), told.findings, output);
+  if (told.gpu_failure) return;
+  told.gpu_failure = warn_of_gpu(pipeline.gpu_failure(), output);
+}
+
 /// Tells meanwhile whatever the source and the check have to say, once.
-void wait_until_over(LiveSession& session, std::vector<LiveFinding>& findings, Output& output) {
+void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
   std::string told;
   while (!session.is_over()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    tell_news(session.pipeline.findings(), findings, output);
+    tell_news(session.pipeline, news, output);
     const std::string state = session.recorder.state();
     if (state == told) continue;
     tell_service_manager("STATUS=" + state);
@@ -152,15 +164,15 @@ void wait_until_over(LiveSession& session, std::vector<LiveFinding>& findings, O
 }
 
 /// Runs the session to its end; what a stage threw comes out here.
-void run_session(LiveSession& session, [[maybe_unused]] bool headless,
-                 std::vector<LiveFinding>& findings, Output& output) {
+void run_session(LiveSession& session, [[maybe_unused]] bool headless, ToldNews& news,
+                 Output& output) {
 #ifdef SLIPSTREAM_VIEW
   if (!headless) {
     show_in_window(session, output);
     return;
   }
 #endif
-  wait_until_over(session, findings, output);
+  wait_until_over(session, news, output);
 }
 
 /// What the pictures of the newest scan say, where there is no scanner to make points of them.
@@ -412,12 +424,12 @@ void live(const LiveFlags& flags, Output& output) {
   tell_service_manager("READY=1");
   if (flags.begun) flags.begun();
   output.document["files"] = nlohmann::json::object();
-  std::vector<LiveFinding> findings;
-  run_session(session, flags.headless, findings, output);
+  ToldNews news;
+  run_session(session, flags.headless, news, output);
   pipeline.stop();
   publisher.finish();
   tell_news(publisher, output);
-  tell_news(pipeline.findings(), findings, output);
+  tell_news(pipeline, news, output);
 
   std::exception_ptr unfinished;
   try {

@@ -160,7 +160,6 @@ void match_cameras(const ReconstructFlags& flags, const Scan& scan, const Engine
 
 void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
              ReconstructedScan& result) {
-  result.backend = engine.backend_for(scan.frames);
   if (!scan.other_axis.empty()) {
     engine.cloud_and_maps(scan.frames, result.cloud, result.maps);
     result.epipolar =
@@ -170,6 +169,7 @@ void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
   } else {
     engine.cloud(scan.frames, result.cloud);
   }
+  result.backend = engine.backend_for(scan.frames);
 }
 
 /// What both axes say of the calibration.
@@ -269,6 +269,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
 /// What one scan leaves to the next.
 struct Reused {
   std::optional<Engine> engine;
+  bool gpu_failure_told = false;
   std::vector<Cloud> clouds;
 };
 
@@ -314,6 +315,9 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   }
   memory.get();
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
+  if (engine && !reused.gpu_failure_told) {
+    reused.gpu_failure_told = warn_of_gpu(engine->gpu_failure(), output);
+  }
   if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
   result.counts = count_by_validity(result.cloud);
   if (result.counts[0] == 0) tell_no_points(result, output);

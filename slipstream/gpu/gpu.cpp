@@ -21,34 +21,67 @@ auto told(const Call& call) -> decltype(call()) {
   try {
     return call();
   } catch (const vk::SystemError& error) {
-    throw GpuError(fmt::format("the GPU has failed: {}", error.what()));
+    const std::error_code code = error.code();
+    const bool no_memory = code == vk::Result::eErrorOutOfDeviceMemory ||
+                           code == vk::Result::eErrorOutOfHostMemory ||
+                           code == vk::Result::eErrorTooManyObjects;
+    throw GpuError(no_memory ? GpuFailure::no_memory : GpuFailure::lost,
+                   fmt::format("the GPU has failed: {}", error.what()));
   }
 }
 
-/// The driver's loader, found when the program runs; Vulkan 1.1 is older than any driver here.
+constexpr std::uint32_t least_version = VK_API_VERSION_1_1;
+
+/// The driver's loader, found when the program runs, and what it finds.
 struct Loader {
   vk::raii::Context context;
-  vk::raii::Instance instance;
+  vk::raii::Instance instance{nullptr};
+  std::vector<vk::raii::PhysicalDevice> devices;
 
-  Loader() : instance(nullptr) {
-    const vk::ApplicationInfo application("slipstream", 0, nullptr, 0, VK_API_VERSION_1_1);
+  Loader() {
+    const vk::ApplicationInfo application("slipstream", 0, nullptr, 0, least_version);
     instance = vk::raii::Instance(context, vk::InstanceCreateInfo({}, &application));
+    for (auto& device : vk::raii::PhysicalDevices(instance)) devices.push_back(std::move(device));
   }
 };
 
+/// One for the program. It is never destroyed: a driver may be gone before the program's last
+/// statics are.
+const Loader& loader() {
+  static const Loader* const shared = new Loader;
+  return *shared;
+}
+
 GpuDescription describe(const vk::raii::PhysicalDevice& device) {
-  const auto chain =
-      device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
-  const vk::PhysicalDeviceProperties& own = chain.get<vk::PhysicalDeviceProperties2>().properties;
-  const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
-  GpuDescription description{
-      .name = own.deviceName.data(),
-      .driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data()),
-      .software = own.deviceType == vk::PhysicalDeviceType::eCpu};
+  const vk::PhysicalDeviceProperties own = device.getProperties();
+  GpuDescription description{.name = own.deviceName.data(),
+                             .driver = {},
+                             .software = own.deviceType == vk::PhysicalDeviceType::eCpu,
+                             .discrete = own.deviceType == vk::PhysicalDeviceType::eDiscreteGpu};
+  if (own.apiVersion >= least_version) {
+    const auto chain =
+        device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+    const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+    description.driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
+  }
   for (const vk::MemoryHeap& heap : device.getMemoryProperties().memoryHeaps) {
     if (heap.flags & vk::MemoryHeapFlagBits::eDeviceLocal) description.memory += heap.size;
   }
   return description;
+}
+
+void require_large_enough(const vk::raii::PhysicalDevice& device) {
+  const vk::PhysicalDeviceProperties own = device.getProperties();
+  if (own.apiVersion >= least_version &&
+      own.limits.maxPerStageDescriptorStorageBuffers >= GpuProgram::most_buffers &&
+      own.limits.maxComputeWorkGroupSize[0] >= GpuProgram::group_size &&
+      own.limits.maxComputeWorkGroupInvocations >= GpuProgram::group_size) {
+    return;
+  }
+  throw GpuError(
+      GpuFailure::too_small,
+      fmt::format("{} is too small: Vulkan 1.1, {} buffers and groups of {} are wanted",
+                  own.deviceName.data(), GpuProgram::most_buffers, GpuProgram::group_size));
 }
 
 /// Of the queues that compute the first.
@@ -57,10 +90,11 @@ std::uint32_t compute_queues(const vk::raii::PhysicalDevice& device) {
   for (std::uint32_t i = 0; i < families.size(); ++i) {
     if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
   }
-  throw GpuError("the GPU has no queue that computes");
+  throw GpuError(GpuFailure::too_small, "the GPU has no queue that computes");
 }
 
 vk::raii::Device device_of(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
+  require_large_enough(physical);
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
   return {physical, vk::DeviceCreateInfo({}, queue)};
@@ -80,32 +114,24 @@ std::initializer_list<vk::MemoryPropertyFlags> kinds_for(GpuMemory memory) {
   using Flag = vk::MemoryPropertyFlagBits;
   static constexpr vk::MemoryPropertyFlags seen = Flag::eHostVisible | Flag::eHostCoherent;
   static constexpr std::initializer_list<vk::MemoryPropertyFlags> own{Flag::eDeviceLocal, {}},
-      up{seen | Flag::eDeviceLocal, seen}, down{seen | Flag::eHostCached, seen};
+      up{seen | Flag::eDeviceLocal, seen},
+      down{seen | Flag::eHostCached, Flag::eHostVisible | Flag::eHostCached, seen};
   return memory == GpuMemory::device ? own : memory == GpuMemory::upload ? up : down;
 }
 
 }  // namespace
 
 struct Gpu::Parts {
-  Parts(Loader loader_, std::size_t number)
-      : loader(std::move(loader_)),
-        physical(vk::raii::PhysicalDevices(loader.instance).at(number)),
+  explicit Parts(const vk::raii::PhysicalDevice& of)
+      : physical(of),
         description(describe(physical)),
         family(compute_queues(physical)),
         device(device_of(physical, family)),
         queue(device, family, 0),
         set_layout(buffer_layout(device)),
         layout(device, vk::PipelineLayoutCreateInfo({}, *set_layout)),
-        limits(physical.getProperties().limits) {
-    if (limits.maxPerStageDescriptorStorageBuffers < GpuProgram::most_buffers ||
-        limits.maxComputeWorkGroupInvocations < GpuProgram::group_size) {
-      throw GpuError(fmt::format("{} is too small: {} buffers and groups of {} are wanted",
-                                 description.name, GpuProgram::most_buffers,
-                                 GpuProgram::group_size));
-    }
-  }
+        limits(physical.getProperties().limits) {}
 
-  Loader loader;
   vk::raii::PhysicalDevice physical;
   GpuDescription description;
   std::uint32_t family;
@@ -124,16 +150,21 @@ struct GpuBuffer::Parts {
   vk::raii::DeviceMemory memory{nullptr};
   std::size_t size = 0;
   std::byte* data = nullptr;
+  bool coherent = true;  ///< the host sees what is written without asking for it
 
   /// Memory of a kind, or nothing where there is none of it left.
   bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
     const auto all = gpu->parts_->physical.getMemoryProperties();
     for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
+      using Flag = vk::MemoryPropertyFlagBits;
+      const vk::MemoryPropertyFlags flags = all.memoryTypes[i].propertyFlags;
       const bool fits = (wanted.memoryTypeBits >> i & 1U) != 0;
-      if (!fits || (all.memoryTypes[i].propertyFlags & kind) != kind) continue;
+      const bool slow = static_cast<bool>(flags & Flag::eDeviceCoherentAMD);
+      if (!fits || slow || (flags & kind) != kind) continue;
       try {
         memory =
             vk::raii::DeviceMemory(gpu->parts_->device, vk::MemoryAllocateInfo(wanted.size, i));
+        coherent = static_cast<bool>(flags & Flag::eHostCoherent);
         return true;
       } catch (const vk::OutOfDeviceMemoryError&) {
       } catch (const vk::OutOfHostMemoryError&) {
@@ -144,10 +175,11 @@ struct GpuBuffer::Parts {
 };
 
 GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemory memory)
-    : parts_(std::make_unique<Parts>(Parts{.gpu = std::move(gpu), .size = bytes})) {
+    : parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu), .size = bytes})) {
   const Gpu::Parts& own = *parts_->gpu->parts_;
   if (bytes > parts_->gpu->most_bytes()) {
-    throw GpuError(fmt::format("{} takes {} bytes at a time, and {} are wanted",
+    throw GpuError(GpuFailure::too_small,
+                   fmt::format("{} takes {} bytes at a time, and {} are wanted",
                                own.description.name, parts_->gpu->most_bytes(), bytes));
   }
   told([&] {
@@ -158,8 +190,8 @@ GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemor
     const auto kinds = kinds_for(memory);
     if (std::none_of(kinds.begin(), kinds.end(),
                      [&](auto kind) { return parts_->take(wanted, kind); })) {
-      throw GpuError(
-          fmt::format("{} has no memory left for {} bytes", own.description.name, bytes));
+      throw GpuError(GpuFailure::no_memory, fmt::format("{} has no memory left for {} bytes",
+                                                        own.description.name, bytes));
     }
     parts_->buffer.bindMemory(*parts_->memory, 0);
     if (memory == GpuMemory::device) return;
@@ -186,7 +218,7 @@ struct GpuProgram::Parts {
 
 GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint32_t> spirv,
                        std::span<const std::uint32_t> constants)
-    : parts_(std::make_unique<Parts>(Parts{.gpu = std::move(gpu)})) {
+    : parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu)})) {
   const Gpu::Parts& own = *parts_->gpu->parts_;
   std::vector<vk::SpecializationMapEntry> entries;
   for (std::uint32_t i = 0; i < constants.size(); ++i) {
@@ -233,10 +265,11 @@ struct GpuRun::Parts {
   }
 
   /// All bindings have a buffer: those that no program asks for the first.
-  void bind(std::span<const vk::Buffer> buffers) {
+  void bind() {
     std::array<vk::DescriptorBufferInfo, GpuProgram::most_buffers> infos;
     for (std::size_t i = 0; i < infos.size(); ++i) {
-      infos[i] = vk::DescriptorBufferInfo(buffers[i < buffers.size() ? i : 0], 0, VK_WHOLE_SIZE);
+      infos[i] =
+          vk::DescriptorBufferInfo(*buffers[i < buffers.size() ? i : 0]->buffer, 0, VK_WHOLE_SIZE);
     }
     gpu->parts_->device.updateDescriptorSets(
         vk::WriteDescriptorSet(*set, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos), {});
@@ -255,32 +288,40 @@ struct GpuRun::Parts {
     command.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, next, {}, written, {}, {});
   }
 
-  ~Parts() {
-    try {
-      wait();
-    } catch (const std::runtime_error&) {  // lost: nothing runs there
-    }
-  }
-
   void submit() {
     const Gpu::Parts& own = *gpu->parts_;
-    if (own.lost) throw GpuError(fmt::format("{} is lost", own.description.name));
+    if (own.lost) {
+      throw GpuError(GpuFailure::lost, fmt::format("{} is lost", own.description.name));
+    }
     own.device.resetFences(*done);
     const std::lock_guard lock(own.mutex);
     own.queue.submit(vk::SubmitInfo({}, {}, *command), *done);
     runs = true;
   }
 
-  void wait() {
-    if (!std::exchange(runs, false)) return;
+  void wait(std::uint64_t longest = 10'000'000'000) {  // ns
+    if (!runs) return;
     const Gpu::Parts& own = *gpu->parts_;
-    constexpr std::uint64_t longest = 10'000'000'000;  // ns
-    if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
-      throw GpuError(fmt::format("{} does not answer", own.description.name));
+    try {
+      if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
+        throw GpuError(GpuFailure::lost, fmt::format("{} does not answer", own.description.name));
+      }
+    } catch (const vk::DeviceLostError&) {  // nothing runs there
+      runs = false;
+      throw;
     }
+    runs = false;
+    std::vector<vk::MappedMemoryRange> written;
+    for (const auto& buffer : buffers) {
+      if (buffer->data == nullptr || buffer->coherent) continue;
+      written.emplace_back(*buffer->memory, 0, VK_WHOLE_SIZE);
+    }
+    if (!written.empty()) own.device.invalidateMappedMemoryRanges(written);
   }
 
   std::shared_ptr<const Gpu> gpu;
+  std::vector<std::shared_ptr<const GpuBuffer::Parts>> buffers;
+  std::vector<std::shared_ptr<const GpuProgram::Parts>> programs;
   vk::raii::DescriptorPool sets;
   vk::raii::DescriptorSet set;
   vk::raii::CommandPool commands;
@@ -293,16 +334,25 @@ GpuRun::GpuRun(std::shared_ptr<const Gpu> gpu)
     : parts_(told([&] { return std::make_unique<Parts>(std::move(gpu)); })) {}
 
 GpuRun::GpuRun(GpuRun&&) noexcept = default;
-GpuRun& GpuRun::operator=(GpuRun&&) noexcept = default;
-GpuRun::~GpuRun() = default;
+
+GpuRun::~GpuRun() {
+  if (!parts_ || !parts_->runs) return;
+  try {
+    parts_->gpu->parts_->lost ? parts_->wait(0) : parts_->wait();
+  } catch (const std::runtime_error&) {
+  }
+  if (parts_->runs) static_cast<void>(parts_.release());  // the device may write there yet
+}
 
 void GpuRun::start(std::span<const GpuBuffer* const> buffers,
                    std::span<const GpuProgram* const> programs, std::uint64_t invocations,
                    std::uint32_t layers) {
   told([&] {
-    std::vector<vk::Buffer> bound;
-    for (const GpuBuffer* buffer : buffers) bound.push_back(*buffer->parts_->buffer);
-    parts_->bind(bound);
+    parts_->buffers.clear();
+    parts_->programs.clear();
+    for (const GpuBuffer* buffer : buffers) parts_->buffers.push_back(buffer->parts_);
+    for (const GpuProgram* program : programs) parts_->programs.push_back(program->parts_);
+    parts_->bind();
     parts_->command.begin(
         vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
     parts_->command.bindDescriptorSets(vk::PipelineBindPoint::eCompute,
@@ -333,9 +383,12 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   const std::vector<GpuDescription> devices = gpu_devices();
   if (devices.empty()) throw WorldError("this machine has no GPU that Vulkan finds");
   if (!number) {
-    const auto hard = std::find_if(devices.begin(), devices.end(),
-                                   [](const auto& device) { return !device.software; });
-    number = hard == devices.end() ? 0 : static_cast<int>(hard - devices.begin());
+    const auto best =
+        std::min_element(devices.begin(), devices.end(), [](const auto& device, const auto& other) {
+          return std::pair(device.software, !device.discrete) <
+                 std::pair(other.software, !other.discrete);
+        });
+    number = static_cast<int>(best - devices.begin());
   }
   if (*number < 0 || static_cast<std::size_t>(*number) >= devices.size()) {
     throw WorldError(fmt::format("there is no GPU {}; this machine has {}, counted from 0", *number,
@@ -347,7 +400,7 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   const std::lock_guard lock(mutex);
   if (auto shared = open[*number].lock(); shared && !shared->parts_->lost) return shared;
   std::shared_ptr<const Gpu> gpu(told([&] {
-    return new Gpu(std::make_unique<Parts>(Loader(), static_cast<std::size_t>(*number)));
+    return new Gpu(std::make_unique<Parts>(loader().devices[static_cast<std::size_t>(*number)]));
   }));
   open[*number] = gpu;
   return gpu;
@@ -368,10 +421,7 @@ void Gpu::lose() const {
 std::vector<GpuDescription> gpu_devices() {
   std::vector<GpuDescription> devices;
   try {
-    const Loader loader;
-    for (const auto& device : vk::raii::PhysicalDevices(loader.instance)) {
-      devices.push_back(describe(device));
-    }
+    for (const auto& device : loader().devices) devices.push_back(describe(device));
   } catch (const std::runtime_error&) {  // no loader, or no driver: no device
   }
   return devices;

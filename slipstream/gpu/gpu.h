@@ -19,6 +19,7 @@ struct GpuDescription {
   std::string name;
   std::string driver;
   bool software = false;     ///< computed by this machine's own cores
+  bool discrete = false;     ///< a card of its own, with memory of its own
   std::uint64_t memory = 0;  ///< bytes of its own
 };
 
@@ -26,10 +27,17 @@ struct GpuDescription {
 /// where the library was built without Vulkan.
 std::vector<GpuDescription> gpu_devices();
 
-/// A device is lost, or has no memory left. What it held is gone; the work can be done elsewhere.
+enum class GpuFailure {
+  lost,       ///< it fails whoever asks, or does not answer; what it held is gone
+  no_memory,  ///< left for what was asked for
+  too_small,  ///< it never can
+};
+
+/// Why a device did not do its work, which can be done elsewhere.
 class GpuError : public WorldError {
  public:
-  using WorldError::WorldError;
+  GpuError(GpuFailure why_, const std::string& text) : WorldError(text), why(why_) {}
+  GpuFailure why;
 };
 
 /// Where memory lies that a device computes on.
@@ -56,7 +64,7 @@ class GpuBuffer {
  private:
   friend class GpuRun;
   struct Parts;
-  std::unique_ptr<Parts> parts_;
+  std::shared_ptr<Parts> parts_;
 };
 
 /// A compute shader, ready for a device.
@@ -77,11 +85,12 @@ class GpuProgram {
  private:
   friend class GpuRun;
   struct Parts;
-  std::unique_ptr<Parts> parts_;
+  std::shared_ptr<Parts> parts_;
 };
 
-/// Runs programs one after another on the same buffers, which must last until it has: it waits for
-/// that before it ends. One thread uses it at a time.
+/// Runs programs one after another on the same buffers. It keeps both until it has, which it waits
+/// for before it ends; those that a device is at which no longer answers are never freed. One
+/// thread uses it at a time.
 class GpuRun {
  public:
   /// Of every device.
@@ -89,7 +98,6 @@ class GpuRun {
 
   explicit GpuRun(std::shared_ptr<const Gpu> gpu);
   GpuRun(GpuRun&&) noexcept;
-  GpuRun& operator=(GpuRun&&) noexcept;
   ~GpuRun();
 
   /// Each program with at least so many invocations, which tell those beyond by themselves, and
@@ -108,9 +116,9 @@ class GpuRun {
 /// A device in use. What was made of it keeps it. Thread-safe.
 class Gpu {
  public:
-  /// The device of that number in gpu_devices(); without a number the first that is not software,
-  /// or else the first. Who opens one that others use shares it. Throws WorldError where there is
-  /// none such, GpuError where it cannot be used.
+  /// The device of that number in gpu_devices(); without a number the first that is discrete, or
+  /// else that is not software, or else the first. Who opens one that others use shares it. Throws
+  /// WorldError where there is none such, GpuError where it cannot be used.
   static std::shared_ptr<const Gpu> open(std::optional<int> number);
   ~Gpu();
 

@@ -34,7 +34,6 @@ GpuRun::GpuRun(std::shared_ptr<const Gpu>) {
   refuse();
 }
 GpuRun::GpuRun(GpuRun&&) noexcept = default;
-GpuRun& GpuRun::operator=(GpuRun&&) noexcept = default;
 GpuRun::~GpuRun() = default;
 
 std::size_t GpuBuffer::size() const {

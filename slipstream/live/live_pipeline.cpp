@@ -127,4 +127,9 @@ std::vector<LiveFinding> LivePipeline::findings() const {
   return current ? current->findings() : std::vector<LiveFinding>();
 }
 
+std::string LivePipeline::gpu_failure() const {
+  const auto current = run();
+  return current ? current->gpu_failure() : "";
+}
+
 }  // namespace slipstream

@@ -63,6 +63,8 @@ class LivePipeline {
   /// What was found amiss with the frames since the start, and when; see LiveStatistics for what is
   /// amiss now. The check looks at one window of each cycle, before it becomes a cloud.
   [[nodiscard]] std::vector<LiveFinding> findings() const;
+  /// Engine::gpu_failure of the newest cloud.
+  [[nodiscard]] std::string gpu_failure() const;
 
  private:
   [[nodiscard]] std::shared_ptr<const LivePlan> plan_for(const EngineSetup& setup);

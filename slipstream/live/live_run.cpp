@@ -57,19 +57,20 @@ WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& setting
 }
 
 ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
+  used = &engines[static_cast<std::size_t>(window.first_pattern)];
   if (!has_geometry(engines.front().setup().scanner)) {
     if (!window.cloud.z.empty()) window.cloud = Cloud();
     return {};
   }
   view_window(window.frames, views);
-  Engine& moving = engines[static_cast<std::size_t>(window.first_pattern)];
   const int extra = engines.front().setup().sequence.motion;
-  if (still && moving.moving_share(views) < least_moving) {
+  if (still && used->moving_share(views) < least_moving) {
+    used = &*still;
     window.motion = 0;
     return still->cloud(middle_cycle(views, window.first_pattern, extra), window.cloud);
   }
   window.motion = extra;
-  return moving.cloud(views, window.cloud);
+  return used->cloud(views, window.cloud);
 }
 
 bool WindowEngine::is_due(const LiveCloud& window) const {
@@ -303,7 +304,7 @@ void LiveRun::reconstruct() {
     look(*window->reconstruct, cloud);
     cloud.cleaned = window->reconstruct->reconstruct(cloud);
     cloud.finished = Clock::now();
-    tell_backend(*window->reconstruct);
+    note_backend(*window->reconstruct);
     cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);
     finished_.push_when_room(std::move(window->cloud));
@@ -311,10 +312,12 @@ void LiveRun::reconstruct() {
   finished_.close();
 }
 
-void LiveRun::tell_backend(WindowEngine& engine) {
-  std::string backend = engine.engines.front().backend_for(engine.views);
+void LiveRun::note_backend(WindowEngine& engine) {
+  std::string backend = engine.used->backend_for(engine.views);
+  std::string failure = engine.used->gpu_failure();
   const std::lock_guard lock(mutex_);
   backend_ = std::move(backend);
+  gpu_failure_ = std::move(failure);
 }
 
 void LiveRun::look(WindowEngine& engine, const LiveCloud& window) {
@@ -377,6 +380,11 @@ LiveStatistics LiveRun::statistics() const {
     statistics.backend = backend_;
   }
   return statistics;
+}
+
+std::string LiveRun::gpu_failure() const {
+  const std::lock_guard lock(mutex_);
+  return gpu_failure_;
 }
 
 std::vector<LiveFinding> LiveRun::findings() const {

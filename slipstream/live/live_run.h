@@ -40,6 +40,7 @@ struct WindowEngine {
   /// Of windows that begin with each pattern; one for all where they are in pattern order.
   std::vector<Engine> engines;
   std::optional<Engine> still;  ///< of one cycle, where that is to do while nothing moves
+  Engine* used = nullptr;       ///< that of them which made the newest cloud
   FrameViews views;
   std::function<std::vector<Finding>(const FrameViews&)> check;
   std::optional<std::uint64_t> looked;  ///< sequence of the newest frame that was looked at
@@ -73,6 +74,7 @@ class LiveRun {
   void shown(std::chrono::steady_clock::time_point captured);
   [[nodiscard]] LiveStatistics statistics() const;
   [[nodiscard]] std::vector<LiveFinding> findings() const;
+  [[nodiscard]] std::string gpu_failure() const;
   [[nodiscard]] ModelPoints model() const { return followed_.model(); }
 
  private:
@@ -90,7 +92,7 @@ class LiveRun {
   void capture();
   void make_windows();
   void reconstruct();
-  void tell_backend(WindowEngine& engine);
+  void note_backend(WindowEngine& engine);
   void look(WindowEngine& engine, const LiveCloud& window);
   void show();
 
@@ -118,13 +120,13 @@ class LiveRun {
   const Clock::time_point start_ = Clock::now();
   std::shared_ptr<Pool<LiveCloud>> clouds_;
 
-  mutable std::mutex mutex_;  ///< of the six that follow
+  mutable std::mutex mutex_;  ///< of the seven that follow
   FindingLog findings_;
   std::shared_ptr<const LivePlan> plan_;
   Pooled<LiveCloud> newest_;
   std::exception_ptr failure_;
   std::optional<Clock::time_point> end_;
-  std::string backend_;
+  std::string backend_, gpu_failure_;
 
   BoundedQueue<Captured> captured_;
   BoundedQueue<Window> windows_;

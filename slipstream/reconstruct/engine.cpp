@@ -74,7 +74,8 @@ struct Engine::Tables {
     if (fused && setup.settings.engine == EngineKind::gpu) {
       try {
         gpu = GpuEngine::make(*fused, setup.settings.gpu);
-      } catch (const GpuError&) {  // too small for such pictures: the processor is not
+      } catch (const GpuError& error) {  // too small for such pictures: the processor is not
+        give_up_gpu(error);
       }
     }
     if (!fused || fused->wants_coarse()) static_cast<void>(reference());
@@ -84,6 +85,14 @@ struct Engine::Tables {
   const ReferenceEngine& reference() {
     std::call_once(once, [this] { built.emplace(complete, corrections); });
     return *built;
+  }
+  /// The processor computes from now on, for all copies.
+  void give_up_gpu(const GpuError& error) {
+    if (error.why == GpuFailure::lost && gpu) gpu->device().lose();
+    std::call_once(gave_up_gpu, [&] {
+      gpu_failure = error.what();
+      gpu_failed = true;
+    });
   }
   /// In grey levels of the frames.
   [[nodiscard]] DepthNoise noise_for(const FrameViews& frames) const {
@@ -113,6 +122,8 @@ struct Engine::Tables {
   std::optional<MotionMeasurement> measure_motion;  ///< of windows of more than a cycle
   std::optional<FusedEngine> fused;
   std::optional<GpuEngine> gpu;
+  std::once_flag gave_up_gpu;
+  std::string gpu_failure;  ///< once gpu_failed
   std::atomic<bool> gpu_failed = false;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
@@ -253,11 +264,11 @@ void Engine::run_pass(const FrameViews& frames, const FusedOutput& output,
     require_frames(frames, tables_->fused->stages());
     try {
       return (*tables_->gpu)(frames, output, memory_->gpu, coarse);
-    } catch (const GpuError&) {  // the same comes from the processor
-      tables_->gpu->device().lose();
-      tables_->gpu_failed = true;
+    } catch (const GpuError& error) {  // the same comes from the processor
+      tables_->give_up_gpu(error);
     }
   }
+  memory_->gpu.slots.clear();
   (*tables_->fused)(frames, output, memory_->fused, coarse);
 }
 
@@ -340,6 +351,10 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 std::string Engine::backend_for(const FrameViews& frames) {
   if (!tables_->is_fused(frames)) return tables_->reference().method_for(frames);
   return tables_->gpu && !tables_->gpu_failed ? "gpu" : "fused";
+}
+
+std::string Engine::gpu_failure() const {
+  return tables_->gpu_failed ? tables_->gpu_failure : "";
 }
 
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings) {

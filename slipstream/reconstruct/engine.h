@@ -70,6 +70,9 @@ class Engine {
   /// engine computes their phases, "lut", "equation", "closed-form". Where a GPU has failed, in any
   /// copy, it is "fused" from then on.
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
+  /// Why the GPU that was asked for no longer computes, in one line; empty where it does, or where
+  /// none was.
+  [[nodiscard]] std::string gpu_failure() const;
 
  private:
   const Image<Validity>* find_coarse(const FrameViews& frames);

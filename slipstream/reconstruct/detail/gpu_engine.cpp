@@ -372,7 +372,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Fu
                      slots.back().between.size() >= job.between_bytes() &&
                      slots.back().output.size() >= job.together * job.output_bytes();
   if (!keeps) slots.clear();
-  while (slots.size() < std::min<std::size_t>(steps, 2)) {
+  while (slots.size() < (memory.resident ? steps : std::min<std::size_t>(steps, 2))) {
     slots.push_back(slot_for(job, memory.resident));
   }
   const auto step_of = [&](std::size_t i) {
@@ -385,6 +385,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Fu
   };
   for (std::size_t i = 0; i < steps; ++i) {
     GpuScanMemory::Slot& slot = slots[i % slots.size()];
+    slot.run.wait();  // of a call that was given up by an exception
     if (!keeps || !memory.resident) upload(step_of(i), job, slot.frames);
     start(step_of(i), job, slot);
     if (i > 0) collect_from(i - 1);

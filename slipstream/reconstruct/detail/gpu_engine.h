@@ -20,7 +20,8 @@ struct GpuScanMemory {
     GpuBuffer frames, stages, between, output, packed;
     GpuRun run;
   };
-  /// Two where there are several such: frames of one are uploaded while the other is computed.
+  /// Two where there are several such: frames of one are uploaded while the other is computed. One
+  /// for each where they stay.
   std::vector<Slot> slots{};
   /// Frames and results stay on the device, and nothing but the first scans are uploaded: what it
   /// takes by itself.

@@ -50,7 +50,11 @@ std::vector<Strategy> every_strategy_on_gpu() {
         Strategy(PhaseMeasuring{.steps = 5, .frequency = 0.8}),
         Strategy(PhaseMeasuring{.steps = 9, .frequency = 1}),
         Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1}),
-        Strategy(DualFrequency{.steps = 6, .high = 8, .low = 0.5})}) {
+        Strategy(DualFrequency{.steps = 6, .high = 8, .low = 0.5}),
+        Strategy(PhaseMeasuring{.steps = 3, .frequency = 1}).in_motion(1),
+        Strategy(PhaseMeasuring{.steps = 4, .frequency = 1}).in_motion(2, 3),
+        Strategy(PhaseMeasuring{.steps = 5, .frequency = 1}).in_motion(2),
+        Strategy(PhaseMeasuring{.steps = 6, .frequency = 1}).in_motion(4, 1)}) {
     strategies.push_back(strategy);
   }
   return strategies;
@@ -126,7 +130,9 @@ Given random_pictures(const Any& any) {
 struct Scene {
   const char* name;
   Given (*given)(const Any&);
-  std::size_t one_of = 100'000;  ///< pixels may differ, where a threshold is met to rounding
+  /// Of a strategy whose pixels meet a threshold exactly there, so that rounding decides in double
+  /// too: one in 20,000 of all pixels may differ by it, beside one in 100,000 by the others.
+  std::string_view ties{};
 };
 
 void PrintTo(const Scene& scene, std::ostream* out) {
@@ -160,7 +166,7 @@ class EveryStrategyOnGpu : public OnGpu, public testing::WithParamInterface<Scen
 
 /// The pixels of the fused pass, and the points of the equations.
 TEST_P(EveryStrategyOnGpu, GivesTheSame) {
-  std::size_t pixels = 0, points = 0, differing = 0;
+  std::size_t pixels = 0, points = 0, differing = 0, ties = 0;
   unsigned number = 0;
   for (const Strategy& strategy : every_strategy_on_gpu()) {
     const Any any{number++, strategy};
@@ -180,9 +186,11 @@ TEST_P(EveryStrategyOnGpu, GivesTheSame) {
     (*on_gpu)(frames, {.cloud = &gpu.cloud, .maps = &gpu.maps}, gpu_memory);
     const std::size_t count = gpu.cloud.z.pixel_count();
     pixels += count;
+    const bool may_tie =
+        !GetParam().ties.empty() && label_of(strategy).starts_with(GetParam().ties);
     for (std::size_t i = 0; i < count; ++i) {
       if (gpu.cloud.validity.begin()[i] != expected.cloud.validity.begin()[i]) {
-        ++differing;
+        ++(may_tie ? ties : differing);
         continue;
       }
       ASSERT_NO_FATAL_FAILURE(expect_same(gpu, expected, i, frames.views().full_scale()));
@@ -193,16 +201,18 @@ TEST_P(EveryStrategyOnGpu, GivesTheSame) {
     points += agreement.points;
   }
   std::cout << number << " strategies, " << points << " points; " << differing << " of " << pixels
-            << " pixels differ\n";
+            << " pixels differ, and " << ties << " by ties\n";
   EXPECT_GT(points, 1000U * number);
-  EXPECT_LE(differing, pixels / GetParam().one_of);
+  EXPECT_LE(differing, pixels / 100'000);
+  EXPECT_LE(ties, pixels / 20'000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, EveryStrategyOnGpu,
-                         testing::Values(Scene{"quiet", quiet}, Scene{"noisy", noisy, 20'000},
-                                         Scene{"bent", bent, 20'000},
+                         testing::Values(Scene{"quiet", quiet},
+                                         Scene{"noisy", noisy, "two-frequency-4n"},
+                                         Scene{"bent", bent, "pcmp, steps 5"},
                                          Scene{"random_scanners", random_scanners},
-                                         Scene{"random_pictures", random_pictures, 20'000}),
+                                         Scene{"random_pictures", random_pictures}),
                          [](const auto& info) { return std::string(info.param.name); });
 
 /// Whether a limit is met to rounding at the pixel or beside it: where the phases of few grey

@@ -118,7 +118,7 @@ class ReferenceCost {
 
 template <class Cost, class Pixel>
 HWY_INLINE void costs_of(const OrderCostStage& stage, float to_8_bits, const Pixel* const* frames,
-                         const float* coordinate, OrderCosts* costs) {
+                         const float* coordinate, const OrderCosts& costs) {
   const FloatTag d;
   const Floats period = hn::Set(d, 1 / stage.periods);
   const Floats least = hn::Set(d, -stage.margin), most = hn::Set(d, 1 + stage.margin);
@@ -131,15 +131,15 @@ HWY_INLINE void costs_of(const OrderCostStage& stage, float to_8_bits, const Pix
       return hn::IfThenElse(near_field, cost(place, shift),
                             hn::Set(d, std::numeric_limits<float>::infinity()));
     };
-    hn::StoreInterleaved2(held(hn::Sub(y, period), -1), held(hn::Add(y, period), 1), d,
-                          &costs[i].below);
+    hn::StoreU(held(hn::Sub(y, period), -1), d, costs.below + i);
+    hn::StoreU(held(hn::Add(y, period), 1), d, costs.above + i);
   }
 }
 
 template <class Pixel>
 HWY_INLINE void costs_by_form(const OrderCostStage& stage, float to_8_bits,
                               const Pixel* const* frames, const float* coordinate,
-                              OrderCosts* costs) {
+                              const OrderCosts& costs) {
   switch (stage.form) {
     case OrderCostStage::Cue::linear:
       return costs_of<ReferenceCost<false>>(stage, to_8_bits, frames, coordinate, costs);
@@ -151,12 +151,12 @@ HWY_INLINE void costs_by_form(const OrderCostStage& stage, float to_8_bits,
 }
 
 void OrderCosts8(const OrderCostStage& stage, float to_8_bits, const std::uint8_t* const* frames,
-                 const float* coordinate, OrderCosts* costs) {
+                 const float* coordinate, const OrderCosts& costs) {
   costs_by_form(stage, to_8_bits, frames, coordinate, costs);
 }
 
 void OrderCosts16(const OrderCostStage& stage, float to_8_bits, const std::uint16_t* const* frames,
-                  const float* coordinate, OrderCosts* costs) {
+                  const float* coordinate, const OrderCosts& costs) {
   costs_by_form(stage, to_8_bits, frames, coordinate, costs);
 }
 
@@ -170,12 +170,12 @@ HWY_EXPORT(OrderCosts8);
 HWY_EXPORT(OrderCosts16);
 
 void order_costs(const OrderCostStage& stage, float to_8_bits, const std::uint8_t* const* frames,
-                 const float* coordinate, OrderCosts* costs) {
+                 const float* coordinate, const OrderCosts& costs) {
   HWY_DYNAMIC_DISPATCH(OrderCosts8)(stage, to_8_bits, frames, coordinate, costs);
 }
 
 void order_costs(const OrderCostStage& stage, float to_8_bits, const std::uint16_t* const* frames,
-                 const float* coordinate, OrderCosts* costs) {
+                 const float* coordinate, const OrderCosts& costs) {
   HWY_DYNAMIC_DISPATCH(OrderCosts16)(stage, to_8_bits, frames, coordinate, costs);
 }
 

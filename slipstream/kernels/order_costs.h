@@ -21,7 +21,7 @@ struct OrderCostStage {
 /// What it costs a pixel to be one period below or above its own fringe order, less what that one
 /// costs; infinite past the field.
 struct OrderCosts {
-  float below = 0, above = 0;
+  float *below = nullptr, *above = nullptr;  ///< of the pixels of a row
 };
 
 inline constexpr int costed_together = 16;
@@ -29,8 +29,8 @@ inline constexpr int costed_together = 16;
 /// Of `costed_together` pixels. `to_8_bits`: a grey level of the frames in those of an 8-bit
 /// device; `coordinate`: by their own orders; where it is NaN the costs mean nothing.
 void order_costs(const OrderCostStage& stage, float to_8_bits, const std::uint8_t* const* frames,
-                 const float* coordinate, OrderCosts* costs);
+                 const float* coordinate, const OrderCosts& costs);
 void order_costs(const OrderCostStage& stage, float to_8_bits, const std::uint16_t* const* frames,
-                 const float* coordinate, OrderCosts* costs);
+                 const float* coordinate, const OrderCosts& costs);
 
 }  // namespace slipstream

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "slipstream/image/parallel_rows.h"
@@ -24,6 +25,19 @@ struct PixelPlace {
 struct ShiftedPixel {
   PixelPlace place;
   int shift = 0;
+};
+
+/// In place of a shift: that the exact rules are to choose it.
+inline constexpr int undecided = std::numeric_limits<int>::max();
+
+struct VoteLimits {
+  static constexpr double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
+  static constexpr double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
+  /// Five standard deviations: a choice that costs a pixel more is none.
+  static constexpr double sure = 25;
+  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
+  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
+  static constexpr double enough_along_a_line = 16;
 };
 
 /// What a vote keeps between its passes; kept from scan to scan it spares allocations.
@@ -48,8 +62,10 @@ struct NeighbourhoodVoteLists {
 ///     int shift(int line, int column)        0 outside the picture
 ///   bool own_order_costs_least()  whether no shift costs a pixel less than none
 ///   int shift(int column, int row), void set_shift(int column, int row, int shift)
+/// and, where it is quicker at what most pixels need,
+///   void hold_ballots(std::span<ShiftedPixel>), void find_support(std::span<ShiftedPixel>)
 template <class Field>
-class NeighbourhoodVote : private SurfaceWindow {
+class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
  public:
   explicit NeighbourhoodVote(Field& field) : field_(field) {}
 
@@ -81,13 +97,6 @@ class NeighbourhoodVote : private SurfaceWindow {
   }
 
  private:
-  static constexpr double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
-  static constexpr double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
-  /// Five standard deviations: a choice that costs a pixel more is none.
-  static constexpr double sure = 25;
-  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
-  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
-  static constexpr double enough_along_a_line = 16;
   static constexpr int passes = 3;
 
   static constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
@@ -158,8 +167,8 @@ class NeighbourhoodVote : private SurfaceWindow {
 
    private:
     struct Candidate {
-      int shift = 0;
-      Cells voters = 0;
+      int shift;
+      Cells voters;
     };
     using Candidates = std::array<Candidate, cells>;
 
@@ -255,7 +264,7 @@ class NeighbourhoodVote : private SurfaceWindow {
     typename Field::Window window_;
     bool costs_least_;
     Cells moved_ = 0;
-    std::array<int, cells> shift_{};
+    std::array<int, cells> shift_;
     Candidates candidates_;
   };
 
@@ -305,8 +314,11 @@ class NeighbourhoodVote : private SurfaceWindow {
       void operator()(int part) const {
         const std::size_t first = static_cast<std::size_t>(part) * share;
         const std::size_t last = std::min(first + share, lists.open.size());
-        for (std::size_t i = first; i < last; ++i) {
-          lists.choices[i] = {lists.open[i], vote.chosen_shift(lists.open[i])};
+        for (std::size_t i = first; i < last; ++i) lists.choices[i] = {lists.open[i], undecided};
+        const auto choices = std::span(lists.choices).subspan(first, last - first);
+        if constexpr (is_quick) vote.field_.hold_ballots(choices);
+        for (auto& [at, shift] : choices) {
+          if (shift == undecided) shift = vote.chosen_shift(at);
         }
       }
     };
@@ -347,24 +359,33 @@ class NeighbourhoodVote : private SurfaceWindow {
     places.erase(std::unique(places.begin(), places.end()), places.end());
   }
 
+  /// Whether one of its eight neighbours, of those on the same surface, agrees with what the pixel
+  /// said alone.
+  [[nodiscard]] bool has_support(PixelPlace at) const {
+    const Surface surface = same_surface(links_around(at), inner_window);
+    const auto window = field_.window_around(at.column, at.row);
+    bool supported = false;
+    for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
+      supported |= window.shift(cell / side, cell % side) == surface.shift_step[index(cell)];
+    });
+    return supported;
+  }
+
   /// One pass over `lists.moved`: back to what the pixel said alone where one of its eight
   /// neighbours, of those on the same surface, agrees with that: it shows an edge of whole periods,
   /// which the wrapped phase does not. Leaves there whom the next pass may restore for that.
   void restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
     lists.choices.clear();
     for (const PixelPlace at : lists.moved) {
-      if (field_.shift(at.column, at.row) == 0) continue;
-      const Surface surface = same_surface(links_around(at), inner_window);
-      const auto window = field_.window_around(at.column, at.row);
-      bool supported = false;
-      for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
-        supported |= window.shift(cell / side, cell % side) == surface.shift_step[index(cell)];
-      });
-      if (supported) lists.choices.push_back({at, 0});
+      if (field_.shift(at.column, at.row) != 0) lists.choices.push_back({at, undecided});
     }
+    if constexpr (is_quick) field_.find_support(lists.choices);
+    std::erase_if(lists.choices, [&](const ShiftedPixel& pixel) {
+      return pixel.shift == undecided ? !has_support(pixel.place) : pixel.shift != 0;
+    });
     lists.moved.clear();
     for (const auto& [at, shift] : lists.choices) {
-      field_.set_shift(at.column, at.row, shift);
+      field_.set_shift(at.column, at.row, 0);
       for_each_cell(inner_window, [&](int cell) { lists.moved.push_back(place(at, cell)); });
     }
     // Only those have a shift that have moved, and none is outside the picture.
@@ -373,6 +394,11 @@ class NeighbourhoodVote : private SurfaceWindow {
     });
     sort_once(lists.moved);
   }
+
+  static constexpr bool is_quick = requires(Field & field, std::span<ShiftedPixel> pixels) {
+    field.hold_ballots(pixels);
+    field.find_support(pixels);
+  };
 
   Field& field_;
 };

@@ -16,7 +16,8 @@ void VoteBlock::prepare(int width) {
     coordinate_ = Image<float>({width + 2 * side, kept_rows}, nothing);
     flags_ = Image<std::int32_t>({width, kept_rows});
     shift_ = Image<std::int16_t>({width + 2 * side, kept_rows});
-    costs_ = Image<OrderCosts>({width, kept_rows});
+    below_ = Image<float>({width + 2 * side, kept_rows});
+    above_ = Image<float>({width + 2 * side, kept_rows});
     costs_known_ = Image<std::uint8_t>({width / costed_together + 1, kept_rows});
   }
   moved.clear();

@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "slipstream/capture/frame_views.h"
 #include "slipstream/image/image.h"
+#include "slipstream/kernels/ballots.h"
 #include "slipstream/kernels/order_costs.h"
 #include "slipstream/reconstruct/detail/fused_stages.h"
 #include "slipstream/unwrap/neighbourhood_vote.h"
@@ -36,7 +38,9 @@ class VoteBlock {
     return coordinate_.row(place(row)) + side;
   }
   [[nodiscard]] int width() const { return flags_.width(); }
-  [[nodiscard]] OrderCosts* costs(int row) { return costs_.row(place(row)); }
+  [[nodiscard]] OrderCosts costs(int row) {
+    return {below_.row(place(row)) + side, above_.row(place(row)) + side};
+  }
   /// Whether those of a pixel, and of its `costed_together`, belong to the row's coordinates.
   [[nodiscard]] std::uint8_t& costs_known(int column, int row) {
     return costs_known_(column / costed_together, place(row));
@@ -54,6 +58,16 @@ class VoteBlock {
   /// Of a row; 0 before the first pixel and after the last.
   [[nodiscard]] std::int16_t* shifts(int row) { return shift_.row(place(row)) + side; }
   [[nodiscard]] const std::int16_t* shifts(int row) const { return shift_.row(place(row)) + side; }
+
+  [[nodiscard]] BallotRows ballots(float periods) const {
+    return {.coordinate = coordinates(0),
+            .shift = shifts(0),
+            .below = below_.begin() + side,
+            .above = above_.begin() + side,
+            .stride = coordinate_.width(),
+            .kept_rows = kept_rows,
+            .periods = periods};
+  }
 
   /// Makes rows NaN: those outside the picture, or not yet known.
   void clear(int first, int last);
@@ -81,7 +95,7 @@ class VoteBlock {
   Image<float> coordinate_;
   Image<std::int32_t> flags_;
   Image<std::int16_t> shift_;
-  Image<OrderCosts> costs_;
+  Image<float> below_, above_;       ///< OrderCosts
   Image<std::uint8_t> costs_known_;  ///< of `costed_together` pixels
 };
 
@@ -136,16 +150,23 @@ class VoteField {
       }
     }
   }
+  /// Dim pixels have coordinates and no say, of which the vectors do not know.
+  void hold_ballots(std::span<ShiftedPixel> pixels) const {
+    if (!some_dim_) slipstream::hold_ballots(ballots(), pixels);
+  }
+  void find_support(std::span<ShiftedPixel> pixels) const {
+    if (!some_dim_) slipstream::find_support(ballots(), pixels);
+  }
   struct Window {
     const VoteField& field;
     PixelPlace first;
-    std::array<const OrderCosts*, 5> costs;
+    std::array<OrderCosts, 5> costs;
     std::array<const std::int16_t*, 5> shifts;
 
     [[nodiscard]] double against(int cell, int shift) const {
-      const OrderCosts& known = costs[static_cast<std::size_t>(cell / 5)][cell % 5];
-      if (shift == 1) return known.above;
-      if (shift == -1) return known.below;
+      const OrderCosts& known = costs[static_cast<std::size_t>(cell / 5)];
+      if (shift == 1) return known.above[cell % 5];
+      if (shift == -1) return known.below[cell % 5];
       return shift == 0 ? 0 : field.against(first.column + cell % 5, first.row + cell / 5, shift);
     }
     [[nodiscard]] int shift(int line, int column) const {
@@ -155,7 +176,9 @@ class VoteField {
   [[nodiscard]] Window window_around(int column, int row) const {
     Window window{.field = *this, .first = {row - 2, column - 2}, .costs = {}, .shifts = {}};
     for (int r = 0; r < 5; ++r) {
-      window.costs[static_cast<std::size_t>(r)] = block_.costs(row - 2 + r) + column - 2;
+      const OrderCosts costs = block_.costs(row - 2 + r);
+      window.costs[static_cast<std::size_t>(r)] = {costs.below + column - 2,
+                                                   costs.above + column - 2};
       window.shifts[static_cast<std::size_t>(r)] = block_.shifts(row - 2 + r) + column - 2;
     }
     return window;
@@ -192,13 +215,16 @@ class VoteField {
   }
 
  private:
+  [[nodiscard]] BallotRows ballots() const { return block_.ballots(static_cast<float>(cue_.f_h)); }
+
   /// The last vector of a row overlaps the one before it.
   void find_costs(int column, int row) {
     const int first = std::min(column, block_.width() - costed_together);
     std::transform(frames_.begin(), frames_.end(), rows_.begin(),
                    [&](const auto& frame) { return frame.row(row) + first; });
     order_costs(cue_.costs, static_cast<float>(to_8_bits_), rows_.data(),
-                block_.coordinates(row) + first, block_.costs(row) + first);
+                block_.coordinates(row) + first,
+                {block_.costs(row).below + first, block_.costs(row).above + first});
     block_.costs_known(column, row) = 1;
   }
 

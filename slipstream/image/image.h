@@ -39,6 +39,10 @@ class ImageView {
   std::ptrdiff_t stride_ = 0;
 };
 
+struct Uninitialised {};
+/// Of an image every pixel of which is written before it is read: its memory is not touched twice.
+inline constexpr Uninitialised uninitialised;
+
 /// Owned pixels, rows without gaps, the first aligned to 64 bytes. A value: copies copy,
 /// into the memory that is there where the size is the same.
 template <class Pixel>
@@ -50,6 +54,7 @@ class Image {
   explicit Image(Size size, Pixel value = {}) : pixels_(allocate(size)), size_(size) {
     std::fill(begin(), end(), value);
   }
+  Image(Size size, Uninitialised) : pixels_(allocate(size)), size_(size) {}
   Image(const Image& other) : pixels_(allocate(other.size_)), size_(other.size_) {
     std::copy(other.begin(), other.end(), begin());
   }

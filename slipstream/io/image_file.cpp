@@ -4,7 +4,13 @@
 #include <array>
 #include <cstring>
 #include <exception>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -23,18 +29,27 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
+using Bytes = std::span<const std::uint8_t>;
+
 constexpr std::array<std::string_view, 5> image_extensions{".png", ".tif", ".tiff", ".bmp", ".pgm"};
 
+/// A frame's pixels: grey levels, or unquantised.
+using FrameImage = std::variant<Image<std::uint8_t>, Image<std::uint16_t>, Image<double>>;
+
 /// Of a file that begins as one of the kinds that stated_pixels knows.
-cv::Mat decoded(const std::vector<std::uint8_t>& bytes) {
+cv::Mat decoded(Bytes bytes) {
   if (is_png(bytes)) return read_png(bytes);
   if (bytes[0] == 'B') return read_bmp(bytes);
   return bytes[0] == 'P' ? read_pgm(bytes) : read_tiff(bytes);
 }
 
-/// One of so many frames of a scan, or a map.
-cv::Mat read_mat(const fs::path& path, std::size_t frames = 1) {
-  const std::vector<std::uint8_t> bytes = read_file(path, largest_picture_file);
+/// What `decode` makes of the bytes of a picture's file, one of so many of a scan.
+template <class Decode>
+auto read_picture(const fs::path& path, std::size_t count, const Decode& decode) {
+  const InputFile file(path, largest_picture_file);
+  const auto memory = std::make_unique_for_overwrite<std::uint8_t[]>(file.size());
+  const std::span bytes(memory.get(), file.size());
+  if (!file.read(0, {bytes})) throw Error(fmt::format("{}: became shorter", path.string()));
   const auto refuse = [&](std::string_view why) {
     throw Error(fmt::format("{}: {}", path.string(), why));
   };
@@ -49,38 +64,51 @@ cv::Mat read_mat(const fs::path& path, std::size_t frames = 1) {
     refuse(
         fmt::format("says that it has {} pixels; at most {} are read", *pixels, largest_picture));
   }
-  require_scan_fits(frames, std::max<std::uint64_t>(*pixels, 1), path);
+  require_scan_fits(count, std::max<std::uint64_t>(*pixels, 1), path);
   try {
-    return decoded(bytes);
+    return decode(Bytes(bytes));
   } catch (const Error& error) {
-    refuse(error.what());
+    throw Error(fmt::format("{}: {}", path.string(), error.what()));
   }
-  return {};
 }
 
-cv::Mat read_grey_mat(const fs::path& path, std::size_t frames,
-                      std::vector<std::string>& warnings) {
-  cv::Mat mat = read_mat(path, frames);
-  if (mat.channels() == 1) return mat;
-  if (mat.channels() < 3 || mat.depth() > CV_16U) {
-    throw Error(
-        fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits", path.string()));
-  }
-  warnings.push_back(fmt::format("{}: a colour picture, converted to grey", path.string()));
-  cv::Mat grey;
-  cv::cvtColor(mat, grey, mat.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
-  return grey;
+cv::Mat read_mat(const fs::path& path, std::size_t count = 1) {
+  return read_picture(path, count, decoded);
 }
 
-cv::Mat read_colour_mat(const fs::path& path, std::size_t frames) {
-  cv::Mat mat = read_mat(path, frames);
+FrameImage frame_image(const cv::Mat& mat) {
+  if (mat.type() == CV_8UC1) return image_from<std::uint8_t>(mat);
+  if (mat.type() == CV_16UC1) return image_from<std::uint16_t>(mat);
+  if (mat.type() == CV_64FC1) return image_from<double>(mat);
+  throw Error("pixels of an unknown kind; frames are grey, 8 or 16 bits");
+}
+
+FrameImage read_grey(const fs::path& path, std::size_t count, std::vector<std::string>& warnings) {
+  return read_picture(path, count, [&](Bytes bytes) -> FrameImage {
+    if (auto plain = is_png(bytes) ? read_plain_grey(bytes) : std::nullopt) {
+      return std::visit([](auto& image) { return FrameImage(std::move(image)); }, *plain);
+    }
+    const cv::Mat mat = decoded(bytes);
+    if (mat.channels() < 3 || mat.depth() > CV_16U) return frame_image(mat);
+    warnings.push_back(fmt::format("{}: a colour picture, converted to grey", path.string()));
+    cv::Mat grey;
+    cv::cvtColor(mat, grey, mat.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+    return frame_image(grey);
+  });
+}
+
+/// Red, green and blue.
+std::vector<FrameImage> read_channels(const fs::path& path, std::size_t count) {
+  const cv::Mat mat = read_mat(path, count);
   if (mat.channels() < 3 || mat.depth() > CV_16U) {
     throw Error(
         fmt::format("{}: a grey picture; as few as these would have to be in colour, with a "
                     "frame in each channel",
                     path.string()));
   }
-  return mat;
+  std::vector<cv::Mat> channels;  // blue first, as OpenCV has them
+  cv::split(mat, channels);
+  return {frame_image(channels[2]), frame_image(channels[1]), frame_image(channels[0])};
 }
 
 /// As a file of that ending; empty where such a file does not hold such pixels.
@@ -135,83 +163,88 @@ Image<double> wide_image(const cv::Mat& mat) {
   return image_from<double>(wide);
 }
 
-template <class Pixel>
-std::vector<Image<Pixel>> images_from(const std::vector<cv::Mat>& mats) {
-  std::vector<Image<Pixel>> images;
-  images.reserve(mats.size());
-  for (const cv::Mat& mat : mats) images.push_back(image_from<Pixel>(mat));
-  return images;
+FrameSet frame_set_from(std::vector<FrameImage> frames, int bits) {
+  return std::visit(
+      [&]<class Pixel>(const Image<Pixel>&) -> FrameSet {
+        std::vector<Image<Pixel>> images;
+        for (FrameImage& frame : frames) images.push_back(std::get<Image<Pixel>>(std::move(frame)));
+        if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
+          return {std::move(images), bits == 0 ? 16 : bits};
+        } else {
+          return FrameSet(std::move(images));
+        }
+      },
+      frames.front());
 }
 
-FrameSet frame_set_from(const std::vector<cv::Mat>& mats, int bits) {
-  switch (mats.front().depth()) {
-    case CV_8U:
-      return FrameSet(images_from<std::uint8_t>(mats));
-    case CV_16U:
-      return {images_from<std::uint16_t>(mats), bits == 0 ? 16 : bits};
-    default:
-      return FrameSet(images_from<double>(mats));
-  }
+Size size_of(const FrameImage& frame) {
+  return std::visit([](const auto& image) { return image.size(); }, frame);
 }
 
-void require_like_first(const fs::path& path, const cv::Mat& mat, const fs::path& first_path,
-                        const cv::Mat& first) {
-  if (mat.size() != first.size()) {
-    throw Error(fmt::format("{} is {}x{}, but {} is {}x{}; all frames of a scan have one size",
-                            path.string(), mat.cols, mat.rows, first_path.string(), first.cols,
-                            first.rows));
+std::size_t bytes_of(const FrameImage& frame) {
+  return std::visit([](const auto& image) { return image.pixel_count() * sizeof(*image.begin()); },
+                    frame);
+}
+
+void require_like_first(const fs::path& path, const FrameImage& frame, const fs::path& first_path,
+                        const FrameImage& first) {
+  if (size_of(frame) != size_of(first)) {
+    throw Error(fmt::format("{} is {}, but {} is {}; all frames of a scan have one size",
+                            path.string(), text_of(size_of(frame)), first_path.string(),
+                            text_of(size_of(first))));
   }
-  if (mat.depth() != first.depth()) {
+  if (frame.index() != first.index()) {
     throw Error(fmt::format("{} and {} have different pixels; all frames of a scan have one kind",
                             path.string(), first_path.string()));
   }
 }
 
-/// A frame's pixels, or why there are none.
-struct ReadFrame {
-  cv::Mat mat;
+/// A picture's frames, or why there are none.
+struct ReadPicture {
+  std::vector<FrameImage> frames;
   std::vector<std::string> warnings;
   std::exception_ptr failure;
 };
 
 /// On as many threads as there are.
-std::vector<ReadFrame> read_at_once(const std::vector<fs::path>& paths, bool in_colour) {
-  std::vector<ReadFrame> frames(paths.size());
+std::vector<ReadPicture> read_at_once(const std::vector<fs::path>& paths, bool in_colour) {
+  std::vector<ReadPicture> pictures(paths.size());
   for_each_row(static_cast<int>(paths.size()), [&](int n) {
     const fs::path& path = paths[static_cast<std::size_t>(n)];
-    auto& [mat, warnings, failure] = frames[static_cast<std::size_t>(n)];
+    auto& [frames, warnings, failure] = pictures[static_cast<std::size_t>(n)];
     try {
-      mat = in_colour ? read_colour_mat(path, paths.size())
-                      : read_grey_mat(path, paths.size(), warnings);
-      const int depth = mat.depth();
-      if (depth != CV_8U && depth != CV_16U && depth != CV_64F) {
-        throw Error(fmt::format("{}: pixels of an unknown kind; frames are grey, 8 or 16 bits",
-                                path.string()));
+      if (in_colour) {
+        frames = read_channels(path, paths.size());
+      } else {
+        frames.push_back(read_grey(path, paths.size(), warnings));
       }
-      require_scan_fits(paths.size(), mat.total() * mat.elemSize(), path);
+      require_scan_fits(paths.size(), frames.size() * bytes_of(frames.front()), path);
     } catch (...) {
-      mat.release();
+      frames.clear();
       failure = std::current_exception();
     }
   });
-  return frames;
+  return pictures;
 }
 
-/// Of all frames, in order, which are alike.
-std::vector<cv::Mat> read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour,
-                                std::vector<std::string>& warnings) {
-  std::vector<cv::Mat> mats;
-  for (ReadFrame& frame : read_at_once(paths, in_colour)) {
-    if (frame.failure) std::rethrow_exception(frame.failure);
-    mats.push_back(std::move(frame.mat));
-    warnings.insert(warnings.end(), frame.warnings.begin(), frame.warnings.end());
-    require_like_first(paths[mats.size() - 1], mats.back(), paths.front(), mats.front());
+/// All frames, in order, which are alike.
+FrameSet read_alike(const std::vector<fs::path>& paths, int bits, bool in_colour,
+                    std::vector<std::string>& warnings) {
+  std::vector<FrameImage> frames;
+  std::vector<ReadPicture> pictures = read_at_once(paths, in_colour);
+  for (std::size_t n = 0; n < paths.size(); ++n) {
+    auto& [read, told, failure] = pictures[n];
+    if (failure) std::rethrow_exception(failure);
+    std::move(read.begin(), read.end(), std::back_inserter(frames));
+    warnings.insert(warnings.end(), told.begin(), told.end());
+    require_like_first(paths[n], frames.back(), paths.front(), frames.front());
   }
-  if (bits > 8 && !mats.empty() && mats.front().depth() == CV_8U) {
+  if (frames.empty()) return {};
+  if (bits > 8 && std::holds_alternative<Image<std::uint8_t>>(frames.front())) {
     throw Error(fmt::format("{}: a picture of 8 bits, but the camera is said to have {}",
                             paths.front().string(), bits));
   }
-  return mats;
+  return frame_set_from(std::move(frames), bits);
 }
 
 }  // namespace
@@ -224,20 +257,13 @@ bool is_image_file(const fs::path& path) {
 
 LoadedFrames read_frames(const std::vector<fs::path>& paths, int bits) {
   LoadedFrames loaded;
-  const std::vector<cv::Mat> mats = read_alike(paths, bits, false, loaded.warnings);
-  if (!mats.empty()) loaded.frames = frame_set_from(mats, bits);
+  loaded.frames = read_alike(paths, bits, false, loaded.warnings);
   return loaded;
 }
 
 FrameSet read_colour_frames(const std::vector<fs::path>& paths, int bits) {
   std::vector<std::string> warnings;
-  std::vector<cv::Mat> frames;
-  for (const cv::Mat& picture : read_alike(paths, bits, true, warnings)) {
-    std::vector<cv::Mat> channels;  // blue first, as OpenCV has them
-    cv::split(picture, channels);
-    for (const std::size_t channel : {2, 1, 0}) frames.push_back(channels[channel]);
-  }
-  return frames.empty() ? FrameSet() : frame_set_from(frames, bits);
+  return read_alike(paths, bits, true, warnings);
 }
 
 void write_image(const fs::path& path, const Image<std::uint8_t>& image) {

@@ -23,7 +23,7 @@ cv::Mat mat_of(const Image<Pixel>& image) {
 template <class Pixel>
 Image<Pixel> image_from(const cv::Mat& mat) {
   CV_Assert(mat.type() == cv::traits::Type<Pixel>::value);
-  Image<Pixel> image({mat.cols, mat.rows});
+  Image<Pixel> image({mat.cols, mat.rows}, uninitialised);
   mat.copyTo(mat_of(image));
   return image;
 }

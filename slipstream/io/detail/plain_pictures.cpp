@@ -1,5 +1,6 @@
 #include "slipstream/io/detail/plain_pictures.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <string>
 #include <string_view>
@@ -66,14 +67,14 @@ cv::Mat read_bmp(Bytes bytes) {
   for (int row = 0; row < mat.rows; ++row) {
     const auto stored = static_cast<std::size_t>(height < 0 ? row : mat.rows - 1 - row);
     const std::uint8_t* const from = bytes.data() + pixels + stored * line;
+    if (mat.channels() == 1) {
+      std::copy_n(from, mat.cols, mat.ptr(row));
+      continue;
+    }
     for (int column = 0; column < mat.cols; ++column) {
       const std::uint8_t* const pixel = from + static_cast<std::size_t>(column) * (bits / 8);
-      if (mat.channels() == 1) {
-        mat.at<std::uint8_t>(row, column) = *pixel;
-      } else {
-        mat.at<cv::Vec3b>(row, column) =
-            bits == 8 ? colours[*pixel] : cv::Vec3b(pixel[0], pixel[1], pixel[2]);
-      }
+      mat.at<cv::Vec3b>(row, column) =
+          bits == 8 ? colours[*pixel] : cv::Vec3b(pixel[0], pixel[1], pixel[2]);
     }
   }
   return mat;

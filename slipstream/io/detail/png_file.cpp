@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <libdeflate.h>
@@ -124,18 +125,21 @@ int paeth(int left, int above, int corner) {
 /// Undoes the filter of a row of pixels of `step` bytes, PNG 1.2, Section 6; false for an unknown
 /// one.
 template <std::size_t step>
-bool unfilter(int filter, const std::uint8_t* above, std::span<std::uint8_t> row) {
+bool unfilter(const std::uint8_t* filtered, const std::uint8_t* above,
+              std::span<std::uint8_t> row) {
   const auto add = [&](const auto& predicted) {
     std::array<std::uint8_t, step> left{}, corner{};  // read back from the row they would wait
     for (std::size_t i = 0; i < row.size(); ++i) {
       std::uint8_t &before = left[i % step], &above_before = corner[i % step];
-      before = static_cast<std::uint8_t>(row[i] + predicted(before, above[i], above_before));
+      before =
+          static_cast<std::uint8_t>(filtered[1 + i] + predicted(before, above[i], above_before));
       above_before = above[i];
       row[i] = before;
     }
   };
-  switch (filter) {
+  switch (filtered[0]) {
     case 0:
+      add([](int, int, int) { return 0; });
       return true;
     case 1:
       add([](int left, int, int) { return left; });
@@ -156,70 +160,34 @@ bool unfilter(int filter, const std::uint8_t* above, std::span<std::uint8_t> row
 
 /// The rows of a picture, each with its filter before it, to its pixels; none where one is unknown.
 template <class Pixel>
-cv::Mat unfiltered(std::vector<std::uint8_t>& rows, int width, int height) {
-  cv::Mat mat(height, width, CV_MAKETYPE(cv::DataType<Pixel>::depth, 1));
-  const std::size_t bytes = static_cast<std::size_t>(width) * sizeof(Pixel);
+std::optional<Image<Pixel>> unfiltered(const std::uint8_t* rows, Size size) {
+  Image<Pixel> image(size, uninitialised);
+  const std::size_t bytes = static_cast<std::size_t>(size.width) * sizeof(Pixel);
   const std::vector<std::uint8_t> zeros(bytes);
   const std::uint8_t* above = zeros.data();
-  for (int row = 0; row < height; ++row) {
-    std::uint8_t* const filter = rows.data() + static_cast<std::size_t>(row) * (bytes + 1);
-    const std::span line(filter + 1, bytes);
-    if (!unfilter<sizeof(Pixel)>(*filter, above, line)) return {};
-    above = line.data();
-    auto* const to = mat.ptr<Pixel>(row);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(width); ++i) {
-      if constexpr (sizeof(Pixel) == 1) to[i] = line[i];
-      if constexpr (sizeof(Pixel) == 2) {
-        to[i] = static_cast<Pixel>(line[2 * i] << 8 | line[2 * i + 1]);
-      }
-    }
+  for (int row = 0; row < size.height; ++row, rows += bytes + 1) {
+    auto* const line = reinterpret_cast<std::uint8_t*>(image.row(row));
+    if (!unfilter<sizeof(Pixel)>(rows, above, {line, bytes})) return std::nullopt;
+    above = line;
   }
-  return mat;
+  if constexpr (sizeof(Pixel) == 2 && std::endian::native == std::endian::little) {
+    for (Pixel& pixel : image) pixel = static_cast<Pixel>(pixel << 8 | pixel >> 8);
+  }
+  return image;
 }
 
-std::vector<std::uint8_t> inflated(const std::vector<std::uint8_t>& packed, std::size_t size) {
-  std::vector<std::uint8_t> bytes(size);
+/// None where they are not so many.
+std::unique_ptr<std::uint8_t[]> inflated(const std::vector<std::uint8_t>& packed,
+                                         std::size_t size) {
+  auto bytes = std::make_unique_for_overwrite<std::uint8_t[]>(size);
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
       decompressor(libdeflate_alloc_decompressor(), libdeflate_free_decompressor);
   if (decompressor == nullptr) throw std::bad_alloc();
-  if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), bytes.data(),
+  if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), bytes.get(),
                                  size, nullptr) != LIBDEFLATE_SUCCESS) {
-    bytes.clear();
+    return nullptr;
   }
   return bytes;
-}
-
-/// What most frames are, grey, 8 or 16 bits, line by line, in half of libpng's time. None for other
-/// pictures and those that are not whole: libpng says why.
-cv::Mat read_plain_grey(std::span<const std::uint8_t> bytes) {
-  std::span<const std::uint8_t> left = bytes.subspan(8);
-  Chunk chunk;
-  if (!take_chunk(left, chunk) || chunk.name != chunk_named("IHDR") || chunk.data.size() != 13) {
-    return {};
-  }
-  const std::uint8_t* const header = chunk.data.data();
-  const std::uint32_t width = big_endian(chunk.data, 0), height = big_endian(chunk.data, 4);
-  constexpr std::uint32_t longest = 1'000'000;  // libpng's
-  const bool is_grey = std::all_of(header + 9, header + 13, [](int zero) { return zero == 0; });
-  if (!is_grey || (header[8] != 8 && header[8] != 16) || width - 1 >= longest ||
-      height - 1 >= longest || std::uint64_t{width} * height > largest_picture) {
-    return {};
-  }
-  std::vector<std::uint8_t> packed;
-  packed.reserve(bytes.size());
-  while (chunk.name != chunk_named("IEND")) {
-    if (!take_chunk(left, chunk)) return {};
-    const bool is_critical = (chunk.name & 0x20000000) == 0;
-    const bool of_pixels = chunk.name == chunk_named("IDAT");
-    if (is_critical && !of_pixels && chunk.name != chunk_named("IEND")) return {};
-    if (of_pixels) packed.insert(packed.end(), chunk.data.begin(), chunk.data.end());
-  }
-  const std::size_t row = 1 + std::size_t{width} * header[8] / 8;
-  std::vector<std::uint8_t> rows = inflated(packed, row * height);
-  if (rows.empty()) return {};
-  const auto columns = static_cast<int>(width), lines = static_cast<int>(height);
-  return header[8] == 8 ? unfiltered<std::uint8_t>(rows, columns, lines)
-                        : unfiltered<std::uint16_t>(rows, columns, lines);
 }
 
 void put_chunk(std::vector<std::uint8_t>& bytes, std::uint32_t name,
@@ -266,8 +234,39 @@ bool is_png(std::span<const std::uint8_t> bytes) {
   return bytes.size() >= 8 && png_sig_cmp(bytes.data(), 0, 8) == 0;
 }
 
+std::optional<std::variant<Image<std::uint8_t>, Image<std::uint16_t>>> read_plain_grey(
+    std::span<const std::uint8_t> bytes) {
+  std::span<const std::uint8_t> left = bytes.subspan(8);
+  Chunk chunk;
+  if (!take_chunk(left, chunk) || chunk.name != chunk_named("IHDR") || chunk.data.size() != 13) {
+    return {};
+  }
+  const std::uint8_t* const header = chunk.data.data();
+  const std::uint32_t width = big_endian(chunk.data, 0), height = big_endian(chunk.data, 4);
+  constexpr std::uint32_t longest = 1'000'000;  // libpng's
+  const bool is_grey = std::all_of(header + 9, header + 13, [](int zero) { return zero == 0; });
+  if (!is_grey || (header[8] != 8 && header[8] != 16) || width - 1 >= longest ||
+      height - 1 >= longest || std::uint64_t{width} * height > largest_picture) {
+    return {};
+  }
+  std::vector<std::uint8_t> packed;
+  packed.reserve(bytes.size());
+  while (chunk.name != chunk_named("IEND")) {
+    if (!take_chunk(left, chunk)) return {};
+    const bool is_critical = (chunk.name & 0x20000000) == 0;
+    const bool of_pixels = chunk.name == chunk_named("IDAT");
+    if (is_critical && !of_pixels && chunk.name != chunk_named("IEND")) return {};
+    if (of_pixels) packed.insert(packed.end(), chunk.data.begin(), chunk.data.end());
+  }
+  const std::size_t row = 1 + std::size_t{width} * header[8] / 8;
+  const std::unique_ptr<std::uint8_t[]> rows = inflated(packed, row * height);
+  if (rows == nullptr) return {};
+  const Size size{static_cast<int>(width), static_cast<int>(height)};
+  if (header[8] == 8) return unfiltered<std::uint8_t>(rows.get(), size);
+  return unfiltered<std::uint16_t>(rows.get(), size);
+}
+
 cv::Mat read_png(std::span<const std::uint8_t> bytes) {
-  if (const cv::Mat grey = read_plain_grey(bytes); !grey.empty()) return grey;
   Source source{.left = bytes};
   const Reader reader(source);
   if (reader.info == nullptr) throw std::bad_alloc();

@@ -84,6 +84,17 @@ struct Depth {
   Image<Validity> validity;
 };
 
+/// The points alone, without the pixels that have none, in the order of the picture: row by row.
+struct PackedPoints {
+  std::size_t count = 0;
+  /// Of the picture's size, so that memory is used again: the first `count` are the points', what
+  /// is behind them says nothing.
+  Image<float> x;  ///< mm, as y and z
+  Image<float> y;
+  Image<float> z;
+  Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
+};
+
 /// An intensity as a pixel of 8 bits: rounded, what is darker or brighter taken to the nearest end.
 std::uint8_t grey_level(float intensity);
 

@@ -423,6 +423,37 @@ void NumberRow(const DepthScale& scale, int width, const float* z, std::uint16_t
   });
 }
 
+/// A vector at a time where there is room for one.
+HWY_INLINE void pack(const float* from, FloatMask points, std::size_t count, float* to,
+                     bool has_room) {
+  const FloatTag d;
+  const Floats values = hn::LoadU(d, from);
+  if (HWY_LIKELY(has_room)) return static_cast<void>(hn::CompressStore(values, points, d, to));
+  HWY_ALIGN float packed[HWY_MAX_BYTES / sizeof(float)];  // NOLINT(modernize-avoid-c-arrays)
+  hn::CompressStore(values, points, d, packed);
+  std::copy_n(static_cast<const float*>(packed), count, to);
+}
+
+std::size_t PackRow(int width, const PointValues<const float>& from, const PointValues<float>& to,
+                    std::size_t room) {
+  const FloatTag d;
+  const std::size_t pixels = static_cast<std::size_t>(width), lanes = hn::Lanes(d);
+  std::size_t packed = 0;
+  for (std::size_t next = 0; next < pixels; next += lanes) {
+    const std::size_t i = std::min(next, pixels - lanes);  // the last overlaps the one before it
+    const FloatMask anew = hn::Ge(hn::Iota(d, 0), hn::Set(d, static_cast<float>(next - i)));
+    const FloatMask points = hn::AndNot(hn::IsNaN(hn::LoadU(d, from.z + i)), anew);
+    const std::size_t count = hn::CountTrue(d, points);
+    const bool has_room = packed + lanes <= room;
+    pack(from.x + i, points, count, to.x + packed, has_room);
+    pack(from.y + i, points, count, to.y + packed, has_room);
+    pack(from.z + i, points, count, to.z + packed, has_room);
+    pack(from.intensity + i, points, count, to.intensity + packed, has_room);
+    packed += count;
+  }
+  return packed;
+}
+
 }  // namespace slipstream::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -432,6 +463,7 @@ namespace slipstream {
 HWY_EXPORT(PointRowAlone);
 HWY_EXPORT(PointRowConfirmed);
 HWY_EXPORT(NumberRow);
+HWY_EXPORT(PackRow);
 
 void point_row(const PointStage& stage, const CoordinateStage& coordinate, const PointRow& row) {
   HWY_DYNAMIC_DISPATCH(PointRowAlone)(stage, coordinate, row);
@@ -443,6 +475,11 @@ void point_row(const PointStage& stage, const ConsensusStage& consensus, const P
 
 void number_row(const DepthScale& scale, int width, const float* z, std::uint16_t* numbers) {
   HWY_DYNAMIC_DISPATCH(NumberRow)(scale, width, z, numbers);
+}
+
+std::size_t pack_row(int width, const PointValues<const float>& from, const PointValues<float>& to,
+                     std::size_t room) {
+  return HWY_DYNAMIC_DISPATCH(PackRow)(width, from, to, room);
 }
 
 void flush_past_cache() {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -67,6 +68,21 @@ void point_row(const PointStage& stage, const ConsensusStage& consensus, const P
 
 /// DepthScale of a row, whose width is at least least_row_width.
 void number_row(const DepthScale& scale, int width, const float* z, std::uint16_t* numbers);
+
+/// x, y, z and intensity of pixels, or where those of points go.
+template <class Real>
+struct PointValues {
+  Real* x = nullptr;
+  Real* y = nullptr;
+  Real* z = nullptr;
+  Real* intensity = nullptr;
+};
+
+/// Writes those pixels of a row, whose width is at least least_row_width, one behind another that
+/// have a depth, and returns how many. `room`: so many values may be overwritten there, at least as
+/// many as have one. What is read may be there too, but not before it.
+std::size_t pack_row(int width, const PointValues<const float>& from, const PointValues<float>& to,
+                     std::size_t room);
 
 /// After rows that were written past the cache, before another thread reads them.
 void flush_past_cache();

@@ -1,6 +1,7 @@
 #include "slipstream/reconstruct/engine.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <functional>
@@ -28,6 +29,19 @@ bool is_point(Validity pixel) {
 }
 bool is_point(std::uint16_t number) {
   return number != 0;
+}
+
+void pack(const Cloud& cloud, PackedPoints& points) {
+  const std::array values{std::pair(&cloud.x, &points.x), std::pair(&cloud.y, &points.y),
+                          std::pair(&cloud.z, &points.z),
+                          std::pair(&cloud.intensity, &points.intensity)};
+  for (const auto& [from, to] : values) {
+    if (to->size() != cloud.size()) *to = Image<float>(cloud.size(), uninitialised);
+    points.count = 0;
+    for (std::size_t i = 0; i < from->pixel_count(); ++i) {
+      if (is_point(cloud.validity.begin()[i])) to->begin()[points.count++] = from->begin()[i];
+    }
+  }
 }
 
 /// One scale of brightness for all pixels: that of the shortest exposure.
@@ -140,6 +154,7 @@ struct Engine::Memory {
   MergedFrames merged;
   std::optional<Demodulator> demodulate;
   Image<float> modulation;
+  Cloud cloud;          ///< whose points are packed
   Image<float> coarse;  ///< coordinates whose orders the picture gives
   Maps phases;          ///< by which it does
   DepthOrders orders;
@@ -182,21 +197,34 @@ const FrameViews& Engine::merged(const FrameViews& frames) {
   return memory_->merged.views;
 }
 
+void Engine::raw_cloud(const FrameViews& frames, Cloud& cloud, Image<float>* modulation) {
+  if (tables_->is_fused(frames)) {
+    run_fused(frames, {.cloud = &cloud, .modulation = modulation});
+  } else {
+    const ReferenceResult result = tables_->reference()(frames);
+    convert(result.cloud, cloud);
+    if (modulation != nullptr) convert(result.maps.modulation, *modulation);
+  }
+  leave_out_moved(frames, cloud);
+  divide_by_gain(frames, cloud.intensity);
+}
+
 ValidityCounts Engine::cloud(const FrameViews& given, Cloud& cloud) {
   tables_->require_geometry();
   const FrameViews& frames = merged(given);
   Image<float>& modulation = memory_->modulation;
-  if (tables_->is_fused(frames)) {
-    const bool wanted = memory_->clean.wants_modulation();
-    run_fused(frames, {.cloud = &cloud, .modulation = wanted ? &modulation : nullptr});
-  } else {
-    const ReferenceResult result = tables_->reference()(frames);
-    convert(result.cloud, cloud);
-    convert(result.maps.modulation, modulation);
-  }
-  leave_out_moved(frames, cloud);
-  divide_by_gain(frames, cloud.intensity);
+  raw_cloud(frames, cloud, memory_->clean.wants_modulation() ? &modulation : nullptr);
   return memory_->clean(cloud, modulation, tables_->noise_for(frames));
+}
+
+void Engine::points(const FrameViews& given, PackedPoints& points) {
+  tables_->require_geometry();
+  const FrameViews& frames = merged(given);
+  if (backend_for(frames) == "fused" && !frames.merged() && !tables_->measure_motion) {
+    return run_fused(frames, {.points = &points});
+  }
+  raw_cloud(frames, memory_->cloud, nullptr);
+  pack(memory_->cloud, points);
 }
 
 void Engine::depth(const FrameViews& given, Depth& depth) {

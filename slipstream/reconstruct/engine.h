@@ -51,6 +51,9 @@ class Engine {
   void depth(const FrameViews& frames, Depth& depth);
   /// And less: what 16 bits tell of the depth, without reasons.
   void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers);
+  /// The points of the cloud alone, nothing cleaned, whatever the threads in one order; frames of
+  /// one exposure to packed points without a cloud between, but on a GPU and in motion.
+  void points(const FrameViews& frames, PackedPoints& points);
   /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
   void maps(const FrameViews& frames, Maps& maps);
   /// Both in one pass; likewise.
@@ -75,6 +78,7 @@ class Engine {
   [[nodiscard]] std::string gpu_failure() const;
 
  private:
+  void raw_cloud(const FrameViews& frames, Cloud& cloud, Image<float>* modulation);
   const Image<Validity>* find_coarse(const FrameViews& frames);
   void run_fused(const FrameViews& frames, const FusedOutput& output);
   void run_pass(const FrameViews& frames, const FusedOutput& output, const Image<float>* coarse);

@@ -12,8 +12,10 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/kernels/vector_target.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
@@ -93,6 +95,43 @@ TEST(Engine, LeastModulationIsInGreyLevelsOf255WhateverTheBits) {
   }
 }
 
+void expect_points_of(const Cloud& cloud, const PackedPoints& points) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {
+    if (cloud.validity.begin()[i] != Validity::valid) continue;
+    const std::size_t n = count++;
+    ASSERT_LT(n, points.count);
+    ASSERT_EQ(points.x.begin()[n], cloud.x.begin()[i]);
+    ASSERT_EQ(points.y.begin()[n], cloud.y.begin()[i]);
+    ASSERT_EQ(points.z.begin()[n], cloud.z.begin()[i]);
+    ASSERT_EQ(points.intensity.begin()[n], cloud.intensity.begin()[i]);
+  }
+  EXPECT_EQ(points.count, count);
+}
+
+TEST(Engine, PointsAreThoseOfTheCloud) {
+  for (const Strategy& strategy : all_strategies()) {
+    const Scanner scanner = scanner_of({99, 200});
+    const FrameSet frames = frames_of(scanner, strategy);
+    for (const ReconstructSettings& settings : both_engines()) {
+      Engine engine(scanner, {.strategy = strategy}, settings);
+      SCOPED_TRACE(strategy.name() + ", " + engine.backend_for(frames));
+      Cloud cloud;
+      PackedPoints points;
+      for (const int threads : {1, 2}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                        static_cast<std::size_t>(threads));
+        for (const std::string& target : vector_targets()) {
+          const OnlyVectorTarget only(target);
+          engine.cloud(frames, cloud);
+          engine.points(frames, points);
+          expect_points_of(cloud, points);
+        }
+      }
+    }
+  }
+}
+
 TEST(Engine, CloudAndMapsAreThoseOfEachAlone) {
   const Scanner scanner = scanner_of({99, 64});
   for (const Strategy& strategy : all_strategies()) {
@@ -115,6 +154,9 @@ TEST(Engine, CloudAndMapsAreThoseOfEachAlone) {
         engine.depth(frames, scale, numbers);
         EXPECT_GT(point_count(cloud), 2000U);
         EXPECT_TRUE(same_points(cloud, cloud_alone));
+        PackedPoints points;
+        engine.points(frames, points);
+        expect_points_of(cloud_alone, points);
         EXPECT_TRUE(same_bytes(maps, maps_alone));
         EXPECT_TRUE(same_bytes(depth.validity, cloud.validity));
         for (std::size_t i = 0; i < cloud.z.pixel_count(); ++i) {

@@ -22,7 +22,7 @@ constexpr std::size_t index(int i) {
 
 template <class Pixel>
 void prepare(Image<Pixel>& image, Size size) {
-  if (image.size() != size) image = Image<Pixel>(size);
+  if (image.size() != size) image = Image<Pixel>(size, uninitialised);
 }
 
 /// Before the first and after the last pixel stands NaN, which confirms no neighbour.
@@ -39,9 +39,12 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
     prepare(scratch.turns, turns);
     prepare(scratch.unwrapped, {width, 2});
     for (Image<float>* row : {&scratch.sum, &scratch.coarse}) prepare(*row, {width, 1});
-    for (Image<float>* row : {&scratch.mean, &scratch.z}) prepare(*row, {width, 1});
+    for (Image<float>* row : {&scratch.mean, &scratch.x, &scratch.y, &scratch.z}) {
+      prepare(*row, {width, 1});
+    }
     prepare(scratch.validity, {width, 1});
   }
+  scratch.packed = 0;
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
 }
 
@@ -79,6 +82,9 @@ struct Pass {
   float* mean_row(int row, FusedScratch& scratch) const {
     if (output.maps != nullptr) return output.maps->mean.row(row);
     if (output.cloud != nullptr) return output.cloud->intensity.row(row);
+    // Rows ahead of the points' own are kept where they will be packed.
+    const bool runs_ahead = !stages.chain.empty() || stages.cue;
+    if (output.points != nullptr && runs_ahead) return output.points->intensity.row(row);
     return scratch.mean.begin();
   }
 
@@ -123,14 +129,27 @@ struct Pass {
     } else if (output.depth != nullptr) {
       points.z = output.depth->z.row(row);
       points.validity = output.depth->validity.row(row);
+    } else if (output.points != nullptr) {
+      points.x = scratch.x.begin();
+      points.y = scratch.y.begin();
     }
-    points.past_cache = output.numbers == nullptr && written_past_cache(stages.rays.E_x.size());
+    points.past_cache = output.numbers == nullptr && output.points == nullptr &&
+                        written_past_cache(stages.rays.E_x.size());
     return points;
   }
 
-  void finish_points(int row, const FusedScratch& scratch) const {
-    if (output.numbers == nullptr) return;
-    number_row(output.scale, width(), scratch.z.begin(), output.numbers->row(row));
+  /// `first`: of the band's rows.
+  void finish_points(int first, int row, FusedScratch& scratch) const {
+    if (output.numbers != nullptr) {
+      number_row(output.scale, width(), scratch.z.begin(), output.numbers->row(row));
+    }
+    if (output.points == nullptr) return;
+    PackedPoints& to = *output.points;
+    const auto at = [&](Image<float>& image) { return image.row(first) + scratch.packed; };
+    scratch.packed += pack_row(
+        width(), {scratch.x.begin(), scratch.y.begin(), scratch.z.begin(), mean_row(row, scratch)},
+        {at(to.x), at(to.y), at(to.z), at(to.intensity)},
+        index(width()) * index(row + 1 - first) - scratch.packed);
   }
 };
 
@@ -169,13 +188,13 @@ void one_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratc
     points.flags = flags;
     points.coordinate = turn;
     point_row(pass.stages.point, pass.stages.coordinate, points);
-    pass.finish_points(row, scratch);
+    pass.finish_points(first, row, scratch);
   }
 }
 
 /// Points of a row whose neighbours confirm it; `coordinates(row)` are padded on both sides.
 template <class Pixel, class Coordinates>
-void confirmed_row(const Pass<Pixel>& pass, int row, const std::int32_t* flags,
+void confirmed_row(const Pass<Pixel>& pass, int first, int row, const std::int32_t* flags,
                    const Coordinates& coordinates, FusedScratch& scratch) {
   PointRow points = pass.point_output(row, scratch);
   points.flags = flags;
@@ -183,7 +202,7 @@ void confirmed_row(const Pass<Pixel>& pass, int row, const std::int32_t* flags,
   points.coordinate = coordinates(row);
   points.below = coordinates(row + 1);
   point_row(pass.stages.point, pass.stages.consensus, points);
-  pass.finish_points(row, scratch);
+  pass.finish_points(first, row, scratch);
 }
 
 /// What the chain begins with: turns, or coordinates.
@@ -252,8 +271,8 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
   for (int row = first; row < last; ++row) {
     decode(row + 1);
     confirmed_row(
-        pass, row, kept(row).flags.begin(), [&](int near) { return coordinates(kept(near)); },
-        scratch);
+        pass, first, row, kept(row).flags.begin(),
+        [&](int near) { return coordinates(kept(near)); }, scratch);
   }
 }
 
@@ -286,8 +305,10 @@ struct MovedPixel {
 };
 
 void set(const FusedOutput& output, PixelPlace at, const MovedPixel& pixel, double grey_level) {
-  if (output.cloud != nullptr) {
-    output.cloud->intensity(at.column, at.row) += static_cast<float>(pixel.brighter);
+  if (output.cloud != nullptr || output.points != nullptr) {
+    Image<float>& intensity =
+        output.cloud != nullptr ? output.cloud->intensity : output.points->intensity;
+    intensity(at.column, at.row) += static_cast<float>(pixel.brighter);
   }
   if (output.maps == nullptr) return;
   output.maps->coordinate(at.column, at.row) = static_cast<float>(pixel.coordinate);
@@ -360,7 +381,8 @@ void voted_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scra
     if (!pass.output.makes_points()) continue;
     for (int row = begin; row < end; ++row) {
       confirmed_row(
-          pass, row, block.flags(row), [&](int near) { return block.coordinates(near); }, scratch);
+          pass, first, row, block.flags(row), [&](int near) { return block.coordinates(near); },
+          scratch);
     }
   }
 }
@@ -392,57 +414,30 @@ void run_bands(const Pass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
     const Pass<Pixel>& pass;
     std::vector<FusedScratch>& scratch;
     int bands;
+    [[nodiscard]] int border(int i) const {
+      return static_cast<int>(std::int64_t{pass.height()} * i / bands);
+    }
     void operator()(int band) const {
       prepare(scratch[index(band)], pass.width(), pass.stages);
-      const auto border = [&](int i) {
-        return static_cast<int>(std::int64_t{pass.height()} * i / bands);
-      };
       run_band(pass, border(band), border(band + 1), scratch[index(band)]);
       flush_past_cache();
     }
   };
   const Work work{pass, scratch, bands};
-  if (bands == 1) return work(0);
-  for_each_row(bands, [&work](int band) { work(band); });
+  if (bands == 1) {
+    work(0);
+  } else {
+    for_each_row(bands, [&work](int band) { work(band); });
+  }
+  if (PackedPoints* const points = pass.output.points) {
+    points->count = 0;
+    for (int band = 0; band < bands; ++band) {
+      append_packed(work.border(band), scratch[index(band)].packed, *points);
+    }
+  }
 }
 
 }  // namespace
-
-void prepare(const FusedOutput& output, Size size, bool doubtful) {
-  if (output.cloud != nullptr) {
-    Cloud& cloud = *output.cloud;
-    for (Image<float>* image : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity}) {
-      prepare(*image, size);
-    }
-    prepare(cloud.validity, size);
-  }
-  if (output.depth != nullptr) {
-    prepare(output.depth->z, size);
-    prepare(output.depth->validity, size);
-  }
-  if (output.maps != nullptr) {
-    Maps& maps = *output.maps;
-    for (Image<float>* image :
-         {&maps.mean, &maps.modulation, &maps.wrapped_phase, &maps.coordinate}) {
-      prepare(*image, size);
-    }
-    prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
-  }
-  if (output.modulation != nullptr) prepare(*output.modulation, size);
-  if (output.numbers != nullptr) prepare(*output.numbers, size);
-}
-
-void require_frames(const FrameViews& frames, const FusedStages& stages) {
-  const Size camera = stages.rays.E_x.size();
-  if (frames.count() != stages.frames) {
-    throw Error(
-        fmt::format("{} frames given; the strategy takes {}", frames.count(), stages.frames));
-  }
-  if (frames.size() != camera) {
-    throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
-                            text_of(frames.size()), text_of(camera)));
-  }
-}
 
 FusedEngine::FusedEngine(FusedStages stages, ReconstructSettings settings)
     : stages_(std::move(stages)), settings_(std::move(settings)) {}

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <tuple>
@@ -27,11 +28,14 @@ struct FusedScratch {
   Image<float> unwrapped;   ///< two rows, in turns
   Image<float> sum;         ///< one row, as the next
   Image<float> coarse;
-  Image<float> mean;  ///< one row
-  Image<float> z;     ///< one row, as the next
+  Image<float> mean;  ///< one row, as the next
+  Image<float> x;
+  Image<float> y;
+  Image<float> z;
   Image<Validity> validity;
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
   VoteBlock block;
+  std::size_t packed = 0;  ///< points of the band's rows so far
 };
 
 /// All that the fused pass keeps from scan to scan.
@@ -40,22 +44,27 @@ struct FusedMemory {
   std::vector<SinusoidLimits> limits;  ///< of each band of the layout
 };
 
-/// What is wanted of a scan; the rest is null. Of cloud, depth and numbers one at most.
+/// What is wanted of a scan; the rest is null. Of cloud, depth, points and numbers one at most, and
+/// no maps beside points.
 struct FusedOutput {
   Cloud* cloud = nullptr;
   Depth* depth = nullptr;
+  PackedPoints* points = nullptr;  ///< not made by a GPU
   Maps* maps = nullptr;  ///< coordinates as each pixel says them, not confirmed by its neighbours
   Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
   Image<std::uint16_t>* numbers = nullptr;  ///< of the depth, by the scale
   DepthScale scale{};
 
   [[nodiscard]] bool makes_points() const {
-    return cloud != nullptr || depth != nullptr || numbers != nullptr;
+    return cloud != nullptr || depth != nullptr || points != nullptr || numbers != nullptr;
   }
 };
 
 /// Gives what is wanted the size of the picture; `doubtful`: the maps have doubts.
 void prepare(const FusedOutput& output, Size size, bool doubtful);
+
+/// Points that were packed from the beginning of a row on come behind those that are there.
+void append_packed(int first_row, std::size_t count, PackedPoints& points);
 
 /// Throws Error where the frames are not as many as the strategy's or not of the camera's size.
 void require_frames(const FrameViews& frames, const FusedStages& stages);

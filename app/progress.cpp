@@ -16,10 +16,12 @@ void Progress::finish() {
   drawn_ = false;
 }
 
-void Progress::advance() {
+void Progress::advance(bool already) {
   ++done_;
+  if (already) ++done_before_;
   const auto patience = std::chrono::seconds(1);
-  if (!terminal_ || std::chrono::steady_clock::now() - start_ < patience) return;
+  if (!terminal_ || done_ == done_before_ || std::chrono::steady_clock::now() - start_ < patience)
+    return;
   drawn_ = true;
   draw();
 }
@@ -29,7 +31,7 @@ void Progress::draw() const {
   const auto filled =
       static_cast<int>(width * static_cast<double>(done_) / static_cast<double>(total_));
   const std::chrono::duration<double> past = std::chrono::steady_clock::now() - start_;
-  const double rate = static_cast<double>(done_) / past.count();
+  const double rate = static_cast<double>(done_ - done_before_) / past.count();
   fmt::print(stderr, "\r{} [{:#<{}}{:.<{}}] {}/{}, {:.3g}/s, {:.0f} s left\033[K", label_, "",
              filled, "", width - filled, done_, total_, rate,
              static_cast<double>(total_ - done_) / rate);

@@ -15,8 +15,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
   ~Progress() { finish(); }
 
-  /// One more of `total` is done.
-  void advance();
+  /// One more of `total` is done; `already`: before, which says nothing of the rate.
+  void advance(bool already = false);
 
   /// Takes the bar away.
   void finish();
@@ -26,7 +26,7 @@ class Progress {
 
   std::string label_;
   std::int64_t total_;
-  std::int64_t done_ = 0;
+  std::int64_t done_ = 0, done_before_ = 0;
   bool terminal_;
   bool drawn_ = false;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

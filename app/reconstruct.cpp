@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cstdint>
-#include <cstdlib>
 #include <deque>
 #include <filesystem>
 #include <future>
@@ -10,12 +8,10 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <malloc.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include "app/commands.h"
 #include "app/finding_output.h"
+#include "app/kept_memory.h"
 #include "app/manifest.h"
 #include "app/progress.h"
 #include "app/reconstruct_flags.h"
@@ -240,7 +236,7 @@ struct LoadedScan {
 };
 
 LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, const Manifest* before,
-                       const Output& output) {
+                       OpenedRecording& opened, const Output& output) {
   LoadedScan loaded;
   ReconstructedScan& result = loaded.result;
   result.name = name;
@@ -250,6 +246,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   try {
     ScanInputFlags input = flags.cloud.input;
     input.window = name.window;
+    input.recording = opened.at(name.path);
     if (before != nullptr) {
       const ScanFiles files = scan_files_in(name.path, changes_of(input));
       result.entry["input"] = fmt::format("{:08x}", checksum_of(files));
@@ -258,11 +255,15 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
       if (result.done_before) return loaded;
     }
     loaded.scan = load(name.path, input, !flags.one_camera, result.words);
+    result.warnings = loaded.scan.warnings;
+    result.read = watch.lap();
+    result.sound = sound_scan(loaded.scan, text_of(name), flags.cloud, result.words);
   } catch (const Error& error) {
     result.failure = error.what();
+  } catch (const WorldError& error) {  // a file that the disk does not give ends no others
+    if (flags.scans.size() == 1) throw;
+    result.failure = error.what();
   }
-  result.warnings = loaded.scan.warnings;
-  result.read = watch.lap();
   return loaded;
 }
 
@@ -288,10 +289,8 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
         if (result.cloud.size() != size) result.cloud = Cloud(size);
       });
   Stopwatch watch;
-  result.sound = sound_scan(scan, text_of(result.name), flags.cloud, output);
   const EngineSetup& setup = result.sound.setup;
   require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
-  watch.lap();
   const bool two_cameras = !scan.further_cameras.empty();
   if (!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty())) {
     throw Error("--epipolar is of one camera and patterns along both axes: --axis both");
@@ -387,6 +386,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   const auto start = threads == 1 ? std::launch::deferred : std::launch::async;
   // Who writes waits for the disk more than for a core.
   const std::size_t most_written = threads == 1 ? 0 : threads;
+  OpenedRecording opened;
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
   Reused reused;
@@ -400,15 +400,17 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   const auto tell_next = [&] {
     ReconstructedScan scan = next_of(writing);
     progress.finish();
+    const bool already = scan.done_before;
     if (log != nullptr && !scan.done_before) log->file.append(line_of(scan));
     scan.done_before ? static_cast<void>(++done_before) : tell(scan, count == 1, output);
     reused.clouds.push_back(std::move(scan.cloud));
-    progress.advance();
+    progress.advance(already);
   };
   for (std::size_t i = 0, asked = 0; i < count; ++i) {
     for (; asked < std::min(i + threads, count); ++asked) {
-      loading.push_back(std::async(start, [&flags, &output, log, &name = flags.scans[asked]] {
-        return loaded_scan(name, flags, log != nullptr ? &log->before : nullptr, output);
+      loading.push_back(std::async(start, [&flags, &output, &opened, log,
+                                           &name = flags.scans[asked]] {
+        return loaded_scan(name, flags, log != nullptr ? &log->before : nullptr, opened, output);
       }));
     }
     writing.push_back(std::async(
@@ -421,24 +423,6 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   if (log == nullptr) return;
   output.document["done_before"] = done_before;
   if (done_before > 0) output.say("{} of {} scans were done before", done_before, count);
-}
-
-/// Memory of one scan serves the next: what goes back to the system comes again page by page,
-/// zeroed, which costs more than reconstructing. Large pages make that cheaper the first time.
-void keep_memory() {
-  constexpr int most = 32 << 20;  // more is refused
-  constexpr std::uintptr_t page = 2 << 20;
-  ::mallopt(M_MMAP_THRESHOLD, most);
-  ::mallopt(M_TRIM_THRESHOLD, 16 * most);
-  ::mallopt(M_TOP_PAD, 4 * most);
-  ::mallopt(M_ARENA_MAX, 1);  // what one thread frees another takes
-  void* const first = std::malloc(most / 2);
-  const auto begin = (reinterpret_cast<std::uintptr_t>(first) + page - 1) / page * page,
-             end = reinterpret_cast<std::uintptr_t>(::sbrk(0)) / page * page;
-  if (first != nullptr && begin < end) {
-    ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-  }
-  std::free(first);
 }
 
 void reconstruct(const ReconstructFlags& given, Output& output) {

@@ -37,9 +37,18 @@ void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
             "largest depth, mm; twice the farthest calibrated where not given");
 }
 
+std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  if (reader_ != nullptr && path == path_) return reader_;
+  reader_ = is_recording(path) ? std::make_shared<const RecordingReader>(path) : nullptr;
+  path_ = path;
+  return reader_;
+}
+
 ScanChanges changes_of(const ScanInputFlags& flags) {
   ScanChanges changes = scan_changes_from(flags.scan);
   changes.bits = flags.bits;
+  changes.recording = flags.recording;
   changes.window = flags.window;
   if (flags.scanner) changes.scanner = *flags.scanner;
   return changes;

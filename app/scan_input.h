@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 
@@ -8,6 +10,7 @@
 
 #include "app/output.h"
 #include "app/scan_flags.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 #include "slipstream/scan/scan.h"
@@ -19,7 +22,8 @@ struct ScanInputFlags {
   ScanFlags scan;
   std::optional<std::string> scanner;
   std::optional<int> bits;
-  std::optional<std::uint64_t> window;  ///< of a recording; no flag
+  std::optional<std::uint64_t> window;               ///< of a recording; no flag
+  std::shared_ptr<const RecordingReader> recording;  ///< opened already; no flag
   std::string gamma = "scanner";
   PhotometricCalibration photometry;  ///< as far as flags say it
 };
@@ -29,6 +33,18 @@ void add_scan_input_flags(CLI::App& subcommand, ScanInputFlags& flags);
 
 /// Adds --min-modulation, --keep-saturated, --nearest and --farthest.
 void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings);
+
+/// Of the windows of a recording the first opens it for all. Thread-safe.
+class OpenedRecording {
+ public:
+  /// None where there is no recording. Throws Error as RecordingReader.
+  std::shared_ptr<const RecordingReader> at(const std::string& path);
+
+ private:
+  std::mutex mutex_;
+  std::string path_;
+  std::shared_ptr<const RecordingReader> reader_;
+};
 
 /// What they say of it over what it says itself.
 ScanChanges changes_of(const ScanInputFlags& flags);

@@ -38,13 +38,16 @@ std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
 std::uint32_t checksum_of(const ScanFiles& scan) {
   std::uint32_t sum =
       scan.second_camera ? checksum_of(scan_files_in(*scan.second_camera)) : std::uint32_t{0};
-  if (scan.frames.empty()) {
-    sum = cycle_checksum(RecordingReader(scan.path), scan.sequence, scan.window, sum);
+  if (scan.recording) {
+    sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
   }
   std::vector<fs::path> files = scan.frames;
   if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
   if (scan.scanner) files.push_back(*scan.scanner);
-  for (const fs::path& file : files) sum = checksum_of(file, sum);
+  for (const fs::path& file : files) {
+    sum = scan.recording && file == scan.path ? scan.recording->checksum(0, 0, sum)
+                                              : checksum_of(file, sum);
+  }
   return sum;
 }
 

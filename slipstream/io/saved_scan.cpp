@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 FrameSet recorded_frames(const ScanFiles& files) {
-  const RecordingReader recording(files.path);
+  const RecordingReader& recording = *files.recording;
   if (const int bits = recording.header().format.bits; bits != files.bits) {
     throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is of pictures",
                             files.path.string(), bits, files.bits));
@@ -81,7 +81,7 @@ std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& fram
 /// where it is known, says of them.
 Scan read_scan(const ScanFiles& files, const std::optional<Scanner>& scanner) {
   Scan scan{.order = files.order, .sequence = files.sequence};
-  if (is_recording(files.path)) {
+  if (files.recording) {
     scan.frames = in_order(recorded_frames(files), files);
     scan.sequence.marker = false;  // no frame of the cycle is one
     return scan;
@@ -124,7 +124,8 @@ Scan load_frames(const ScanFiles& files) {
 
 Scan load_scan(const ScanFiles& files) {
   std::optional<Scanner> scanner;
-  if (files.scanner) scanner = read_scanner(*files.scanner);
+  if (files.recording && files.scanner == files.path) scanner = files.recording->header().scanner;
+  if (files.scanner && !scanner) scanner = read_scanner(*files.scanner);
   Scan scan = merged(read_scan(files, scanner));
   if (scanner) {
     scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),

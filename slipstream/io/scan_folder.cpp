@@ -175,13 +175,13 @@ ScanFiles interpret(const YamlMap& map, const fs::path& folder) {
   return scan;
 }
 
-ScanFiles recorded_files(const fs::path& path) {
-  const RecordingReader recording(path);
-  const RecordingHeader& header = recording.header();
+ScanFiles recorded_files(const fs::path& path, std::shared_ptr<const RecordingReader> recording) {
+  const RecordingHeader& header = recording->header();
   ScanFiles files{.path = path,
                   .described = header.sequence.has_value(),
                   .sequence = header.sequence.value_or(Sequence{}),
-                  .bits = header.format.bits};
+                  .bits = header.format.bits,
+                  .recording = std::move(recording)};
   if (header.scanner) files.scanner = path;
   return files;
 }
@@ -356,8 +356,9 @@ void amend(ScanFiles& files, const ScanChanges& changes) {
 
 ScanFiles scan_files_in(const fs::path& path, const ScanChanges& changes) {
   ScanFiles files;
-  if (is_recording(path)) {
-    files = recorded_files(path);
+  if (changes.recording || is_recording(path)) {
+    files = recorded_files(path, changes.recording ? changes.recording
+                                                   : std::make_shared<const RecordingReader>(path));
   } else if (!fs::is_directory(path)) {
     throw Error(fmt::format("{}: {}; a scan folder or a recording is wanted", path.string(),
                             fs::exists(path) ? "is neither" : "no such folder or file"));

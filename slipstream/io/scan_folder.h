@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,6 +9,8 @@
 #include "slipstream/strategy/sequence_changes.h"
 
 namespace slipstream {
+
+class RecordingReader;
 
 /// What a scan.yaml or a recording says of a scan, and the files that it is in.
 struct ScanFiles {
@@ -17,6 +20,7 @@ struct ScanFiles {
   int bits = 0;                                 ///< of the camera; 0 where not said
   std::vector<std::filesystem::path> frames{};  ///< pictures; none where it is a recording
   std::vector<int> order{};  ///< which frame shows each pattern; as they come where empty
+  std::shared_ptr<const RecordingReader> recording{};  ///< opened, where it is one
   std::optional<std::uint64_t> window{};  ///< of a recording, see window_at; else its first cycle
   std::optional<std::filesystem::path> scanner{};  ///< the scanner file, or the recording
   /// Of pictures in colour: the same under an even grey of the projector, see unmixed.
@@ -50,6 +54,8 @@ struct ScanChanges {
   /// Which frame shows each pattern, counted from 0, as "2,0,1"; or what comes first, as
   /// "code,sinusoids". Empty: as it was.
   std::string order{};
+  /// The recording, where it is opened already, as for another of its windows.
+  std::shared_ptr<const RecordingReader> recording{};
   std::optional<std::uint64_t> window{};
   std::optional<int> bits{};
   std::optional<std::filesystem::path> scanner{};

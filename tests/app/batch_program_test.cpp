@@ -119,6 +119,39 @@ TEST_F(BatchProgram, AFailedScanIsToldAndTriedAgain) {
   EXPECT_EQ(lines("one.jsonl").size(), 203U) << "the last of a scan holds";
 }
 
+TEST_F(BatchProgram, AFileThatTheDiskDoesNotGiveEndsNoOtherScan) {
+  fs::create_symlink("/proc/self/mem", path("bad.slip"));  // nothing is at its beginning
+  std::vector<std::string> scans{"reconstruct", "-o", path("one/{name}.ply"), path("bad.slip")};
+  EXPECT_EQ(run(scans), 1) << "the only one";
+  scans.insert(scans.end(), {path("x"), path("y")});
+  EXPECT_EQ(run(scans), 2);
+  expect_words("cannot read " + path("bad.slip"));
+  EXPECT_EQ(files("one").size(), 2U);
+}
+
+TEST_F(BatchProgram, WindowsAreThoseOfEachAlone) {
+  ASSERT_EQ(run({"reconstruct", path("a.slip"), "--windows", "10:60", "--every", "7", "-o",
+                 output("many")}),
+            0);
+  for (int window = 10; window < 60; window += 7) {
+    ASSERT_EQ(run({"reconstruct", path("a.slip"), "--windows",
+                   std::to_string(window) + ":" + std::to_string(window + 1), "-o", output("one")}),
+              0);
+  }
+  EXPECT_EQ(files("one").size(), 8U);
+  EXPECT_TRUE(files("one") == files("many"));
+}
+
+TEST_F(BatchProgram, ALongRunHasTheMemoryOfAShortOne) {
+  const auto memory_of = [&](const std::string& windows) {
+    RunningProgram program(
+        {"reconstruct", path("a.slip"), "--windows", windows, "-o", output("many")});
+    EXPECT_EQ(program.wait(), 0);
+    return static_cast<double>(program.memory());
+  };
+  EXPECT_LT(memory_of(":"), 1.1 * memory_of(":20"));
+}
+
 TEST_F(BatchProgram, AKilledRunIsResumedWithOneLineAScan) {
   {
     RunningProgram program(listed());

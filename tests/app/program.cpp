@@ -60,7 +60,9 @@ void RunningProgram::send(int signal) const {
 
 int RunningProgram::wait() {
   int status = 0;
-  ::waitpid(std::exchange(process_, -1), &status, 0);
+  rusage used{};
+  ::wait4(std::exchange(process_, -1), &status, 0, &used);
+  memory_ = 1024 * used.ru_maxrss;
   return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 

@@ -25,6 +25,8 @@ class RunningProgram {
   void send(int signal) const;
   /// Its exit code, or what signal ended it, negative.
   int wait();
+  /// The most that it had at once, until it was waited for, bytes.
+  [[nodiscard]] long memory() const { return memory_; }
   /// What it said until now.
   [[nodiscard]] std::string out() const;
   [[nodiscard]] std::string err() const;
@@ -35,6 +37,7 @@ class RunningProgram {
  private:
   std::unique_ptr<TemporaryFolder> folder_ = std::make_unique<TemporaryFolder>();
   pid_t process_ = -1;
+  long memory_ = 0;
 };
 
 /// What a run of the program left.

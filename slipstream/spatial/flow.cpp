@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <vector>
 
-#include <lemon/network_simplex.h>
-#include <lemon/smart_graph.h>
+#include <lemon/bucket_heap.h>
+#include <lemon/maps.h>
 
+#include "slipstream/spatial/detail/edge_costs.h"
 #include "slipstream/spatial/detail/edge_steps.h"
 #include "slipstream/spatial/detail/phase_groups.h"
 #include "slipstream/spatial/detail/roughness.h"
@@ -13,87 +14,169 @@
 namespace slipstream {
 namespace {
 
-using Graph = lemon::SmartDigraph;
+/// The corners of pixels, between which steps are changed by way of the edges.
+///
+/// Each unit goes by the cheapest path there is left (successive shortest paths): residues are few
+/// and near each other, so that a search ends soon, where a network of all edges has to be built.
+class CornerFlow {
+ public:
+  CornerFlow(const WrappedCycles& wrapped, EdgeSteps& steps)
+      : wrapped_(wrapped),
+        steps_(steps),
+        size_(steps.size()),
+        wide_(size_.width + 1),
+        residues_(charges_of(steps)) {
+    merge_corners();
+  }
 
-/// Calls `visit(step, first, second, from, to)` for each edge between the pixels `from` and `to`,
-/// or where there is none, and the corners on its sides: a flow from the first to the second takes
-/// away from the step.
-template <class Visit>
-void for_each_edge(EdgeSteps& steps, const Visit& visit) {
-  const auto [width, height] = steps.size();
-  const int wide = width + 1;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      const int at = y * width + x, corner = y * wide + x;
-      visit(steps.right(x, y), corner + 1 + wide, corner + 1, at, at + 1);
-      visit(steps.down(x, y), corner + wide, corner + wide + 1, at, at + width);
+  /// Changes the steps so that all ways around agree.
+  void run() {
+    if (std::all_of(residues_.begin(), residues_.end(), [](int residue) { return residue == 0; })) {
+      return;
+    }
+    const std::size_t corners = residues_.pixel_count();
+    weights_ = smoothness(wrapped_);
+    potentials_.resize(corners);
+    arrivals_.resize(corners);
+    places_.resize(static_cast<int>(corners), Heap::PRE_HEAP);
+    // A search ends at the border, which has an edge to every side, and does not begin there.
+    if (residue(node(0)) > 0) {
+      turn_ = -1;
+      for (int& residue : residues_) residue = -residue;
+    }
+    for (int source = 0; source < static_cast<int>(corners); ++source) {
+      while (residue(source) > 0) send_from(source);
     }
   }
-}
 
-/// Corners that no edge keeps apart are one: those around a hole, and
-/// those around the picture.
-PhaseGroups corner_groups(EdgeSteps& steps) {
-  const auto [width, height] = steps.size();
-  const int wide = width + 1;
-  PhaseGroups groups(static_cast<std::size_t>(wide) * static_cast<std::size_t>(height + 1));
-  for (int x = 0; x < width; ++x) groups.join(x, x + 1, 0);
-  for (int y = 0; y < height; ++y) groups.join(y * wide, (y + 1) * wide, 0);
-  for_each_edge(steps, [&](std::int16_t step, int first, int second, int, int) {
-    if (step == EdgeSteps::closed) groups.join(first, second, 0);
-  });
-  return groups;
-}
+ private:
+  using Places = lemon::RangeMap<int>;
+  using Heap = lemon::BucketHeap<Places>;
+
+  /// A way over the edge between the pixels `from` and `to`, which changes its step.
+  struct Arc {
+    std::int16_t* step = nullptr;  ///< none where there is no edge
+    int from = 0, to = 0, change = 0;
+    int target = 0;  ///< the corner
+  };
+
+  int& node(int corner) { return nodes_[static_cast<std::size_t>(corner)]; }
+  int& residue(int corner) { return residues_.begin()[corner]; }
+  int& potential(int corner) { return potentials_[static_cast<std::size_t>(corner)]; }
+  int& arrival(int corner) { return arrivals_[static_cast<std::size_t>(corner)]; }
+
+  /// Up, down, to the right and to the left.
+  Arc arc(int corner, int direction) {
+    const bool sideways = direction >= 2;
+    const int x = corner % wide_ - (direction == 2 ? 0 : 1),
+              y = corner / wide_ - (direction == 1 ? 0 : 1);
+    if (x < 0 || y < 0 || x >= size_.width || y >= size_.height) return {};
+    const int from = y * size_.width + x;
+    std::int16_t* const step = (sideways ? steps_.down : steps_.right).begin() + from;
+    if (*step == EdgeSteps::closed) return {};
+    const bool back = direction == 1 || direction == 3;
+    const int stride = sideways ? 1 : wide_, forth = sideways ? stride : -stride;
+    return {step, from, from + (sideways ? size_.width : 1), back ? turn_ : -turn_,
+            corner + (back ? -forth : forth)};
+  }
+
+  /// Corners that no edge keeps apart are one node, the first of them: those around a hole, and
+  /// those around the picture. It knows those of them that have an edge.
+  void merge_corners() {
+    const auto [width, height] = size_;
+    PhaseGroups groups(residues_.pixel_count());
+    for (int x = 0; x < width; ++x) groups.join(x, x + 1, 0);
+    for (int y = 0; y < height; ++y) groups.join(y * wide_, (y + 1) * wide_, 0);
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        const int after = (y + 1) * wide_ + x + 1;  // the corner below and to the right
+        if (steps_.right(x, y) == EdgeSteps::closed) groups.join(after, after - wide_, 0);
+        if (steps_.down(x, y) == EdgeSteps::closed) groups.join(after, after - 1, 0);
+      }
+    }
+    nodes_.resize(residues_.pixel_count());
+    others_.resize(residues_.pixel_count(), -1);
+    for (int corner = 0; corner < static_cast<int>(nodes_.size()); ++corner) {
+      const int first = node(corner) = groups.find(corner).group;
+      if (first == corner) continue;
+      residue(first) += residue(corner);
+      residue(corner) = 0;
+      for (int direction = 0; direction < 4; ++direction) {
+        if (arc(corner, direction).step == nullptr) continue;
+        others_[static_cast<std::size_t>(corner)] = others_[static_cast<std::size_t>(first)];
+        others_[static_cast<std::size_t>(first)] = corner;
+        break;
+      }
+    }
+  }
+
+  /// What is changed is given back for what it cost.
+  int cost(const Arc& arc) const {
+    const float* const cycles = wrapped_.cycles.begin();
+    const int changed = *arc.step - step_between(cycles[arc.from], cycles[arc.to]);
+    return changed * arc.change < 0
+               ? -cost_of_change(wrapped_, weights_, arc.from, arc.to, -arc.change)
+               : cost_of_change(wrapped_, weights_, arc.from, arc.to, arc.change);
+  }
+
+  /// One unit to the node that lacks one and is the cheapest to reach.
+  void send_from(int source) {
+    heap_.push(source, 0);
+    touched_.assign(1, source);
+    settled_.clear();
+    while (residue(heap_.top()) >= 0) {
+      const int at = heap_.top(), distance = heap_.prio();
+      heap_.pop();
+      settled_.push_back({at, distance});
+      for (int corner = at; corner >= 0; corner = others_[static_cast<std::size_t>(corner)]) {
+        for (int direction = 0; direction < 4; ++direction) {
+          const Arc way = arc(corner, direction);
+          if (way.step == nullptr) continue;
+          const int next = node(way.target);
+          const auto state = heap_.state(next);
+          if (state == Heap::POST_HEAP) continue;
+          const int far = distance + cost(way) + potential(at) - potential(next);
+          if (state == Heap::IN_HEAP && heap_[next] <= far) continue;
+          if (state == Heap::PRE_HEAP) touched_.push_back(next);
+          heap_.set(next, far);
+          arrival(next) = 4 * corner + direction;
+        }
+      }
+    }
+    const int sink = heap_.top(), farthest = heap_.prio();
+    for (const auto& [at, distance] : settled_) potential(at) += distance - farthest;
+    heap_.clear();
+    for (const int at : touched_) places_[at] = Heap::PRE_HEAP;
+    for (int at = sink; at != source; at = node(arrival(at) / 4)) {
+      const Arc way = arc(arrival(at) / 4, arrival(at) % 4);
+      *way.step = static_cast<std::int16_t>(*way.step + way.change);
+    }
+    --residue(source);
+    ++residue(sink);
+  }
+
+  struct Settled {
+    int node, distance;
+  };
+
+  const WrappedCycles& wrapped_;
+  EdgeSteps& steps_;
+  Size size_;
+  int wide_;  ///< corners in a row
+  Image<int> residues_;
+  Image<float> weights_;
+  int turn_ = 1;  ///< -1: from nodes that lack to those that have, against the arcs
+  std::vector<int> nodes_, others_, potentials_, arrivals_, touched_;
+  std::vector<Settled> settled_;
+  Places places_;
+  Heap heap_{places_};
+};
 
 }  // namespace
 
 Orders orders_by_flow(const WrappedCycles& wrapped) {
   EdgeSteps steps = edge_steps(wrapped.cycles);
-  PhaseGroups groups = corner_groups(steps);
-  const std::vector<int> nodes = groups.numbered();
-  const Image<int> charges = charges_of(steps);
-  std::vector<int> residues(groups.count());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    residues[static_cast<std::size_t>(nodes[i])] += charges.begin()[i];
-  }
-  if (std::count(residues.begin(), residues.end(), 0) == std::ssize(residues)) {
-    return flood(wrapped, steps);
-  }
-  Graph graph;
-  graph.reserveNode(static_cast<int>(residues.size()));
-  while (graph.maxNodeId() + 1 < std::ssize(residues)) graph.addNode();
-  Graph::NodeMap<int> supplies(graph);
-  for (int i = 0; i < std::ssize(residues); ++i) {
-    supplies[Graph::nodeFromId(i)] = residues[static_cast<std::size_t>(i)];
-  }
-
-  const Image<float> weights = smoothness(wrapped);
-  std::vector<std::int16_t*> crossed;
-  std::vector<int> costs;
-  for_each_edge(steps, [&](std::int16_t& step, int first, int second, int from, int to) {
-    const int a = nodes[static_cast<std::size_t>(first)],
-              b = nodes[static_cast<std::size_t>(second)];
-    if (step == EdgeSteps::closed || a == b) return;
-    graph.addArc(Graph::nodeFromId(a), Graph::nodeFromId(b));
-    graph.addArc(Graph::nodeFromId(b), Graph::nodeFromId(a));
-    crossed.push_back(&step);
-    // By how much the square of the difference grows: what is nearly half a period gives way first.
-    const float rest =
-        wrapped.cycles.begin()[to] - wrapped.cycles.begin()[from] + static_cast<float>(step);
-    const float weight = 100 * std::min(weights.begin()[from], weights.begin()[to]);
-    costs.push_back(1 + static_cast<int>(weight * (1 - 2 * rest)));
-    costs.push_back(1 + static_cast<int>(weight * (1 + 2 * rest)));
-  });
-  Graph::ArcMap<int> cost(graph);
-  for (std::size_t i = 0; i < costs.size(); ++i)
-    cost[Graph::arcFromId(static_cast<int>(i))] = costs[i];
-  lemon::NetworkSimplex<Graph, int, long> solver(graph);
-  solver.supplyMap(supplies).costMap(cost).run(decltype(solver)::CANDIDATE_LIST);
-  for (std::size_t i = 0; i < crossed.size(); ++i) {
-    const auto arc = static_cast<int>(2 * i);
-    const int flow = solver.flow(Graph::arcFromId(arc)) - solver.flow(Graph::arcFromId(arc + 1));
-    *crossed[i] = static_cast<std::int16_t>(*crossed[i] - flow);
-  }
+  CornerFlow(wrapped, steps).run();
   return flood(wrapped, steps);
 }
 

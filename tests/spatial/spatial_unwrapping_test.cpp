@@ -1,9 +1,16 @@
 #include "slipstream/spatial/spatial_unwrapping.h"
 
+#include <cmath>
+#include <vector>
+
 #include <gtest/gtest.h>
+#include <lemon/network_simplex.h>
+#include <lemon/smart_graph.h>
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/spatial/detail/edge_costs.h"
+#include "slipstream/spatial/detail/roughness.h"
 #include "tests/spatial/known_phase.h"
 
 namespace slipstream {
@@ -49,6 +56,70 @@ KnownPhase any_phase() {
   return known_phase(size, noise, [&](double x, double y) {
     return static_cast<int>(random() % 100) >= kept ? nothing : slope * (x + 0.5 * y);
   });
+}
+
+/// What the least change of the steps costs, by LEMON's network simplex; closed edges cost nothing.
+long least_cost(const WrappedCycles& wrapped) {
+  const EdgeSteps steps = edge_steps(wrapped.cycles);
+  const Image<float> weights = smoothness(wrapped);
+  const auto [width, height] = steps.size();
+  const Image<int> charges = charges_of(steps);
+  lemon::SmartDigraph graph;
+  for (std::size_t i = 0; i < charges.pixel_count(); ++i) graph.addNode();
+  lemon::SmartDigraph::NodeMap<int> supplies(graph);
+  for (int i = 0; i < static_cast<int>(charges.pixel_count()); ++i) {
+    supplies[graph.nodeFromId(i)] = charges.begin()[i];
+  }
+  std::vector<int> costs;
+  const auto connect = [&](int first, int second, int less, int more) {
+    graph.addArc(graph.nodeFromId(first), graph.nodeFromId(second));
+    graph.addArc(graph.nodeFromId(second), graph.nodeFromId(first));
+    costs.insert(costs.end(), {less, more});
+  };
+  const auto cross = [&](bool open, int first, int second, int from, int to) {
+    connect(first, second, open ? cost_of_change(wrapped, weights, from, to, -1) : 0,
+            open ? cost_of_change(wrapped, weights, from, to, 1) : 0);
+  };
+  const int wide = width + 1;
+  for (int x = 0; x < width; ++x) connect(x, x + 1, 0, 0);
+  for (int y = 0; y < height; ++y) {
+    connect(y * wide, (y + 1) * wide, 0, 0);
+    for (int x = 0; x < width; ++x) {
+      const int at = y * width + x, after = (y + 1) * wide + x + 1;
+      cross(steps.right(x, y) != EdgeSteps::closed, after, after - wide, at, at + 1);
+      cross(steps.down(x, y) != EdgeSteps::closed, after - 1, after, at, at + width);
+    }
+  }
+  lemon::SmartDigraph::ArcMap<int> cost(graph);
+  for (int i = 0; i < static_cast<int>(costs.size()); ++i) {
+    cost[graph.arcFromId(i)] = costs[static_cast<std::size_t>(i)];
+  }
+  lemon::NetworkSimplex<lemon::SmartDigraph, int, long> simplex(graph);
+  simplex.supplyMap(supplies).costMap(cost).run();
+  return simplex.totalCost();
+}
+
+long cost_of(const WrappedCycles& wrapped, const Image<int>& order) {
+  const EdgeSteps steps = edge_steps(wrapped.cycles);
+  const Image<float> weights = smoothness(wrapped);
+  long cost = 0;
+  for (int at = 0; at < static_cast<int>(order.pixel_count()); ++at) {
+    for (const bool down : {false, true}) {
+      const int to = at + (down ? order.width() : 1);
+      const int step = (down ? steps.down : steps.right).begin()[at];
+      if (step == EdgeSteps::closed) continue;
+      const int changed = order.begin()[to] - order.begin()[at] - step;
+      if (changed == 0) continue;
+      cost += std::abs(changed) * cost_of_change(wrapped, weights, at, to, changed > 0 ? 1 : -1);
+    }
+  }
+  return cost;
+}
+
+RC_GTEST_PROP(Flow, CostsAsLittleAsANetworkSimplex, ()) {
+  WrappedCycles wrapped{any_phase().wrapped, {}};
+  for (float& cycle : wrapped.cycles) cycle /= static_cast<float>(period);
+  RC_ASSERT(cost_of(wrapped, orders_by_flow(wrapped).order) == least_cost(wrapped));
 }
 
 RC_GTEST_PROP(AnyMethod, AddsWholePeriodsAndNumbersRegions, ()) {

@@ -54,8 +54,13 @@ class OutputFile {
  public:
   enum class Writing {
     at_once,   ///< gone where it is not kept, or by remove_temporary_files
-    over_time  ///< under its own name from the start where that is free; stays, not kept too
+    over_time  ///< under its own name from the start where that is free; stays, not kept too; goes
+               ///< to the disk while it grows, and what is there leaves the memory
   };
+  /// So many bytes at most that were written over time are not yet synced to the disk, beside those
+  /// of one write().
+  static constexpr std::uint64_t most_unsynced = 64 << 20;
+
   explicit OutputFile(const std::filesystem::path& path, Writing writing = Writing::at_once);
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
@@ -72,6 +77,7 @@ class OutputFile {
   void discard() noexcept;
 
  private:
+  void pass_on();
   void let_go() noexcept;
   [[noreturn]] void fail() const;
 
@@ -80,6 +86,8 @@ class OutputFile {
   Writing writing_;
   bool remembered_ = false;  ///< by remove_temporary_files
   int descriptor_ = -1;      ///< once closed
+  /// Bytes: in the file, of those on their way to the disk, and synced.
+  std::uint64_t written_ = 0, passed_on_ = 0, synced_ = 0;
 };
 
 /// A file that grows line by line, of one process at a time. Each member throws WorldError.

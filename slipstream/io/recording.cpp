@@ -30,7 +30,7 @@ constexpr std::uint32_t version = 1;
 /// Headers and records take multiples of so many bytes.
 constexpr std::uint64_t alignment = 64;
 /// Of an interrupted recording, from its end, frame by frame: more than is unsynced at any time.
-constexpr std::uint64_t searched_bytes = 4 * RecordingWriter::most_unsynced;
+constexpr std::uint64_t searched_bytes = 4 * OutputFile::most_unsynced;
 
 struct FileHeader {
   std::array<char, 8> magic{};
@@ -235,10 +235,6 @@ void RecordingWriter::finish() {
 void RecordingWriter::write(std::initializer_list<Bytes> parts) {
   try {
     file_->write(parts);
-    unsynced_ += record_size(format_);
-    if (unsynced_ < most_unsynced) return;
-    file_->sync();
-    unsynced_ = 0;
   } catch (const WorldError& failure) {
     give_up(failure.what());
   }

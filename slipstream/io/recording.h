@@ -32,9 +32,6 @@ bool is_recording(const std::filesystem::path& path);
 /// new one is whole, which has a temporary name until then.
 class RecordingWriter {
  public:
-  /// So many bytes at most are not yet synced to the disk, beside one frame.
-  static constexpr std::uint64_t most_unsynced = 64 << 20;
-
   /// Throws Error where the header is not valid, WorldError where the file cannot be made; nothing
   /// is left behind then.
   RecordingWriter(const std::filesystem::path& path, const RecordingHeader& header,
@@ -60,7 +57,6 @@ class RecordingWriter {
   FrameFormat format_;
   std::uint64_t header_size_ = 0;
   std::uint64_t count_ = 0;
-  std::uint64_t unsynced_ = 0;
   std::chrono::steady_clock::time_point first_host_time_;
 };
 

@@ -53,6 +53,9 @@ const std::vector<Case> cases{
     {"reconstruct_recording",
      {"reconstruct", "%/frames.slip", "--anyway", "-o", "@/cloud.pcd", "--json"},
      {"cloud.pcd"}},
+    {"manifest",
+     {"reconstruct", "%/scan", "--anyway", "-o", "@/cloud.ply", "--manifest", "@/done.jsonl"},
+     {"cloud.ply"}},
     {"check", {"check", "%/scan"}},
     {"measure", {"measure", "%/scan", "--anyway", "--point", "32,24"}},
     {"record",
@@ -330,6 +333,8 @@ TEST_P(FaultInjection, EndsAsPromised) {
   ASSERT_LE(whole.code, 2) << whole.err;
   ASSERT_GE(whole.code, 0) << whole.err;
   ASSERT_EQ(whole.written.size(), GetParam().outputs.size()) << whole.err;
+  // Before a file has its name it is on the disk, and after that its folder.
+  EXPECT_GE(program.record().calls[of_fsync], 2 * program.record().calls[of_rename]);
   std::vector<FaultRequest> faults;
   std::array<std::uint64_t, fault_calls> calls{}, tried{}, kept{};
   for (std::uint64_t i = 0; i < fault_calls; ++i) {

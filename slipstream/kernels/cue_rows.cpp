@@ -246,6 +246,7 @@ class CueVectors {
       Floats doubt = hn::Abs(hn::Sub(periods, order));
       if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
       store_flags(pixel, square[k], doubt, saturated);
+      fetch_ahead(row_.mean + pixel, row_.past_cache);
       store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
       if (HWY_UNLIKELY(decoding)) {
         hn::StoreU(turn[k], d, row_.turn + pixel);

@@ -139,9 +139,13 @@ class VoteField {
   /// Costs of the pixels that will vote on these, as far as they are not known.
   void foresee(const std::vector<PixelPlace>& open) {
     constexpr int reach = 2, last = costed_together - 1;
+    PixelPlace known{-1, 0};  // row, and end of the columns
     for (const PixelPlace at : open) {
       const int first = std::max(at.column - reach, 0) & ~last;
-      const int end = std::min(at.column + reach + 1, block_.width());
+      const int end = std::min((at.column + reach + 1 + last) & ~last, block_.width());
+      // Most have the columns of the one before: they come by rows, from left to right.
+      if (at.row == known.row && end == known.column && end - first <= costed_together) continue;
+      known = {at.row, end};
       for (int row = std::max(at.row - reach, 0);
            row <= std::min(at.row + reach, frames_[0].height() - 1); ++row) {
         for (int column = first; column < end; column += costed_together) {

@@ -131,21 +131,45 @@ class StageByStage {
   std::vector<const std::uint8_t*> frame_rows_;
 };
 
+/// What is asked of a scan; `resident`: a cloud of frames that are on the device, and it stays
+/// there. Points are not asked of a GPU.
+enum class Asked { cloud, depth, depth16, resident, points };
+constexpr std::array<const char*, 4> asked_names{"cloud", "depth", "depth16", "resident"};
+constexpr std::array<double, 5> result_bytes{cloud_bytes, sizeof(float) + 1, sizeof(std::uint16_t),
+                                             cloud_bytes, 4 * sizeof(float)};
+
+/// Shared by rows of one size.
+struct Results {
+  Cloud cloud;
+  Depth depth;
+  Image<std::uint16_t> numbers;
+  PackedPoints points;
+
+  FusedOutput output(Asked asked) {
+    if (asked == Asked::depth) return {.depth = &depth};
+    if (asked == Asked::depth16) return {.numbers = &numbers};
+    if (asked == Asked::points) return {.points = &points};
+    return {.cloud = &cloud};
+  }
+};
+
 /// The fused pass itself.
-BenchRow fused_row(const SharedScan& scan, std::string name, int steps) {
+BenchRow fused_row(const SharedScan& scan, std::string name, int steps,
+                   Asked asked = Asked::cloud) {
   struct Work {
     FusedEngine engine;
     FrameViews frames;
-    Cloud cloud;
+    Results results;
     FusedMemory memory;
   };
   const EngineSetup setup = setup_for(*scan);
   const auto work =
       std::make_shared<Work>(Work{FusedEngine::make(setup, phase_corrections(setup)).value(),
-                                  scan->frames, Cloud(), FusedMemory()});
-  const double bytes = scan->frames.count() + block_bytes + cloud_bytes;
-  return row_for(*scan, std::move(name), steps, bytes, [scan, work] {
-    work->engine(work->frames, {.cloud = &work->cloud}, work->memory);
+                                  scan->frames, Results(), FusedMemory()});
+  const double bytes =
+      scan->frames.count() + block_bytes + result_bytes.at(static_cast<std::size_t>(asked));
+  return row_for(*scan, std::move(name), steps, bytes, [scan, work, asked] {
+    work->engine(work->frames, work->results.output(asked), work->memory);
   });
 }
 
@@ -189,37 +213,19 @@ class CleanAgain {
 };
 
 /// The same through the call that everybody makes.
-BenchRow engine_row(const SharedScan& scan, int steps) {
+BenchRow engine_row(const SharedScan& scan, std::string name, int steps,
+                    const ReconstructSettings& settings = {}) {
   struct Work {
     Engine engine;
     FrameViews frames;
     Cloud cloud;
   };
-  const auto work = std::make_shared<Work>(Work{Engine(setup_for(*scan)), scan->frames, Cloud()});
+  const auto work =
+      std::make_shared<Work>(Work{Engine(setup_for(*scan, settings)), scan->frames, Cloud()});
   const double bytes = scan->frames.count() + block_bytes + cloud_bytes;
-  return row_for(*scan, "engine", steps, bytes,
+  return row_for(*scan, std::move(name), steps, bytes,
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
-
-/// What is asked of a scan; `resident`: a cloud of frames that are on the device, and it stays
-/// there.
-enum class Asked { cloud, depth, depth16, resident };
-constexpr std::array<const char*, 4> asked_names{"cloud", "depth", "depth16", "resident"};
-constexpr std::array<double, 4> result_bytes{cloud_bytes, sizeof(float) + 1, sizeof(std::uint16_t),
-                                             cloud_bytes};
-
-/// Shared by rows of one size.
-struct Results {
-  Cloud cloud;
-  Depth depth;
-  Image<std::uint16_t> numbers;
-
-  FusedOutput output(Asked asked) {
-    if (asked == Asked::depth) return {.depth = &depth};
-    if (asked == Asked::depth16) return {.numbers = &numbers};
-    return {.cloud = &cloud};
-  }
-};
 
 /// Small scans that the GPU takes in one submission.
 constexpr int many = 64;
@@ -340,9 +346,13 @@ void add_steps(std::vector<BenchRow>& rows, int steps, const SharedScan& scan) {
     static_cast<void>(fused_stages(setup, {}));
   }));
   rows.push_back(fused_row(scan, "fused", steps));
+  rows.push_back(fused_row(scan, "fused-depth", steps, Asked::depth));
+  rows.push_back(fused_row(scan, "fused-depth16", steps, Asked::depth16));
+  rows.push_back(fused_row(scan, "fused-points", steps, Asked::points));
   const auto clean = std::make_shared<CleanAgain>(*scan);
   rows.push_back(row_for(*scan, "clean", steps, 0, [clean] { (*clean)(); }));
-  rows.push_back(engine_row(scan, steps));
+  rows.push_back(engine_row(scan, "engine", steps));
+  rows.push_back(engine_row(scan, "engine-raw", steps, {.clean = CleanSettings::none()}));
   rows.push_back(live_check_row(scan, steps));
   rows.push_back(fused_row(with_gamma(*scan, 2.2), "fused-corrected", steps));
   if (steps == 3) {

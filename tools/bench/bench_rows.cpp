@@ -227,8 +227,8 @@ BenchRow engine_row(const SharedScan& scan, std::string name, int steps,
                  [scan, work] { work->engine.cloud(work->frames, work->cloud); });
 }
 
-/// Small scans that the GPU takes in one submission.
-constexpr int many = 64;
+/// Scans that the GPU takes in one submission: small ones, and those of 640x480 that fit one.
+constexpr std::size_t many_small = 64, many = GpuEngine::pixels_at_once / (std::size_t{640} * 480);
 
 /// A scan on the GPU, many times where asked for, and in the fused pass. `results`: so many scans.
 class OnBoth {
@@ -275,9 +275,9 @@ void add_gpu_rows(std::vector<BenchRow>& rows, const SharedScan& scan, const cha
       rows.back().is_beside_gpu = true;
     };
     add("gpu", &OnBoth::on_gpu);
-    if (results->size() > 1) {
+    if (results->size() > 1 && *coding == 0) {
       add("many-gpu", &OnBoth::many_on_gpu);
-      rows.back().scans = many;
+      rows.back().scans = static_cast<int>(results->size());
     }
     if (asked != Asked::resident) add("fused", &OnBoth::fused);
   }
@@ -381,14 +381,14 @@ std::vector<BenchRow> gpu_rows(const BenchSettings& settings) {
   for (const Size size : settings.small) {
     const PhaseMeasuring coding{.steps = 3, .frequency = 1};
     add_gpu_rows(rows, std::make_shared<const Scan>(bench_scan(coding, size)), "",
-                 std::make_shared<std::vector<Results>>(many), settings.most_threads);
+                 std::make_shared<std::vector<Results>>(many_small), settings.most_threads);
   }
   const std::array<std::pair<const char*, SharedScan>, 3> scans{
       {{"", scan_of(3)},
        {"-dual", scan_of(DualFrequency{})},
        {"-multi", scan_of(MultiFrequency{})}}};
   for (const int k : std::set{settings.enlargements.front(), settings.enlargements.back()}) {
-    const auto results = std::make_shared<std::vector<Results>>(1);
+    const auto results = std::make_shared<std::vector<Results>>(k == 1 ? many : 1);
     for (const auto& [coding, scan] : scans) {
       const SharedScan large = k == 1 ? scan : std::make_shared<const Scan>(enlarged(*scan, k));
       add_gpu_rows(rows, large, coding, results, settings.most_threads);

@@ -298,7 +298,6 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
                      .point = point_stage(*geometry, depth_range(setup)),
                      .rays = std::move(*rays),
                      .blocks = std::move(blocks)};
-  stages.point.may_leave_field = widest < 1;
   if (votes) {
     stages.bands.push_back(band_stage(layout.bands.front(), corrections));
     stages.cue = fused_cue(layout, setup);
@@ -308,6 +307,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
     add_bands(stages, layout, setup, corrections);
     if (stages.chain.empty()) keep_before_cut(stages);
   }
+  // Codes may be more than the stripes that are shown.
+  stages.point.may_leave_field = widest < 1 || stages.code;
   return stages;
 }
 

@@ -16,7 +16,7 @@ namespace slipstream {
 
 /// What turns frames into a cloud.
 enum class EngineKind {
-  automatic,  ///< `fused` where it can, else `reference`
+  automatic,  ///< `fused` where it can, else `reference`; no GPU, see docs/gpu.md
   reference,  ///< in double, stage by stage over the whole picture: any layout, frames and lens
   fused,      ///< in float, one pass over the pixels; `reference` stands in where it cannot
   gpu,        ///< what `fused` computes, by Vulkan; `fused` stands in where it cannot or fails
@@ -43,8 +43,7 @@ struct ReconstructSettings {
   std::optional<double> farthest{};  ///< mm, largest depth; none: see depth_range
   /// Which points of a finished cloud are left out.
   CleanSettings clean{};
-  /// Of EngineKind::gpu: the device, see gpu_devices; none: the first that is not software, or else
-  /// the first.
+  /// Of EngineKind::gpu: the device, see gpu_devices; none: that which Gpu::open chooses.
   std::optional<int> gpu{};
 
   friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;

@@ -14,6 +14,7 @@
 
 #include "slipstream/capture/colour_channels.h"
 #include "slipstream/error/error.h"
+#include "slipstream/image/converted.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/phase/demodulator.h"
 #include "slipstream/phase/phase_decoder.h"
@@ -21,6 +22,7 @@
 #include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/spatial/spatial_unwrapping.h"
 #include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
@@ -55,11 +57,13 @@ TEST(OneFrame, HasThePhaseOfTwelveSteps) {
       PhaseDecoder(PhaseMethod::equation, {})(read, fourier.layout().bands.front());
   std::vector<double> errors;
   std::size_t valid = 0;
+  Image<float> wrapped(mask.size(), NAN);
   for (std::size_t i = 0; i < mask.pixel_count(); ++i) {
     if (mask.begin()[i] == 0) continue;
     ++valid;
     if (one.modulation.begin()[i] < 15 * 257) continue;
     errors.push_back(one.wrapped_phase.begin()[i] + steps.wrapped_phase.begin()[i]);
+    wrapped.begin()[i] = static_cast<float>(one.wrapped_phase.begin()[i]);
   }
   double constant_cosine = 0, constant_sine = 0;
   for (const double error : errors) {
@@ -76,6 +80,22 @@ TEST(OneFrame, HasThePhaseOfTwelveSteps) {
   EXPECT_GT(share, 0.95);
   EXPECT_LE(quantile_of(errors, 0.5), 0.008);
   EXPECT_LE(quantile_of(errors, 0.9), 0.023);
+
+  // Unwrapped in space it is the phase that the authors unwrapped in time, and one constant.
+  const auto unwrapped = unwrap_in_space(wrapped, converted<float>(one.modulation));
+  const Image<double> theirs = read_map(folder / "phase_authors.tiff");
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < wrapped.pixel_count(); ++i) {
+    if (std::isnan(wrapped.begin()[i])) continue;
+    differences.push_back(unwrapped.phase.begin()[i] - theirs.begin()[i]);
+  }
+  const double usual = quantile_of(differences, 0.5);
+  const auto same = std::count_if(differences.begin(), differences.end(), [&](double difference) {
+    return std::abs(difference - usual) < pi;
+  });
+  const double same_share = static_cast<double>(same) / static_cast<double>(differences.size());
+  std::cout << "unwrapped in space: " << same_share << " as in time\n";
+  EXPECT_GE(same_share, 0.999);
 }
 
 enum class Colour { none, mixed, apart, painted, whitened };

@@ -58,6 +58,9 @@ void require_good(const CaptureFlags& flags) {
     throw Error(fmt::format("--monitor {}: {} sees no monitor; leave it out", *flags.monitor,
                             flags.source.source));
   }
+  if (flags.monitor && flags.source.camera.pixel_format == "RGB8") {
+    throw Error("--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them");
+  }
   if (flags.poses && (scheme == "virtual" || scheme == "replay")) {
     throw Error(
         fmt::format("--poses: nobody moves a board before {}; `slipstream camera serve "

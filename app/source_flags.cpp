@@ -1,5 +1,9 @@
 #include "app/source_flags.h"
 
+#include <fmt/format.h>
+
+#include "slipstream/error/error.h"
+
 namespace slipstream::app {
 
 SourceRequest request_from(const SourceFlags& flags, bool marker) {
@@ -10,6 +14,10 @@ SourceRequest request_from(const SourceFlags& flags, bool marker) {
                         .sequence = changes_from(flags.scan)};
   if (flags.scanner) request.scanner = *flags.scanner;
   const std::string scheme = scheme_of(flags.source);
+  if ((scheme == "virtual" || scheme == "replay") && flags.camera.pixel_format == "RGB8") {
+    throw Error(
+        fmt::format("--pixel-format RGB8: the frames of {} are grey; leave it out", flags.source));
+  }
   if (scheme == "virtual") {
     VirtualFlags world = flags.virtual_scanner;
     world.scanner = flags.scanner;

@@ -131,6 +131,13 @@ TEST_F(CameraProgram, RefusesBadFlags) {
   expect_refused(with_source({"--source", "aravis:", "--region", "640x480+1"}), 2, "640x480+1");
   expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB8"}), 2, "RGB8");
   expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB9"}), 2, "RGB9");
+  // Its patterns are grey, and three frames of each picture would be as many as three of them.
+  expect_refused({"record", "-o", recording(), "--source", "virtual", "--strategy", "pmp",
+                  "--steps", "3", "--pixel-format", "RGB8"},
+                 2, "RGB8");
+  expect_refused({"capture", "-o", recording(), "--source", "aravis:", "--monitor", "1",
+                  "--strategy", "pmp", "--steps", "3", "--pixel-format", "RGB8"},
+                 2, "RGB8");
   expect_refused({"record", "-o", recording(), "--source", "aravis:x"}, 2, "--strategy");
   expect_refused({"camera", "serve", "--packet-loss", "2"}, 2, "--packet-loss");
   expect_refused({"camera", "serve", "--cycles", "100000"}, 2, "--cycles 100000");

@@ -25,7 +25,8 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanFlags& fla
                    const std::function<void(const Scan& scan, const std::string& folder)>& take) {
   Progress progress("scans", static_cast<int>(folders.size()));
   for (const std::string& folder : folders) {
-    const ScanFiles described = scan_files_in(folder, scan_changes_from(flags));
+    ScanFiles described = scan_files_in(folder, scan_changes_from(flags));
+    if (files.scanner) described.scanner = *files.scanner;
     Scan scan = load_frames(described);
     for (const std::string& warning : scan.warnings) output.warn(warning);
     CheckedScan checked = check_and_repair(scan);

@@ -14,6 +14,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
@@ -77,9 +78,15 @@ std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& fram
   return names;
 }
 
-/// The frames as they were taken; those of pictures in colour taken apart by what the scanner,
-/// where it is known, says of them.
-Scan read_scan(const ScanFiles& files, const std::optional<Scanner>& scanner) {
+/// Whether the files are pictures in colour, each of three frames.
+bool is_in_colour(const ScanFiles& files) {
+  return !files.recording &&
+         3 * static_cast<int>(files.frames.size()) == frame_count(files.sequence);
+}
+
+/// The frames as they were taken; those of pictures in colour taken apart by how their channels
+/// mix, where it is known.
+Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixture) {
   Scan scan{.order = files.order, .sequence = files.sequence};
   if (files.recording) {
     scan.frames = in_order(recorded_frames(files), files);
@@ -87,11 +94,11 @@ Scan read_scan(const ScanFiles& files, const std::optional<Scanner>& scanner) {
     return scan;
   }
   const int wanted = frame_count(files.sequence);
-  if (3 * static_cast<int>(files.frames.size()) == wanted) {
+  if (is_in_colour(files)) {
     scan.frames = read_colour_frames(files.frames, files.bits);
-    if (scanner && scanner->photometry.colour_mixture) {
+    if (mixture) {
       const FrameSet white = files.white ? read_colour_frames({*files.white}) : FrameSet();
-      scan.frames = unmixed(scan.frames, *scanner->photometry.colour_mixture, white);
+      scan.frames = unmixed(scan.frames, *mixture, white);
       if (!files.white) {
         scan.warnings.emplace_back(
             "pictures in colour without a white one: only surfaces of one grey come out right");
@@ -119,14 +126,18 @@ Scan read_scan(const ScanFiles& files, const std::optional<Scanner>& scanner) {
 }  // namespace
 
 Scan load_frames(const ScanFiles& files) {
-  return merged(read_scan(files, std::nullopt));
+  std::optional<ColourMixture> mixture;
+  if (files.scanner && is_in_colour(files)) {
+    mixture = read_photometric_calibration(*files.scanner).colour_mixture;
+  }
+  return merged(read_scan(files, mixture));
 }
 
 Scan load_scan(const ScanFiles& files) {
   std::optional<Scanner> scanner;
   if (files.recording && files.scanner == files.path) scanner = files.recording->header().scanner;
   if (files.scanner && !scanner) scanner = read_scanner(*files.scanner);
-  Scan scan = merged(read_scan(files, scanner));
+  Scan scan = merged(read_scan(files, scanner ? scanner->photometry.colour_mixture : std::nullopt));
   if (scanner) {
     scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
                              files.sequence.projector);

@@ -11,9 +11,10 @@
 
 namespace slipstream {
 
-/// The frames of a scan, several exposures merged, and what they show, without its scanner; of a
-/// recording those of its first whole cycle. Throws Error, naming folder or recording, where they
-/// cannot be read, are not as many as the strategy's or its order is none of so many.
+/// The frames of a scan, several exposures merged, and what they show, without its scanner, which
+/// is read where pictures in colour are to be taken apart; of a recording those of its first whole
+/// cycle. Throws Error, naming folder or recording, where they cannot be read, are not as many as
+/// the strategy's or its order is none of so many.
 Scan load_frames(const ScanFiles& files);
 
 /// What one camera took: frames, sequence and the scanner that `files` names, completed by what

@@ -180,6 +180,21 @@ TEST_F(GammaProgram, MatchesTheScansOfTwoCameras) {
   EXPECT_LT(two_cameras, one_camera / 10);
 }
 
+TEST_F(GammaProgram, TakesPicturesInColourApartByTheScannerGiven) {
+  (void)out_of({"simulate", path("scan"), "--scene", "board", "--camera", "128x96", "--world",
+                "ideal", "--virtual-gamma", "2.2", "--colour", "--strategy", "pmp", "--steps",
+                "9"});
+  (void)out_of({"simulate", path("white"), "--camera", "128x96", "--world", "ideal", "--scene",
+                "board", "--primaries"});
+  (void)out_of({"calibrate", "colour", path("white"), "-o", path("mixture.yaml")});
+  const std::string calibrate = out_of({"calibrate", "gamma", path("scan"), "--scanner",
+                                        path("mixture.yaml"), "-o", path("scanner.yaml")});
+  EXPECT_FALSE(says(calibrate, "nothing is known")) << calibrate;
+  const auto measured = read_photometric_calibration(path("scanner.yaml"));
+  ASSERT_TRUE(measured.response.has_value());
+  EXPECT_NEAR(measured.response->gamma, 2.2, 0.05);
+}
+
 TEST_F(GammaProgram, ReproducesTablesAndFigures) {
   const std::string json = out_of({"reproduce", "table-4.1", "figure-4.1", "--plots", path("plots"),
                                    "--report", path("reports/report.md"), "--json"});

@@ -217,6 +217,7 @@ nlohmann::json document_of(const LiveSession& session, const Publisher& publishe
   document["findings"] = app::json_of(session.pipeline.findings());
   document["sinks"] = json_of(publisher.statistics());
   document["source"] = session.source;
+  document["source_state"] = statistics.source_state;
   return document;
 }
 

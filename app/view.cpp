@@ -11,6 +11,7 @@
 #include "app/cloud_input.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
+#include "app/live.h"
 #include "app/save_folder.h"
 #include "app/view_files.h"
 #include "slipstream/error/error.h"
@@ -32,6 +33,7 @@ struct ViewPathFlags {
   std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
   const CLI::App* command = nullptr;
   ViewFlags view;
+  std::string web;  ///< [ADDRESS:]PORT; empty: in a window
 };
 
 view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
@@ -93,7 +95,29 @@ view::ViewSource source_of_nothing() {
           .waits_for = "Drop a scan folder or a cloud here, or choose one at the left."};
 }
 
+/// A page instead of a window: the frames over and over, as live does it.
+void serve_page(const ViewPathFlags& flags, Output& output) {
+  if (!is_scan(flags.path)) {
+    throw Error(
+        fmt::format("--web shows scan folders and recordings, which '{}' is not", flags.path));
+  }
+  const ScanInputFlags& input = flags.cloud.input;
+  LiveFlags replay;
+  replay.headless = true;
+  replay.gamma = input.gamma;
+  replay.clean = flags.cloud.clean;
+  replay.source.source = "replay:" + flags.path;
+  replay.source.loop = true;
+  replay.source.scanner = input.scanner;
+  replay.source.scan = input.scan;
+  if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no times of its own
+  replay.publish = {"web:" + flags.web};
+  replay.view = flags.view;
+  live(replay, output);
+}
+
 void view_path(const ViewPathFlags& flags, Output& output) {
+  if (!flags.web.empty()) return serve_page(flags, output);
   require_good(flags.view);
   const bool scan = is_scan(flags.path);
   const bool of_rig = flags.command->count("--rig") > 0;  // which says more than a cloud needs
@@ -130,6 +154,8 @@ void add_view(CLI::App& program, Command& chosen) {
       "path", flags.path,
       "a scan folder, a recording, or a cloud or mesh: .ply .pcd .xyz .stl .obj .glb; chosen "
       "in the window without");
+  command.add("--web", flags.web,
+              "a page at this [ADDRESS:]PORT in place of a window, as live --publish web: has it");
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.cloud.input);

@@ -2,6 +2,7 @@
 
 import ctypes
 import re
+import shutil
 import signal
 import struct
 import subprocess
@@ -100,6 +101,21 @@ def test_points_are_those_of_the_pipeline(live, camera):
         assert (np.isnan(points).any(axis=1) == np.isnan(points).all(axis=1)).all()
     same = [(points / np.float32(1000)).tobytes() in in_file for points in taken]
     assert sum(same) >= 5, "of the clouds that share no frame, which the file has"
+
+
+def test_the_tool_of_aravis_finds_and_sets_it(live):
+    tool = shutil.which("arv-tool-0.8")
+    if not tool:
+        pytest.skip("aravis-tools-cli is not there")
+
+    def ask(*words):
+        return subprocess.run([tool, "-a", ADDRESS, *words], capture_output=True, text=True,
+                              timeout=60, check=True).stdout
+    assert "slipstream" in ask("values", "DeviceVendorName")
+    ask("control", "MinModulation=40")
+    assert "40" in ask("control", "MinModulation")
+    assert live.settings()["min-modulation"]["value"] == "40"
+    assert "Scan3dCoordinateScale" in ask("features")
 
 
 def test_depth_intensity_and_confidence_are_of_the_same_cloud(camera):

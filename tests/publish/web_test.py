@@ -23,12 +23,14 @@ PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstre
 class Live:
     """The program while it runs, in a folder of its own."""
 
-    def __init__(self, folder, *flags, web="web:0", size="320x240", rate=30):
+    def __init__(self, folder, *flags, web="web:0", size="320x240", rate=30, command=None):
         self.words = folder / "words"
         sinks = ["--publish", web] if web else []
+        command = command or [
+            "live", "--source", "virtual", "--world", "ideal", "--camera", size, "--rate", str(rate),
+            "--strategy", "pmp", "--steps", "4", "--headless", "--json", *sinks, *flags]
         self.process = subprocess.Popen(
-            [PROGRAM, "live", "--source", "virtual", "--world", "ideal", "--camera", size, "--rate",
-             str(rate), "--strategy", "pmp", "--steps", "4", "--headless", "--json", *sinks, *flags],
+            [PROGRAM, *command],
             cwd=folder, stdout=subprocess.PIPE, stderr=self.words.open("w"), text=True)
         if not web:
             return
@@ -196,6 +198,35 @@ def test_a_page_gets_a_cloud_for_each_wish(live):
         client.settimeout(0.3)
         with pytest.raises(TimeoutError):
             client.recv(1)  # nothing that was not asked for
+
+
+def test_a_page_that_reads_slowly_gets_whole_clouds_and_delays_nobody(live):
+    slow, _ = ask_for_page(live.port, origin=f"http://127.0.0.1:{live.port}")
+    with slow:
+        say(slow, b"next")
+        taken, others = b"", 0
+        while len(taken) < 10 + 24 + 3 * 320 * 240:
+            taken += slow.recv(4096)
+            assert taken
+            begin = time.monotonic()
+            others += len(newest(live)) == 24 + 3 * 320 * 240
+            time.sleep(max(0, begin + 0.03 - time.monotonic()))
+        assert struct.unpack(">BBQ", taken[:10]) == (0x82, 127, 24 + 3 * 320 * 240)
+        assert struct.unpack_from("<3i", taken, 10) == (320, 240, 1) and others > 50
+        say(slow, b"next")
+        assert take_message(slow)[0] == 2
+    assert live.get("/health") == (200, "ok\n")
+
+
+def test_view_shows_a_scan_on_a_page(tmp_path):
+    subprocess.run([PROGRAM, "simulate", tmp_path / "scan", "--camera", "96x72"], check=True,
+                   capture_output=True)
+    with Live(tmp_path, command=["view", tmp_path / "scan", "--web", "0", "--json"]) as view:
+        assert struct.unpack_from("<3i", newest(view)) == (96, 72, 1)
+        code, told = view.finish()
+        assert code == 0 and told["clouds"] > 0 and told["source"].startswith("replay:")
+    refused = subprocess.run([PROGRAM, "view", "--web", "0", view.words], capture_output=True, text=True)
+    assert refused.returncode == 2 and "scan folders and recordings" in refused.stderr
 
 
 def test_a_page_that_shows_the_phase_gets_it_too(live):
@@ -380,7 +411,9 @@ def test_the_page_shows_the_cloud(live, tmp_path, look):
         browser.ask("Page.navigate", url=live.address)
         wait_for(lambda: browser.value("typeof cloud !== 'undefined' && !!cloud && !!pivot"))
         assert browser.value("cloud.count") > 1000
+        browser.value("cardAsked")
         assert browser.value("!!gl") == (look[1] == 801)
+        assert browser.value("document.querySelectorAll('#stage canvas').length") == 1
         shown = "(draw(), (() => { const pen = document.createElement('canvas').getContext('2d');" \
                 "Object.assign(pen.canvas, { width: canvas.width, height: canvas.height });" \
                 "pen.drawImage(canvas, 0, 0);" \

@@ -9,6 +9,7 @@
 
 #include "app/cloud_input.h"
 #include "app/commands.h"
+#include "app/convert_frames.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
@@ -31,19 +32,8 @@ struct ConvertFlags {
 /// Between clouds whose times nobody knows.
 constexpr std::uint64_t second = 1'000'000'000;
 
-bool is_mcap(const std::string& path) {
-  return lower_case_extension(path) == ".mcap";
-}
-
 const Uncertainty* uncertainty_of(const StoredCloud& stored) {
   return stored.uncertainty ? &*stored.uncertainty : nullptr;
-}
-
-[[noreturn]] void refuse_second(const std::string& path) {
-  throw Error(
-      fmt::format("{}: two clouds would be written to it; {{name}} and {{window}} in -o stand for "
-                  "the input's name and the cloud's number",
-                  path));
 }
 
 /// Clouds one after the other, to one MCAP file or a file each.
@@ -142,6 +132,11 @@ void convert_recording(const std::string& path, CloudInputFlags flags, CloudFile
 }
 
 void convert(const ConvertFlags& flags, Output& output) {
+  const std::string ending = lower_case_extension(flags.output);
+  if (ending == ".slip") return convert_to_recording(flags.paths, flags.output, output);
+  if (ending.empty()) {
+    return convert_to_folders(flags.paths, flags.output, changes_of(flags.cloud.input), output);
+  }
   CloudFiles files(flags.output, output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
   if (one_file && flags.paths.size() > 1) refuse_second(flags.output);
@@ -164,21 +159,24 @@ void convert(const ConvertFlags& flags, Output& output) {
 void add_convert(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, convert, "convert",
-                  "clouds and scans to clouds in other files: MCAP, PLY, PCD, XYZ");
+                  "clouds and scans to clouds in other files: MCAP, PLY, PCD, XYZ; frames to "
+                  "recordings and scan folders");
   command
       .add_file("input", flags.paths,
                 "MCAP files, clouds, recordings (each cycle) and scan folders, in their order")
       ->required();
   command
-      .add_output("-o,--output", flags.output,
-                  ".mcap, all clouds in one; .ply, .pcd or .xyz, each in its own: {name} in it "
-                  "stands for the input's name, {window} for the cloud's number")
+      .add_output(
+          "-o,--output", flags.output,
+          ".mcap, all clouds in one; .ply, .pcd or .xyz, each in its own: {name} in it "
+          "stands for the input's name, {window} for the cloud's number; .slip, all frames in one "
+          "recording; without an ending, each cycle of recordings as a scan folder")
       ->required();
   command.add("--topic", flags.topic, "of MCAP files: clouds of this one alone, as /points");
   add_cloud_input_flags(command.app, flags.cloud);
   command.app.footer(
       "Examples:\n  slipstream convert scan.slip -o clouds.mcap\n  slipstream convert clouds.mcap "
-      "-o clouds/{window}.pcd");
+      "-o clouds/{window}.pcd\n  slipstream convert clouds.mcap -o scan.slip");
 }
 
 }  // namespace slipstream::app

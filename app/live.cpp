@@ -28,6 +28,7 @@
 #include "slipstream/cycle/window_frames.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
+#include "slipstream/io/scanner_file.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/publisher.h"
@@ -276,28 +277,17 @@ std::string save_newest(LiveSession& session, LastSave& last) {
   return folder;
 }
 
-/// What the frames of a session's clouds say of the phase, as PublishedRun tells it; any sink may
-/// ask.
-class PhasePicture {
+/// What the frames of a session's clouds say besides, as PublishedRun tells it; any sink may ask.
+class CloudMaps {
  public:
-  explicit PhasePicture(LiveSession& session) : session_(session) {}
+  explicit CloudMaps(LiveSession& session) : session_(session) {}
 
-  Image<std::uint8_t> operator()(const LiveCloud& cloud) {
+  Image<std::uint8_t> phase(const LiveCloud& cloud) {
     const std::lock_guard lock(mutex_);
-    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
-      EngineSetup setup = setup_of(session_);
-      motion_ = std::exchange(setup.sequence.motion, 0);
-      engine_.emplace(setup);
-      changes_ = changes;
-    }
-    const auto& [scanner, sequence, settings] = engine_->setup();
-    const FrameViews window = views_of(cloud.frames);
-    if (window.count() != frame_count(sequence) + motion_) return {};
-    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
-    const FrameViews& frames = engine_->merged(cycle);
-    engine_->maps(frames, maps_);
-    const double least = least_modulation(settings, frames.full_scale());
-    Image<std::uint8_t> phase(frames.size());
+    const auto frames = measure(cloud);
+    if (!frames) return {};
+    const double least = least_modulation(engine_->setup().settings, frames->full_scale());
+    Image<std::uint8_t> phase(frames->size());
     std::transform(maps_.wrapped_phase.begin(), maps_.wrapped_phase.end(), maps_.modulation.begin(),
                    phase.begin(), [&](float angle, float modulation) {
                      const float step = angle * (255 / (2 * std::numbers::pi_v<float>));
@@ -307,7 +297,30 @@ class PhasePicture {
     return phase;
   }
 
+  std::optional<Uncertainty> uncertainty(const LiveCloud& cloud) {
+    const std::lock_guard lock(mutex_);
+    const auto frames = measure(cloud);
+    if (!frames) return std::nullopt;
+    return engine_->uncertainty(cloud.cloud, maps_, *frames);
+  }
+
  private:
+  /// The frames whose maps are made then; none where they are not of what is looked for now.
+  std::optional<FrameViews> measure(const LiveCloud& cloud) {
+    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
+      EngineSetup setup = setup_of(session_);
+      motion_ = std::exchange(setup.sequence.motion, 0);
+      engine_.emplace(setup);
+      changes_ = changes;
+    }
+    const FrameViews window = views_of(cloud.frames);
+    if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
+    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
+    const FrameViews& frames = engine_->merged(cycle);
+    engine_->maps(frames, maps_);
+    return frames;
+  }
+
   LiveSession& session_;
   std::mutex mutex_;
   std::optional<Engine> engine_;
@@ -323,18 +336,23 @@ void open_sinks(const std::vector<std::string>& names, LiveSession& session,
   const Scanner& scanner = session.setup.scanner;
   const auto last = std::make_shared<LastSave>();
   for (const std::string& name : names) {
+    const auto maps = std::make_shared<CloudMaps>(session);
     PublishedRun run{
         .camera = scanner.camera,
+        .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
         .has_points = has_geometry(scanner),
         .statistics = [document] { return document().dump(); },
         .trouble = [&] { return trouble_of(session.pipeline, publisher); },
         .save = [&session, last] { return save_newest(session, *last); },
-        .phase = [picture = std::make_shared<PhasePicture>(session)](
-                     const LiveCloud& cloud) { return (*picture)(cloud); },
+        .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
+        .sequence = [&session] { return setup_of(session).sequence; },
         .settings = [&session] { return settings_of(session); },
         .change = [&session](const std::string& setting,
                              const std::string& value) { change_setting(session, setting, value); },
     };
+    if (scanner.photometry.noise_variance) {
+      run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
+    }
     publisher.add(name, open_sink(name, std::move(run)));
   }
 }

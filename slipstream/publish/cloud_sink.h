@@ -2,19 +2,23 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "slipstream/capture/pool.h"
+#include "slipstream/cloud/uncertainty.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/publish/run_setting.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 
 /// The run whose clouds are published. The functions are called from any thread; they may throw.
 struct PublishedRun {
   Lens camera{};           ///< whose pixels the clouds have
+  std::string scanner{};   ///< the text of its scanner file; empty where none is known
   bool has_points = true;  ///< whether a scanner is known; else there are pictures alone
   std::function<std::string()> statistics{};  ///< what the run has counted until now, as JSON
   std::function<std::string()> trouble{};     ///< one line; empty where all is well
@@ -23,6 +27,11 @@ struct PublishedRun {
   /// The phase that the cloud's frames show: of each pixel 1 to 255 over a period, 0 where it is
   /// too dark. Empty where they are not of what is looked for now. One thread at a time.
   std::function<Image<std::uint8_t>(const LiveCloud&)> phase{};
+  /// What the frames show now.
+  std::function<Sequence()> sequence{};
+  /// How sure a cloud's points are; nothing where its frames are not of what is looked for now. One
+  /// thread at a time. Null where the noise is not known.
+  std::function<std::optional<Uncertainty>(const LiveCloud&)> uncertainty{};
   /// What can be changed now, in an order that stays; a camera that is gone has no settings. All
   /// sinks and the viewer see what any of them has changed.
   std::function<std::vector<RunSetting>()> settings{};

@@ -44,10 +44,15 @@ class Records {
       const auto channel = channels_.find(record.get<std::uint16_t>());
       if (channel == channels_.end()) throw Error("a message is of no channel");
       const auto& [schema, topic, encoding] = channel->second;
-      record.get<std::uint32_t>();  // its number
+      const auto message_number = record.get<std::uint32_t>();
       const auto time = record.get<std::uint64_t>();
       record.get<std::uint64_t>();  // when it was published
-      see_({topic, types_[schema], encoding, time, record.take(record.left())});
+      see_({topic, types_[schema], encoding, message_number, time, record.take(record.left())});
+    } else if (opcode == mcap::attachment) {
+      const auto time = record.get<std::uint64_t>();
+      record.get<std::uint64_t>();  // when it was made
+      const std::string name(record.text()), type(record.text());
+      see_({name, type, "", 0, time, record.take(record.get<std::uint64_t>())});
     }
   }
 
@@ -103,7 +108,7 @@ bool read_records(const InputFile& file, Records& records) {
     offset += head.size();
     if (opcode == mcap::data_end || opcode == mcap::footer) return true;
     if (length > file.size() - offset) return false;  // what was being written
-    if (opcode >= mcap::schema && opcode <= mcap::chunk) {
+    if ((opcode >= mcap::schema && opcode <= mcap::chunk) || opcode == mcap::attachment) {
       if (length > largest_record) throw Error("a record of it is larger than 1 GiB");
       content.resize(length);
       if (!file.read(offset, {content})) return false;

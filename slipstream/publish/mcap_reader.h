@@ -8,11 +8,13 @@
 
 namespace slipstream {
 
-/// A message of an MCAP file; all is borrowed.
+/// A message of an MCAP file; all is borrowed. A file that is attached to it is seen as one without
+/// encoding: its name as the topic, what it is as the type.
 struct McapMessage {
   const std::string& topic;
   const std::string& type;      ///< its schema's name: "sensor_msgs/msg/PointCloud2"
   const std::string& encoding;  ///< "cdr"
+  std::uint32_t number;         ///< that its writer gave it
   std::uint64_t time;           ///< when it was logged, ns
   std::span<const std::uint8_t> content;
 };

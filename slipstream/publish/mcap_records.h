@@ -22,6 +22,8 @@ enum Opcode : std::uint8_t {
   chunk = 0x06,
   message_index = 0x07,
   chunk_index = 0x08,
+  attachment = 0x09,
+  attachment_index = 0x0a,
   statistics = 0x0b,
   summary_offset = 0x0e,
   data_end = 0x0f,

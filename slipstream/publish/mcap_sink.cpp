@@ -1,5 +1,11 @@
+#include <map>
+#include <optional>
 #include <utility>
+#include <vector>
 
+#include <fmt/format.h>
+
+#include "slipstream/io/scan_folder.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/mcap_writer.h"
 #include "slipstream/publish/named_sink.h"
@@ -12,19 +18,29 @@ class McapSink final : public CloudSink {
  public:
   McapSink(const std::string& path, PublishedRun run) : run_(std::move(run)), writer_(path) {
     image_ = add(image_type(), "/image");
+    if (run_.statistics) statistics_ = add(string_type(), "/statistics");
     if (!run_.has_points) return;
     points_ = add(point_cloud_type(), "/points");
+    camera_info_ = add(camera_info_type(), "/camera_info");
   }
 
   bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
   void put(const Pooled<LiveCloud>& cloud) override {
     const std::uint64_t time = world_time(cloud->newest.host_time);
+    if (run_.sequence) put_frames(*cloud);
     write_image(*cloud, time, message_);
     writer_.write(image_, time, message_);
     if (run_.has_points) {
-      write_point_cloud(cloud->cloud, time, message_);
+      write_point_cloud(*cloud, run_, time, message_);
       writer_.write(points_, time, message_);
+      write_camera_info(run_.camera, cloud->cloud.size(), time, message_);
+      writer_.write(camera_info_, time, message_);
+    }
+    if (run_.statistics && time >= next_statistics_) {
+      write_string(run_.statistics(), message_);
+      writer_.write(statistics_, time, message_);
+      next_statistics_ = time + second;
     }
     writer_.end_message_group();
   }
@@ -32,13 +48,54 @@ class McapSink final : public CloudSink {
   void finish() override { writer_.finish(); }
 
  private:
+  static constexpr std::uint64_t second = 1'000'000'000;  ///< ns
+
   std::uint16_t add(const RosType& type, const std::string& topic) {
     return writer_.add_channel(topic, type.name, type.definition);
   }
 
+  /// As they came, each on the topic of its pattern. Those of a strategy that has just been changed
+  /// are left out.
+  void put_frames(const LiveCloud& cloud) {
+    const Sequence window = run_.sequence(), cycle = cycle_of(window);
+    if (cloud.frames.size() != static_cast<std::size_t>(frame_count(window))) return;
+    const auto patterns = static_cast<std::size_t>(frame_count(cycle));
+    attach_scan(cycle, *cloud.frames.front());
+    std::map<std::uint64_t, std::pair<std::size_t, const Frame*>> in_time;
+    for (std::size_t n = 0; n < cloud.frames.size(); ++n) {
+      const std::size_t pattern = (static_cast<std::size_t>(cloud.first_pattern) + n) % patterns;
+      in_time[cloud.frames[n]->stamp.sequence] = {pattern, &*cloud.frames[n]};
+    }
+    for (const auto& [number, frame] : in_time) {
+      const auto& [pattern, picture] = frame;
+      while (frames_.size() <= pattern) {
+        frames_.push_back(add(image_type(), fmt::format("/frames/{}", frames_.size())));
+      }
+      const std::uint64_t time = world_time(picture->stamp.host_time);
+      write_image(*picture, time, message_);
+      writer_.write(frames_[pattern], time, message_, static_cast<std::uint32_t>(number));
+    }
+  }
+
+  /// What the frames show from now on, where that is not as before.
+  void attach_scan(const Sequence& sequence, const Frame& frame) {
+    if (sequence == sequence_) return;
+    const std::uint64_t time = world_time(frame.stamp.host_time);
+    ScanFiles scan{.sequence = sequence, .bits = frame.bits};
+    if (!run_.scanner.empty()) {
+      scan.scanner = "scanner.yaml";
+      if (!sequence_) writer_.attach("scanner.yaml", "application/yaml", time, run_.scanner);
+    }
+    writer_.attach("scan.yaml", "application/yaml", time, scan_yaml_of(scan, {}));
+    sequence_ = sequence;
+  }
+
   PublishedRun run_;
   McapWriter writer_;
-  std::uint16_t image_ = 0, points_ = 0;
+  std::uint16_t image_ = 0, points_ = 0, camera_info_ = 0, statistics_ = 0;
+  std::vector<std::uint16_t> frames_;  ///< by pattern
+  std::optional<Sequence> sequence_;   ///< that is attached
+  std::uint64_t next_statistics_ = 0;
   RosMessage message_;
   DisjointClouds clouds_;
 };

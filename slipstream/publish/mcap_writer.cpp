@@ -58,24 +58,41 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
   Bytes content;
   append(content, number, schema_name, "ros2msg"sv, text);
   append_record(schemas_, schema, content);
+  append_record(chunk_, schema, content);
   content.clear();
   append(content, number, number, topic, "cdr"sv, std::uint32_t{0});  // no more is told of it
   append_record(channels_, channel, content);
+  append_record(chunk_, channel, content);
   statistics_.of_channel[number] = 0;
   return number;
 }
 
 void McapWriter::write(std::uint16_t number, std::uint64_t time,
-                       std::span<const std::uint8_t> content) {
-  if (chunks_.empty() && chunk_.empty()) append(chunk_, schemas_, channels_);
+                       std::span<const std::uint8_t> content, std::optional<std::uint32_t> own) {
   if (index_.empty()) now_.start = now_.end = time;
   now_.start = std::min(now_.start, time);
   now_.end = std::max(now_.end, time);
   index_[number].push_back({time, chunk_.size()});
-  const auto count = static_cast<std::uint32_t>(statistics_.of_channel[number]++);
+  const auto count = own.value_or(static_cast<std::uint32_t>(statistics_.of_channel[number]));
+  ++statistics_.of_channel[number];
   append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
   append(chunk_, number, count, time, time, content);  // when it was logged, and published
   ++statistics_.messages;
+}
+
+void McapWriter::attach(const std::string& name, const std::string& media_type, std::uint64_t time,
+                        std::string_view text) {
+  Bytes content, record;
+  append(content, time, time, name, media_type, std::uint64_t{text.size()},
+         std::span(text.data(), text.size()));
+  append(content, checksum(content));
+  append_record(record, attachment, content);
+  content.clear();
+  append(content, offset_, std::uint64_t{record.size()}, time, time, std::uint64_t{text.size()},
+         name, media_type);
+  append_record(attachment_indices_, attachment_index, content);
+  ++attachment_count_;
+  put(record);
 }
 
 void McapWriter::end_message_group() {
@@ -134,10 +151,10 @@ void McapWriter::finish() {
   group(channel, schemas_.size());
   std::size_t begin = records.size();
   content.clear();
-  constexpr std::uint32_t attachments = 0, metadata = 0;
-  append(content, statistics_.messages, channel_count_, std::uint32_t{channel_count_}, attachments,
-         metadata, static_cast<std::uint32_t>(chunks_.size()), statistics_.start, statistics_.end,
-         map_of(statistics_.of_channel));
+  constexpr std::uint32_t metadata = 0;
+  append(content, statistics_.messages, channel_count_, std::uint32_t{channel_count_},
+         attachment_count_, metadata, static_cast<std::uint32_t>(chunks_.size()), statistics_.start,
+         statistics_.end, map_of(statistics_.of_channel));
   append_record(records, statistics, content);
   group(statistics, begin);
   begin = records.size();
@@ -148,6 +165,9 @@ void McapWriter::finish() {
     append_record(records, chunk_index, content);
   }
   group(chunk_index, begin);
+  begin = records.size();
+  append(records, attachment_indices_);
+  group(attachment_index, begin);
   // The footer's own checksum is of all from the summary on but itself.
   const std::uint64_t offsets_at = summary + records.size();
   append(records, offsets);

@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,11 +24,16 @@ class McapWriter {
                       OutputFile::Writing writing = OutputFile::Writing::over_time);
 
   /// What its messages are, by the name and the text of their definition ("ros2msg") in the
-  /// encoding "cdr". Before the first message. Returns the channel's number.
+  /// encoding "cdr". Returns the channel's number.
   std::uint16_t add_channel(const std::string& topic, const std::string& schema_name,
                             const std::string& schema);
   /// `time`: nanoseconds of the world's clock since 1970.
-  void write(std::uint16_t channel, std::uint64_t time, std::span<const std::uint8_t> message);
+  /// `number`: the message's own; else they are counted.
+  void write(std::uint16_t channel, std::uint64_t time, std::span<const std::uint8_t> message,
+             std::optional<std::uint32_t> number = std::nullopt);
+  /// A file within the file: its name and what it is, "application/yaml".
+  void attach(const std::string& name, const std::string& media_type, std::uint64_t time,
+              std::string_view content);
   /// Ends the chunk where it is full: what is written together is best read together.
   void end_message_group();
   /// Writes the end and gives the file its name.
@@ -52,8 +59,9 @@ class McapWriter {
 
   OutputFile file_;
   std::uint64_t offset_ = 0;
-  Bytes schemas_, channels_, chunk_, packed_;
+  Bytes schemas_, channels_, chunk_, packed_, attachment_indices_;
   std::uint16_t channel_count_ = 0;
+  std::uint32_t attachment_count_ = 0;
   Chunk now_;
   std::map<std::uint16_t, std::vector<Index>> index_;
   std::vector<Chunk> chunks_;

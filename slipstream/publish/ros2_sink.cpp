@@ -257,7 +257,8 @@ class Ros2Sink final : public CloudSink {
     camera_->write_if_heard(
         [&](RosMessage& message) { write_camera_info(run_.camera, points.size(), time, message); });
     depth_->write_if_heard([&](RosMessage& message) { write_depth(points, time, message); });
-    points_->write_if_heard([&](RosMessage& message) { write_point_cloud(points, time, message); });
+    points_->write_if_heard(
+        [&](RosMessage& message) { write_point_cloud(*cloud, run_, time, message); });
   }
 
   void finish() override { stop(); }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -51,6 +52,12 @@ void add_picture(Cdr& cdr, const Image<Pixel>& picture, std::string_view encodin
   }
 }
 
+void skip_header(CdrReader& cdr) {
+  cdr.count();  // seconds
+  cdr.count();
+  cdr.text();  // of the frame
+}
+
 }  // namespace
 
 RosType point_cloud_type() {
@@ -66,6 +73,21 @@ RosType image_type() {
           "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
           "uint8 is_bigendian\nuint32 step\nuint8[] data\n" +
               fmt::format(fmt::runtime(header_definition), "")};
+}
+
+RosType camera_info_type() {
+  return {"sensor_msgs/msg/CameraInfo",
+          "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
+          "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
+          "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
+              fmt::format(fmt::runtime(header_definition), "") +
+              fmt::format("\n{0:=>80}\nMSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\n"
+                          "uint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n",
+                          "")};
+}
+
+RosType string_type() {
+  return {"std_msgs/msg/String", "string data\n"};
 }
 
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
@@ -95,11 +117,15 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
   cdr.add(std::uint8_t{0});  // some points are NaN
 }
 
+void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, std::uint64_t time,
+                       RosMessage& message) {
+  const auto sigma = run.uncertainty ? run.uncertainty(cloud) : std::nullopt;
+  write_point_cloud(cloud.cloud, time, message, sigma ? &*sigma : nullptr);
+}
+
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
   CdrReader cdr(message);
-  cdr.count();  // seconds
-  cdr.count();
-  cdr.text();  // of the frame
+  skip_header(cdr);
   const std::uint32_t height = cdr.count(), width = cdr.count(), fields = cdr.count();
   std::array<std::optional<std::uint32_t>, point_fields.size()> offsets;
   for (std::uint32_t i = 0; i < fields; ++i) {
@@ -166,6 +192,10 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
 
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message) {
   if (!cloud.cloud.z.empty()) return write_image(cloud.cloud, time, message);
+  write_image(*cloud.frames.front(), time, message);
+}
+
+void write_image(const Frame& frame, std::uint64_t time, RosMessage& message) {
   Cdr cdr(message);
   cdr.add_header(time);
   std::visit(
@@ -173,7 +203,26 @@ void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message
         add_picture(cdr, pixels, sizeof(Pixel) == 1 ? "mono8" : "mono16",
                     [](Pixel pixel) { return pixel; });
       },
-      cloud.frames.front()->pixels);
+      frame.pixels);
+}
+
+Frame read_frame(std::span<const std::uint8_t> message, int bits) {
+  CdrReader cdr(message);
+  skip_header(cdr);
+  const std::uint32_t height = cdr.count(), width = cdr.count();
+  const std::string_view encoding = cdr.text();
+  const bool big_endian = cdr.get<std::uint8_t>() != 0;
+  const std::uint64_t row = std::uint64_t{width} * (bits > 8 ? 2 : 1), step = cdr.count();
+  const auto data = cdr.list();
+  if (big_endian || encoding != (bits > 8 ? "mono16" : "mono8") || width == 0 || height == 0 ||
+      std::uint64_t{width} * height > largest_picture || step != row ||
+      data.size() != row * height) {
+    throw Error(fmt::format("a frame that is no grey picture of {} bits", bits));
+  }
+  Frame frame({{static_cast<int>(width), static_cast<int>(height)}, bits});
+  std::visit([&](auto& pixels) { std::memcpy(pixels.begin(), data.data(), data.size()); },
+             frame.pixels);
+  return frame;
 }
 
 void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
@@ -215,6 +264,10 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
   add_rows(projection);
   for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, all of the sensor
   cdr.add(std::uint8_t{0});
+}
+
+void write_string(std::string_view text, RosMessage& message) {
+  Cdr(message).add_text(text);
 }
 
 }  // namespace slipstream

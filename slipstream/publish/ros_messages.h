@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "slipstream/geometry/lens.h"
 #include "slipstream/io/stored_cloud.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/publish/cdr.h"
+#include "slipstream/publish/cloud_sink.h"
 
 namespace slipstream {
 
@@ -19,6 +21,8 @@ struct RosType {
 };
 RosType point_cloud_type();
 RosType image_type();
+RosType camera_info_type();
+RosType string_type();
 
 /// Nanoseconds of the world's clock since 1970 at that time of this machine's.
 std::uint64_t world_time(std::chrono::steady_clock::time_point time);
@@ -31,17 +35,27 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time);
 /// sigma_coordinate, sigma_x, sigma_y and sigma_z likewise.
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
+/// The same with what the run knows of its uncertainty.
+void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, std::uint64_t time,
+                       RosMessage& message);
 /// What of these such a message has, in mm, whoever wrote it. Throws Error, naming no file, where
 /// it is none, has no x, y, z of 32-bit float, or is not little-endian.
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
 /// sensor_msgs/msg/Image: the cloud's intensity as mono8; without a scanner the window's first
 /// frame, mono8 or mono16.
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message);
+/// A camera's frame, mono8 or mono16.
+void write_image(const Frame& frame, std::uint64_t time, RosMessage& message);
+/// The same back, of a camera of so many bits; its stamp is empty. Throws Error, naming no file,
+/// where it is none.
+Frame read_frame(std::span<const std::uint8_t> message, int bits);
 /// The same of a cloud's intensity alone.
 void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 /// sensor_msgs/msg/Image: the cloud's depth as 32FC1, metres, as write_point_cloud has them.
 void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message);
 /// sensor_msgs/msg/CameraInfo of a camera whose pictures have this size.
 void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message);
+/// std_msgs/msg/String.
+void write_string(std::string_view text, RosMessage& message);
 
 }  // namespace slipstream

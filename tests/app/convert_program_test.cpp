@@ -71,6 +71,34 @@ TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them
   expect_same(path("two-000001.pcd"), path("expected-000002.pcd"));
 }
 
+TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_folders_and_back) {
+  const auto reconstruct = [&](const std::string& scan, const std::string& name) {
+    run({"reconstruct", path(scan), "--windows", ":", "--uncertainty", "-o",
+         path(name + "-{window}.pcd")});
+  };
+  run({"live", "--source", "replay:" + path("scan.slip"), "--motion", "0", "--headless",
+       "--publish", "mcap:" + path("live.mcap")});
+  run({"convert", path("live.mcap"), "-o", path("live.slip")});
+  run({"convert", path("live.slip"), "-o", path("folder-{window}")});
+  run({"convert", path("folder-000000"), path("folder-000001"), path("folder-000002"), "-o",
+       path("joined.slip")});
+  run({"convert", path("live.mcap"), "-o", path("published-{window}.pcd")});
+  reconstruct("scan.slip", "expected");
+  reconstruct("live.slip", "live");
+  reconstruct("joined.slip", "joined");
+  for (const std::string window : {"-000000.pcd", "-000001.pcd", "-000002.pcd"}) {
+    for (const std::string name : {"published", "live", "joined"}) {
+      expect_same(path(name + window), path("expected" + window));
+    }
+  }
+  EXPECT_NE(run({"convert", path("folder-000000"), "-o", path("a")}, 2).err.find("folder"),
+            std::string::npos);
+  run({"convert", path("scan.slip"), "-o", path("clouds.mcap")});
+  EXPECT_NE(run({"convert", path("clouds.mcap"), "-o", path("a.slip")}, 2).err.find("no frames"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(path("a.slip")));
+}
+
 TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   run({"convert", path("scan.slip"), "-o", path("scan.mcap")});
   const auto refused = [&](const std::vector<std::string>& arguments, const std::string& why) {

@@ -73,21 +73,31 @@ Bytes plain_file(bool in_chunk) {
 }
 
 std::vector<Bytes> files() {
-  return {plain_file(false), plain_file(true),
-          written_file("clouds.mcap", [](const fs::path& path) {
-            McapWriter writer(path);
-            const RosType type = point_cloud_type();
-            const std::uint16_t points = writer.add_channel("/points", type.name, type.definition);
-            for (std::uint64_t time = 0; time < 3; ++time) {
-              writer.write(points, time, some_cloud(true));
-            }
-            writer.finish();
-          })};
+  return {
+      plain_file(false), plain_file(true), written_file("clouds.mcap", [](const fs::path& path) {
+        McapWriter writer(path);
+        const RosType type = point_cloud_type();
+        const std::uint16_t points = writer.add_channel("/points", type.name, type.definition);
+        for (std::uint64_t time = 0; time < 3; ++time) {
+          writer.write(points, time, some_cloud(true));
+        }
+        const RosType picture = image_type();
+        RosMessage frame;
+        write_image(Frame({{3, 2}, 8}), 5, frame);
+        writer.write(writer.add_channel("/frames/0", picture.name, picture.definition), 5, frame);
+        writer.attach("scan.yaml", "application/yaml", 5, "strategy: {name: pmp}");
+        writer.finish();
+      })};
 }
 
 void read_file_of_messages(std::span<const std::uint8_t> input) {
-  (void)read_mcap(file_of(input, "clouds.mcap"),
-                  [](const McapMessage& message) { (void)read_point_cloud(message.content); });
+  (void)read_mcap(file_of(input, "clouds.mcap"), [](const McapMessage& message) {
+    if (message.type == image_type().name) {
+      (void)read_frame(message.content, 8);
+    } else {
+      (void)read_point_cloud(message.content);
+    }
+  });
 }
 
 const bool known = add_fuzz_target({"message", clouds, read_messages}) &&

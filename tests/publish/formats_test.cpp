@@ -15,7 +15,9 @@
 #include "slipstream/io/file.h"
 #include "slipstream/publish/metrics.h"
 #include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/ros_messages.h"
 #include "slipstream/publish/web_cloud.h"
+#include "slipstream/strategy/registry.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"
 
@@ -62,6 +64,8 @@ using Bytes = std::vector<std::uint8_t>;
 struct McapFile {
   std::map<std::uint16_t, std::string> topics, schemas;  ///< by channel, by schema
   std::map<std::string, std::vector<Bytes>> messages;    ///< by topic
+  std::map<std::string, std::vector<std::uint32_t>> numbers;
+  std::map<std::string, std::string> attachments;
   int chunks = 0, indices = 0;
   bool has_end = false;
 };
@@ -83,7 +87,8 @@ void read_records(Reader reader, McapFile& file) {
       EXPECT_EQ(record.text(), "cdr");
     } else if (opcode == 5) {
       const auto channel = record.get<std::uint16_t>();
-      record.take(4 + 8 + 8);
+      file.numbers[file.topics.at(channel)].push_back(record.get<std::uint32_t>());
+      record.take(8 + 8);
       const auto content = record.take(length - record.at);
       file.messages[file.topics.at(channel)].emplace_back(content.begin(), content.end());
     } else if (opcode == 6) {
@@ -98,6 +103,14 @@ void read_records(Reader reader, McapFile& file) {
                 unpacked.size());
       EXPECT_EQ(checksum(unpacked), sum);
       read_records({unpacked}, file);
+    } else if (opcode == 9) {
+      record.take(8 + 8);
+      const std::string name = record.text();
+      EXPECT_EQ(record.text(), "application/yaml");
+      const auto text = record.take(record.get<std::uint64_t>());
+      file.attachments[name].append(text.begin(), text.end());
+      const auto before_sum = record.bytes.first(record.at);
+      EXPECT_EQ(record.get<std::uint32_t>(), checksum(before_sum));
     } else if (opcode == 8) {
       ++file.indices;
     } else if (opcode == 2) {
@@ -175,6 +188,54 @@ TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_writt
   }
   const Bytes& image = file.messages.at("/image").front();
   EXPECT_EQ(image.back(), grey_level(any_cloud(0)->cloud.intensity(60, 42)));
+}
+
+TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "clouds.mcap";
+  Pooled<LiveCloud> cloud = any_cloud(9);
+  Pool<Frame> frames(4, [] { return Frame(FrameFormat{size}); });
+  for (std::uint64_t pattern = 0; pattern < 4; ++pattern) {  // the window is 6, 7, 8, 9
+    Pooled<Frame> frame = frames.take();
+    frame.fill().stamp = {.sequence = pattern < 2 ? 8 + pattern : 4 + pattern,
+                          .host_time = cloud->newest.host_time};
+    std::get<Image<std::uint8_t>>(frame.fill().pixels)(60, 42) = static_cast<std::uint8_t>(pattern);
+    cloud.fill().frames[pattern] = frame;
+  }
+  Sequence sequence{.strategy = make_strategy("pmp", {{"steps", 4}})};
+  Uncertainty sigma(size);
+  sigma.z(60, 42) = 50;
+  const auto sink =
+      open_sink("mcap:" + path.string(),
+                {.camera = camera(),
+                 .scanner = "a scanner",
+                 .statistics = [] { return std::string("{}"); },
+                 .sequence = [&] { return sequence; },
+                 .uncertainty = [&](const LiveCloud&) { return std::optional(sigma); }});
+  sink->put(cloud);
+  sequence.strategy = make_strategy("pmp", {{"steps", 5}});  // of other frames than these
+  sink->put(cloud);
+  sequence = {.strategy = make_strategy("pmp", {{"steps", 3}}), .motion = 1};
+  sink->put(cloud);
+  sink->finish();
+
+  const McapFile file = read_mcap(path);
+  EXPECT_EQ(file.attachments.at("scanner.yaml"), "a scanner");
+  const std::string& scans = file.attachments.at("scan.yaml");
+  EXPECT_NE(scans.find("steps: 4"), std::string::npos);
+  EXPECT_EQ(scans.find("steps: 5"), std::string::npos);
+  EXPECT_NE(scans.find("steps: 3"), std::string::npos);
+  for (std::uint8_t pattern = 0; pattern < 4; ++pattern) {
+    const std::string topic = "/frames/" + std::to_string(pattern);
+    EXPECT_EQ(file.messages.at(topic).size(), pattern == 3 ? 1U : pattern == 0 ? 3U : 2U);
+    EXPECT_EQ(file.messages.at(topic).front().back(), pattern);
+    EXPECT_EQ(file.numbers.at(topic).front(), pattern < 2 ? 8U + pattern : 4U + pattern);
+  }
+  EXPECT_EQ(file.messages.at("/camera_info").size(), 3U);
+  EXPECT_EQ(file.messages.at("/statistics").size(), 1U) << "once a second";
+  const StoredCloud stored = read_point_cloud(file.messages.at("/points").front());
+  ASSERT_TRUE(stored.uncertainty);
+  EXPECT_EQ(stored.uncertainty->z(60, 42), 50);
 }
 
 TEST(Mcap, is_given_clouds_that_share_no_frame) {

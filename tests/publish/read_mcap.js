@@ -27,7 +27,13 @@ async function main(path) {
     if (message.logTime < last) throw Error('out of order');
     last = message.logTime;
     if (channel.topic === '/points') points = told;
-    if (channel.topic === '/image' && told.data.length !== told.step * told.height) throw Error('image');
+    if (channel.topic === '/camera_info' && told.k[0] !== told.p[0]) throw Error('camera_info');
+    if (channel.topic === '/statistics') JSON.parse(told.data);
+    if (/^.(image|frames)/.test(channel.topic) && told.data.length !== told.step * told.height) throw Error('image');
+  }
+  const attachments = {};
+  for await (const { name, data } of reader.readAttachments()) {
+    attachments[name] = new TextDecoder().decode(data).includes(':');
   }
   const view = new DataView(points.data.buffer, points.data.byteOffset, points.data.byteLength);
   const sum = [0, 0, 0];
@@ -39,7 +45,7 @@ async function main(path) {
     point.forEach((value, axis) => { sum[axis] += value; });
   }
   console.log(JSON.stringify({
-    counts,
+    counts, attachments,
     points: { width: points.width, height: points.height, valid, mean: sum.map(s => s / valid) },
   }));
 }

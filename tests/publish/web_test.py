@@ -383,7 +383,10 @@ def test_npm_reads_the_mcap_file(tmp_path):
     assert read.returncode == 0, read.stderr
     summary = json.loads(read.stdout)
     assert told["published"] >= 10 and told["error"] == ""
-    assert summary["counts"] == {"/points": told["published"], "/image": told["published"]}
+    published, seconds = told["published"], summary["counts"].pop("/statistics")
+    assert summary["counts"] == {name: published for name in ("/points", "/image", "/camera_info",
+                                                              *(f"/frames/{n}" for n in range(4)))}
+    assert 1 <= seconds <= 10 and summary["attachments"] == {"scanner.yaml": True, "scan.yaml": True}
     assert summary["points"]["width"] == 320 and summary["points"]["height"] == 240
     # The last cloud of the run is the last of the file: 60 frames are 15 cycles of four.
     points = [tuple(map(float, line.split()[:3])) for line in open(tmp_path / "last.xyz")

@@ -1,7 +1,10 @@
 #include "slipstream/io/file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -127,6 +130,20 @@ TEST(OutputFile, OverTimeHasItsOwnNameWhereThatIsFree) {
   again.keep();
   EXPECT_EQ(read_text(path), "second");
   EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(OutputFile, WhatGrowsByMuchIsWholeThoughItLeavesTheMemory) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "large";
+  std::vector<std::uint8_t> all(OutputFile::most_unsynced + (10 << 20) + 7);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint8_t>(i * i >> 12);
+  OutputFile file(path, OutputFile::Writing::over_time);
+  for (std::span<const std::uint8_t> rest(all); !rest.empty();) {
+    const auto part = rest.first(std::min<std::size_t>(rest.size(), 700'001));
+    file.write({part});
+    rest = rest.subspan(part.size());
+  }
+  EXPECT_TRUE(read_file(path) == all);
 }
 
 TEST(OutputFile, FullDiskLeavesWhatWasThere) {

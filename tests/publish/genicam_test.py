@@ -80,7 +80,9 @@ def points_in_file(path):
                                             ctypes.c_size_t(len(packed))) == unpacked
                 read(into.raw)
             elif opcode == 5 and length > 16 * count:
-                clouds.append(np.frombuffer(record[-1 - 16 * count:-1], "<f4").reshape(count, 4)[:, :3])
+                step = length // count  # with the uncertainty or without; little stands before
+                points = np.frombuffer(record[-1 - step * count:-1], "<f4").reshape(count, step // 4)
+                clouds.append(points[:, :3])
     read(path.read_bytes()[8:])
     return clouds
 

@@ -28,7 +28,7 @@ class McapSink final : public CloudSink {
 
   void put(const Pooled<LiveCloud>& cloud) override {
     const std::uint64_t time = world_time(cloud->newest.host_time);
-    if (run_.sequence) put_frames(*cloud);
+    if (run_.sequence && is_fresh(*cloud)) put_frames(*cloud);
     write_image(*cloud, time, message_);
     writer_.write(image_, time, message_);
     if (run_.has_points) {

@@ -76,8 +76,8 @@ TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_f
     run({"reconstruct", path(scan), "--windows", ":", "--uncertainty", "-o",
          path(name + "-{window}.pcd")});
   };
-  run({"live", "--source", "replay:" + path("scan.slip"), "--motion", "0", "--headless",
-       "--publish", "mcap:" + path("live.mcap")});
+  run({"live", "--source", "replay:" + path("scan.slip"), "--rate", "20", "--motion", "0",
+       "--headless", "--publish", "mcap:" + path("live.mcap")});
   run({"convert", path("live.mcap"), "-o", path("live.slip")});
   run({"convert", path("live.slip"), "-o", path("folder-{window}")});
   run({"convert", path("folder-000000"), path("folder-000001"), path("folder-000002"), "-o",

@@ -195,6 +195,7 @@ TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
   const auto path = folder.path() / "clouds.mcap";
   Pooled<LiveCloud> cloud = any_cloud(9);
   Pool<Frame> frames(4, [] { return Frame(FrameFormat{size}); });
+  cloud.fill().finished = std::chrono::steady_clock::now() + std::chrono::hours(1);
   for (std::uint64_t pattern = 0; pattern < 4; ++pattern) {  // the window is 6, 7, 8, 9
     Pooled<Frame> frame = frames.take();
     frame.fill().stamp = {.sequence = pattern < 2 ? 8 + pattern : 4 + pattern,
@@ -217,6 +218,8 @@ TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
   sink->put(cloud);
   sequence = {.strategy = make_strategy("pmp", {{"steps", 3}}), .motion = 1};
   sink->put(cloud);
+  cloud.fill().finished = {};
+  sink->put(cloud);
   sink->finish();
 
   const McapFile file = read_mcap(path);
@@ -231,7 +234,7 @@ TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {
     EXPECT_EQ(file.messages.at(topic).front().back(), pattern);
     EXPECT_EQ(file.numbers.at(topic).front(), pattern < 2 ? 8U + pattern : 4U + pattern);
   }
-  EXPECT_EQ(file.messages.at("/camera_info").size(), 3U);
+  EXPECT_EQ(file.messages.at("/camera_info").size(), 4U) << "the last without frames, as it waited";
   EXPECT_EQ(file.messages.at("/statistics").size(), 1U) << "once a second";
   const StoredCloud stored = read_point_cloud(file.messages.at("/points").front());
   ASSERT_TRUE(stored.uncertainty);

@@ -384,8 +384,9 @@ def test_npm_reads_the_mcap_file(tmp_path):
     summary = json.loads(read.stdout)
     assert told["published"] >= 10 and told["error"] == ""
     published, seconds = told["published"], summary["counts"].pop("/statistics")
-    assert summary["counts"] == {name: published for name in ("/points", "/image", "/camera_info",
-                                                              *(f"/frames/{n}" for n in range(4)))}
+    frames = {summary["counts"].pop(f"/frames/{n}") for n in range(4)}
+    assert summary["counts"] == dict.fromkeys(["/points", "/image", "/camera_info"], published)
+    assert len(frames) == 1 and 1 <= frames.pop() <= published
     assert 1 <= seconds <= 10 and summary["attachments"] == {"scanner.yaml": True, "scan.yaml": True}
     assert summary["points"]["width"] == 320 and summary["points"]["height"] == 240
     # The last cloud of the run is the last of the file: 60 frames are 15 cycles of four.

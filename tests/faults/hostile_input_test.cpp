@@ -101,9 +101,6 @@ TEST_F(HostileInput, OutputsAreNeitherInputsNorTwice) {
         {"calibrate", "ambient", path("scan"), "-o", path("a.yaml"), "--histogram", output},
         "is read");
     expect_refused({"unwrap", output, "-o", output}, "is read");
-    expect_refused({"measure", path("scan"), "--json", "--scanner", path("scan/scanner.yaml"),
-                    "--point", "1,1", "--anyway"},
-                   "", 0);
   }
   EXPECT_EQ(contents(frame), before);
   EXPECT_FALSE(fs::exists(path("a.tiff")));

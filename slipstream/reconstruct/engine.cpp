@@ -154,9 +154,9 @@ struct Engine::Memory {
   MergedFrames merged;
   std::optional<Demodulator> demodulate;
   Image<float> modulation;
-  Cloud cloud;          ///< whose points are packed
-  Image<float> coarse;  ///< coordinates whose orders the picture gives
-  Maps phases;          ///< by which it does
+  std::optional<Cloud> cloud;  ///< whose points are packed
+  Image<float> coarse;         ///< coordinates whose orders the picture gives
+  Maps phases;                 ///< by which it does
   DepthOrders orders;
   FrameMotion motion;
   Cleaner clean;
@@ -223,8 +223,9 @@ void Engine::points(const FrameViews& given, PackedPoints& points) {
   if (backend_for(frames) == "fused" && !frames.merged() && !tables_->measure_motion) {
     return run_fused(frames, {.points = &points});
   }
-  raw_cloud(frames, memory_->cloud, nullptr);
-  pack(memory_->cloud, points);
+  if (!memory_->cloud) memory_->cloud.emplace();
+  raw_cloud(frames, *memory_->cloud, nullptr);
+  pack(*memory_->cloud, points);
 }
 
 void Engine::depth(const FrameViews& given, Depth& depth) {

@@ -1,12 +1,10 @@
 #include "app/live.h"
 
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <numbers>
 #include <optional>
 #include <set>
 #include <string>
@@ -16,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cloud_maps.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
 #include "app/live_session.h"
@@ -276,58 +275,6 @@ std::string save_newest(LiveSession& session, LastSave& last) {
   last.end = std::chrono::steady_clock::now();
   return folder;
 }
-
-/// What the frames of a session's clouds say besides, as PublishedRun tells it; any sink may ask.
-class CloudMaps {
- public:
-  explicit CloudMaps(LiveSession& session) : session_(session) {}
-
-  Image<std::uint8_t> phase(const LiveCloud& cloud) {
-    const std::lock_guard lock(mutex_);
-    const auto frames = measure(cloud);
-    if (!frames) return {};
-    const double least = least_modulation(engine_->setup().settings, frames->full_scale());
-    Image<std::uint8_t> phase(frames->size());
-    std::transform(maps_.wrapped_phase.begin(), maps_.wrapped_phase.end(), maps_.modulation.begin(),
-                   phase.begin(), [&](float angle, float modulation) {
-                     const float step = angle * (255 / (2 * std::numbers::pi_v<float>));
-                     if (!(modulation >= least) || !(step >= 0)) return std::uint8_t{0};
-                     return static_cast<std::uint8_t>(1 + std::min(step, 254.0F));
-                   });
-    return phase;
-  }
-
-  std::optional<Uncertainty> uncertainty(const LiveCloud& cloud) {
-    const std::lock_guard lock(mutex_);
-    const auto frames = measure(cloud);
-    if (!frames) return std::nullopt;
-    return engine_->uncertainty(cloud.cloud, maps_, *frames);
-  }
-
- private:
-  /// The frames whose maps are made then; none where they are not of what is looked for now.
-  std::optional<FrameViews> measure(const LiveCloud& cloud) {
-    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
-      EngineSetup setup = setup_of(session_);
-      motion_ = std::exchange(setup.sequence.motion, 0);
-      engine_.emplace(setup);
-      changes_ = changes;
-    }
-    const FrameViews window = views_of(cloud.frames);
-    if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
-    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
-    const FrameViews& frames = engine_->merged(cycle);
-    engine_->maps(frames, maps_);
-    return frames;
-  }
-
-  LiveSession& session_;
-  std::mutex mutex_;
-  std::optional<Engine> engine_;
-  std::uint64_t changes_ = 0;
-  int motion_ = 0;
-  Maps maps_;
-};
 
 /// Opens the sinks of these names for a session that has not begun; `document`: what --json would
 /// say now, called from any thread.

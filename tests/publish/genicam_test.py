@@ -112,7 +112,7 @@ def test_the_tool_of_aravis_finds_and_sets_it(live):
 
     def ask(*words):
         return subprocess.run([tool, "-a", ADDRESS, *words], capture_output=True, text=True,
-                              timeout=60, check=True).stdout
+                              timeout=60).stdout
 
     # On a busy machine an answer may come too late for the tool: it says nothing then.
     wait_for(lambda: "slipstream" in ask("values", "DeviceVendorName"))

@@ -405,6 +405,9 @@ void live(const LiveFlags& flags, Output& output) {
   }
   write_results(session, flags, publisher, output);
   if (unfinished) std::rethrow_exception(unfinished);
+  for (const SinkStatistics& sink : publisher.statistics()) {
+    if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
+  }
   if (!flags.record.empty()) output.object("files")["recording"] = flags.record;
 }
 

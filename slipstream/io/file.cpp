@@ -189,28 +189,40 @@ void OutputFile::pass_on() {
       ::sync_file_range(descriptor_, before, now - before, SYNC_FILE_RANGE_WRITE) == 0 &&
       ::sync_file_range(descriptor_, 0, before, SYNC_FILE_RANGE_WRITE_AND_WAIT) == 0;
   // A failure of the disk is told once: sync() would not hear of it.
-  if (!done && (errno == EIO || errno == ENOSPC || errno == EDQUOT)) fail();
+  if (!done && (errno == EIO || errno == ENOSPC || errno == EDQUOT)) fail_to_sync();
   ::posix_fadvise(descriptor_, 0, before, POSIX_FADV_DONTNEED);
   passed_on_ = written_;
 }
 
 void OutputFile::sync() {
-  if (!is_synced(descriptor_) || !is_folder_synced(folder_)) fail();
+  if (!is_synced(descriptor_)) fail_to_sync();
+  if (!is_folder_synced(folder_)) fail();
   synced_ = written_;
 }
 
-void OutputFile::cut(std::uint64_t size) noexcept {
-  [[maybe_unused]] const int ignored = ::ftruncate(descriptor_, static_cast<off_t>(size));
-}
-
 void OutputFile::keep() {
-  const bool synced = is_synced(descriptor_);
-  const int reason = errno;
+  if (!is_synced(descriptor_) && disk_failure_ == 0) disk_failure_ = errno;
   const bool closed = ::close(std::exchange(descriptor_, -1)) == 0;
-  if (!synced) errno = reason;
-  if (!synced || !closed || ::rename(name_.c_str(), path_.c_str()) != 0) fail();
+  if (disk_failure_ != 0) errno = disk_failure_;
+  if (disk_failure_ != 0 || !closed || ::rename(name_.c_str(), path_.c_str()) != 0) fail();
   let_go();
   if (!is_folder_synced(folder_)) fail();
+  synced_ = written_;
+}
+
+std::string OutputFile::give_up(std::uint64_t size) {
+  if (size == 0 || writing_ == Writing::at_once) {
+    discard();
+    return failure_;
+  }
+  // Should this fail, who reads still leaves out what is not whole.
+  if (::ftruncate(descriptor_, static_cast<off_t>(size)) == 0) written_ = size;
+  try {
+    keep();
+    return failure_;
+  } catch (const WorldError& failure) {
+    return failure.what();
+  }
 }
 
 void OutputFile::discard() noexcept {
@@ -225,11 +237,17 @@ void OutputFile::let_go() noexcept {
   name_.clear();
 }
 
-void OutputFile::fail() const {
-  const char* const reason = std::strerror(errno);
+void OutputFile::fail_to_sync() {
+  disk_failure_ = errno;
+  fail();
+}
+
+void OutputFile::fail() {
+  const std::string failure =
+      fmt::format("cannot write {}: {}", path_.string(), std::strerror(errno));
+  if (failure_.empty()) failure_ = failure;
   const bool stays = writing_ == Writing::over_time && !name_.empty() && name_ != path_;
-  throw WorldError(fmt::format("cannot write {}: {}{}", path_.string(), reason,
-                               stays ? "; what came until then is in " + name_ : ""));
+  throw WorldError(failure + (stays ? "; what came until then is in " + name_ : ""));
 }
 
 GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& waits)

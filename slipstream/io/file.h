@@ -69,23 +69,30 @@ class OutputFile {
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);
   /// Returns once what was written so far, and the name, would survive a loss of power.
   void sync();
-  /// Cuts off what is behind so many bytes, if the disk lets it.
-  void cut(std::uint64_t size) noexcept;
-  /// Syncs and closes the file and gives it its own name.
+  /// Syncs and closes the file and gives it its own name; not where the disk has failed before.
   void keep();
+  /// After a failure: keeps so many bytes of what is written over time; with 0, or what is written
+  /// at once, nothing, and what was there before stays.
+  /// Returns what has failed, one line, which says where they are if not under the file's own name.
+  std::string give_up(std::uint64_t size);
+  /// Bytes, from the first on, that would survive a loss of power.
+  [[nodiscard]] std::uint64_t synced() const { return synced_; }
   /// Closes and removes the file.
   void discard() noexcept;
 
  private:
   void pass_on();
   void let_go() noexcept;
-  [[noreturn]] void fail() const;
+  [[noreturn]] void fail_to_sync();
+  [[noreturn]] void fail();
 
   std::filesystem::path path_, folder_;
   std::string name_{};  ///< under which it is written
   Writing writing_;
   bool remembered_ = false;  ///< by remove_temporary_files
   int descriptor_ = -1;      ///< once closed
+  int disk_failure_ = 0;     ///< errno, which the system tells once; what was lost stays lost
+  std::string failure_{};    ///< the first, without where the bytes are
   /// Bytes: in the file, of those on their way to the disk, and synced.
   std::uint64_t written_ = 0, passed_on_ = 0, synced_ = 0;
 };

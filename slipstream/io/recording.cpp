@@ -164,7 +164,7 @@ bool is_recording(const fs::path& path) {
 
 RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header,
                                  OutputFile::Writing writing)
-    : path_(path), format_(header.format) {
+    : path_(path), writing_(writing), format_(header.format) {
   require_valid(header);
   const std::string scan = scan_text(header);
   const std::string scanner = scanner_text(header);
@@ -198,7 +198,8 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
 
 RecordingWriter::~RecordingWriter() {
   try {
-    if (file_) file_->keep();
+    if (!file_) return;
+    keeps_frames() ? file_->keep() : file_->discard();
   } catch (const std::exception&) {
     // A destructor has nobody to tell; what was written stays.
   }
@@ -226,6 +227,10 @@ void RecordingWriter::append(const Frame& frame) {
 
 void RecordingWriter::finish() {
   if (!file_) throw Error(fmt::format("{}: the recording is closed", path_.string()));
+  if (count_ == 0) {
+    std::exchange(file_, nullptr)->discard();
+    throw WorldError(fmt::format("{}: no frame came that could be recorded", path_.string()));
+  }
   End end{.count = count_};
   end.checksum = checksum_of(end);
   write({bytes_of(end)});
@@ -235,21 +240,23 @@ void RecordingWriter::finish() {
 void RecordingWriter::write(std::initializer_list<Bytes> parts) {
   try {
     file_->write(parts);
-  } catch (const WorldError& failure) {
-    give_up(failure.what());
+  } catch (const WorldError&) {
+    give_up();
   }
 }
 
-void RecordingWriter::give_up(const std::string& why) {
+void RecordingWriter::give_up() {
   const std::unique_ptr<OutputFile> file = std::exchange(file_, nullptr);
-  if (count_ == 0) {
-    file->discard();
-    throw WorldError(why);
-  }
-  // Should this fail, the reader still leaves the broken frame out.
-  file->cut(header_size_ + count_ * record_size(format_));
-  file->keep();
-  throw WorldError(fmt::format("{}; it holds the {} frames before", why, count_));
+  const std::uint64_t record = record_size(format_);
+  const bool keeps = keeps_frames();
+  const std::string why = file->give_up(keeps ? header_size_ + count_ * record : 0);
+  if (!keeps) throw WorldError(why);
+  const std::uint64_t synced = std::max(file->synced(), header_size_) - header_size_;
+  const std::uint64_t sure = std::min(count_, synced / record);
+  throw WorldError(sure == count_
+                       ? fmt::format("{}; it holds the {} frames before", why, count_)
+                       : fmt::format("{}; of the {} frames before, {} are sure to be on the disk",
+                                     why, count_, sure));
 }
 
 RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path, no_limit) {

@@ -38,22 +38,32 @@ class RecordingWriter {
                   OutputFile::Writing writing = OutputFile::Writing::over_time);
   RecordingWriter(const RecordingWriter&) = delete;
   RecordingWriter& operator=(const RecordingWriter&) = delete;
-  ~RecordingWriter();  ///< closes the file; without finish() it reads as interrupted
+  /// Closes the file. Without finish() one written over time reads as interrupted if it holds a
+  /// frame; else what was there before stays.
+  ~RecordingWriter();
 
   /// Throws Error where the frame is of another format than the header's, WorldError where it
-  /// cannot be written: the file then ends with the frame before, and is closed.
+  /// cannot be written: a file written over time then ends with the frame before, and is closed;
+  /// the error says how many frames are sure to be on the disk. With none, or written at once, what
+  /// was there before stays.
   void append(const Frame& frame);
-  /// Marks the end and closes the file. Throws WorldError where that fails.
+  /// Marks the end and closes the file. Throws WorldError where that fails, and where no frame
+  /// came: what was there before stays.
   void finish();
   /// Frames in the file.
   [[nodiscard]] std::uint64_t count() const { return count_; }
 
  private:
   void write(std::initializer_list<std::span<const std::uint8_t>> parts);
-  [[noreturn]] void give_up(const std::string& why);
+  [[noreturn]] void give_up();
+  /// Where it ends before its end.
+  [[nodiscard]] bool keeps_frames() const {
+    return count_ > 0 && writing_ == OutputFile::Writing::over_time;
+  }
 
   std::filesystem::path path_;
   std::unique_ptr<OutputFile> file_;  ///< none once closed
+  OutputFile::Writing writing_;
   FrameFormat format_;
   std::uint64_t header_size_ = 0;
   std::uint64_t count_ = 0;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 
+#include <fmt/format.h>
 #include <zstd.h>
 
 #include "slipstream/error/error.h"
@@ -40,35 +42,54 @@ Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
-    : file_(path, writing) {
+    : path_(path), file_(std::make_unique<OutputFile>(path, writing)) {
   Bytes begin(magic.begin(), magic.end()), content;
   append(content, "ros2"sv, "slipstream"sv);
   append_record(begin, header, content);
-  put(begin);
+  put({begin});
 }
 
-void McapWriter::put(std::span<const std::uint8_t> bytes) {
-  file_.write({bytes});
-  offset_ += bytes.size();
+McapWriter::~McapWriter() {
+  try {
+    if (file_) (void)file_->give_up(chunks_.empty() ? 0 : offset_);
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; what was written stays.
+  }
+}
+
+/// Puts what is read as a whole.
+void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts) {
+  if (!file_) throw WorldError(fmt::format("{}: is closed", path_.string()));
+  try {
+    file_->write(parts);
+  } catch (const WorldError&) {
+    throw WorldError(std::exchange(file_, nullptr)->give_up(chunks_.empty() ? 0 : offset_));
+  }
+  for (const auto part : parts) offset_ += part.size();
 }
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
                                       const std::string& text) {
   const std::uint16_t number = ++channel_count_;  // of its schema too; 0 is none
-  Bytes content;
+  Bytes content, of_schema, of_channel;
   append(content, number, schema_name, "ros2msg"sv, text);
-  append_record(schemas_, schema, content);
-  append_record(chunk_, schema, content);
+  append_record(of_schema, schema, content);
   content.clear();
   append(content, number, number, topic, "cdr"sv, std::uint32_t{0});  // no more is told of it
-  append_record(channels_, channel, content);
-  append_record(chunk_, channel, content);
+  append_record(of_channel, channel, content);
+  append(schemas_, of_schema);
+  append(channels_, of_channel);
+  append(of_schema, of_channel);
+  append(chunk_, of_schema);  // both at once or none
   statistics_.of_channel[number] = 0;
   return number;
 }
 
 void McapWriter::write(std::uint16_t number, std::uint64_t time,
                        std::span<const std::uint8_t> content, std::optional<std::uint32_t> own) {
+  // All memory before the first byte: where there is none, no half a message is left.
+  const std::size_t head = 1 + 8 + 2 + 4 + 8 + 8, needed = chunk_.size() + head + content.size();
+  if (needed > chunk_.capacity()) chunk_.reserve(std::max(needed, 2 * chunk_.capacity()));
   if (index_.empty()) now_.start = now_.end = time;
   now_.start = std::min(now_.start, time);
   now_.end = std::max(now_.end, time);
@@ -92,7 +113,7 @@ void McapWriter::attach(const std::string& name, const std::string& media_type, 
          name, media_type);
   append_record(attachment_indices_, attachment_index, content);
   ++attachment_count_;
-  put(record);
+  put({record});
 }
 
 void McapWriter::end_message_group() {
@@ -111,16 +132,14 @@ void McapWriter::end_chunk() {
   Bytes head, indices;
   append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
   append(head, now_.start, now_.end, now_.unpacked, checksum(chunk_), "zstd"sv, now_.packed);
-  put(head);
-  put({packed_.data(), size});
-  now_.length = offset_ - now_.offset;
+  now_.length = head.size() + size;
   for (const auto& [number, places] : index_) {
-    now_.indices[number] = offset_ + indices.size();
+    now_.indices[number] = now_.offset + now_.length + indices.size();
     append_head(indices, message_index, 2 + 4 + 16 * places.size());
     append(indices, number, static_cast<std::uint32_t>(16 * places.size()));
     for (const auto& [time, place] : places) append(indices, time, place);
   }
-  put(indices);
+  put({head, {packed_.data(), size}, indices});
   now_.index_length = indices.size();
   const bool first = chunks_.empty();
   statistics_.start = first ? now_.start : std::min(statistics_.start, now_.start);
@@ -131,11 +150,16 @@ void McapWriter::end_chunk() {
 }
 
 void McapWriter::finish() {
+  if (!file_) return;  // what failed was told
+  if (statistics_.messages == 0) {
+    std::exchange(file_, nullptr)->discard();
+    throw WorldError(fmt::format("{}: no cloud came that could be written", path_.string()));
+  }
   end_chunk();
   Bytes end, content, offsets;
   append(content, std::uint32_t{0});  // no checksum of all before
   append_record(end, data_end, content);
-  put(end);
+  put({end});
   const std::uint64_t summary = offset_;
   Bytes records;
   // Of each kind of record, where the records of that kind lie.
@@ -174,8 +198,8 @@ void McapWriter::finish() {
   append_head(records, footer, 8 + 8 + 4);
   append(records, summary, offsets_at);
   append(records, checksum(records), magic);
-  put(records);
-  file_.keep();
+  put({records});
+  std::exchange(file_, nullptr)->keep();
 }
 
 }  // namespace slipstream

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -19,9 +21,13 @@ namespace slipstream {
 /// whole chunk where the end is missing.
 class McapWriter {
  public:
-  /// Throws WorldError where the file cannot be written, as all that follows.
+  /// Throws WorldError where the file cannot be written, as all that follows: then it ends with the
+  /// chunk before, and nothing more is written. With none the file that was there before stays.
   explicit McapWriter(const std::filesystem::path& path,
                       OutputFile::Writing writing = OutputFile::Writing::over_time);
+  McapWriter(const McapWriter&) = delete;
+  McapWriter& operator=(const McapWriter&) = delete;
+  ~McapWriter();  ///< without finish() it ends as if it could not be written
 
   /// What its messages are, by the name and the text of their definition ("ros2msg") in the
   /// encoding "cdr". Returns the channel's number.
@@ -36,7 +42,8 @@ class McapWriter {
               std::string_view content);
   /// Ends the chunk where it is full: what is written together is best read together.
   void end_message_group();
-  /// Writes the end and gives the file its name.
+  /// Writes the end and gives the file its name. Throws WorldError also where no message came: what
+  /// was there before stays.
   void finish();
 
  private:
@@ -54,10 +61,11 @@ class McapWriter {
     std::map<std::uint16_t, std::uint64_t> of_channel{};
   };
 
-  void put(std::span<const std::uint8_t> bytes);
+  void put(std::initializer_list<std::span<const std::uint8_t>> parts);
   void end_chunk();
 
-  OutputFile file_;
+  std::filesystem::path path_;
+  std::unique_ptr<OutputFile> file_;  ///< none once closed
   std::uint64_t offset_ = 0;
   Bytes schemas_, channels_, chunk_, packed_, attachment_indices_;
   std::uint16_t channel_count_ = 0;

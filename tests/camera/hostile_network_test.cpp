@@ -11,6 +11,7 @@
 #include "slipstream/camera/genicam.h"
 #include "slipstream/camera/virtual_gige_camera.h"
 #include "slipstream/error/error.h"
+#include "slipstream/gige/gige_block.h"
 #include "tests/camera/gvcp_packets.h"
 #include "tests/io/recorded_frames.h"
 
@@ -150,6 +151,45 @@ TEST_F(HostileNetwork, NoPictureInItsNameEndsTheClient) {
     right = is_right ? right + 1 : came ? 0 : right;
   }
   EXPECT_EQ(right, 20);
+}
+
+/// A packet of a picture as the camera sends it, or longer than was agreed, with noise behind it.
+Bytes stray_packet(const GigeBlock& block, std::mt19937& random) {
+  Bytes packet;
+  write_packet(block, random() % packet_count(block), packet);
+  if (random() % 4 != 0) return packet;
+  const std::size_t agreed = 8 + block.packet_bytes;
+  while (packet.size() < agreed) packet.push_back(static_cast<std::uint8_t>(random()));
+  for (std::size_t more = 1 + random() % 2000; more > 0; --more) {
+    packet.push_back(static_cast<std::uint8_t>(random()));
+  }
+  return packet;
+}
+
+TEST_F(HostileNetwork, PacketsAgainEarlyLateAndTooLongGiveNoWrongFrame) {
+  const auto source = open();
+  source->start();
+  Frame frame(source->format());
+  while (source->next(frame, 100ms) != Arrival::frame) {
+  }
+  const Sender sender;
+  const Bytes port = sender.ask(command(read_register, {0xd00}));
+  ASSERT_EQ(port.size(), 12U);
+  GigeStream stream{};
+  stream.region.size = source->format().size;
+  stream.packet_bytes = 8000 - 36;
+  std::mt19937 random(18);
+  int frames = 0;
+  for (int i = 0; i < packets_wanted() || frames < 100; ++i) {
+    const std::uint64_t other = frame.stamp.sequence + random() % 6;  // 3 gone, this, 2 to come
+    const std::uint64_t sequence = other < 3 ? 0 : other - 3;
+    const auto& picture = std::get<Image<std::uint8_t>>(rendered_[sequence % 4].pixels);
+    const GigeBlock block = block_of(picture, stream, static_cast<std::uint16_t>(sequence + 1));
+    sender.send(stray_packet(block, random), static_cast<std::uint16_t>(port[10] << 8 | port[11]));
+    if (i % 16 != 0 || source->next(frame, 1ms) != Arrival::frame) continue;
+    ++frames;
+    ASSERT_TRUE(same_pixels(frame, rendered_[frame.stamp.sequence % 4])) << frame.stamp.sequence;
+  }
 }
 
 }  // namespace

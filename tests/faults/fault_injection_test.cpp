@@ -15,99 +15,63 @@
 #include <optional>
 #include <random>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
-#include <fcntl.h>
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
-#include <poll.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
+#include "slipstream/error/error.h"
 #include "slipstream/io/recording.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/publish/mcap_reader.h"
 #include "tests/app/program.h"
-#include "tests/faults/fault_protocol.h"
+#include "tests/faults/commands.h"
+#include "tests/faults/faulted_program.h"
 
 #ifdef SLIPSTREAM_FAULT_LIBRARY
 namespace slipstream {
 namespace {
 namespace fs = std::filesystem;
 
-struct Case {
-  std::string name;
-  std::vector<std::string> arguments;  ///< %: the folder of the input, @: that of the output
-  std::vector<std::string> outputs{};
-};
-
-const std::vector<Case> cases{
-    {"simulate",
-     {"simulate", "@/scan", "--camera", "16x12"},
-     {"scan/scan.yaml", "scan/frame_00.png"}},
-    {"simulate_recording", {"simulate", "@/frames.slip", "--camera", "16x12"}, {"frames.slip"}},
-    {"reconstruct",
-     {"reconstruct", "%/scan", "--anyway", "-o", "@/cloud.ply", "--mesh", "@/mesh.obj", "--depth",
-      "@/depth.tiff", "--preview", "@/preview.png"},
-     {"cloud.ply", "mesh.obj", "mesh.mtl", "mesh-texture.png", "depth.tiff", "preview.png"}},
-    {"reconstruct_recording",
-     {"reconstruct", "%/frames.slip", "--anyway", "-o", "@/cloud.pcd", "--json"},
-     {"cloud.pcd"}},
-    {"manifest",
-     {"reconstruct", "%/scan", "--anyway", "-o", "@/cloud.ply", "--manifest", "@/done.jsonl"},
-     {"cloud.ply"}},
-    {"check", {"check", "%/scan"}},
-    {"measure", {"measure", "%/scan", "--anyway", "--point", "32,24"}},
-    {"record",
-     {"record", "--source", "replay:%/frames.slip", "--rate", "0", "-o", "@/new.slip"},
-     {"new.slip"}},
-    {"live",
-     {"live", "--source", "replay:%/frames.slip", "--rate", "0", "--headless", "-o", "@/live.ply",
-      "--record", "@/live.slip"},
-     {"live.ply", "live.slip"}},
-    {"capture",
-     {"capture", "--source", "replay:%/frames.slip", "--rate", "0", "-o", "@/taken"},
-     {"taken/scan.yaml"}},
-    {"view",
-     {"view", "%/scan", "--anyway", "--snapshot", "@/snapshot.png", "--size", "64x48"},
-     {"snapshot.png"}},
-    {"compare",
-     {"compare", "board", "--camera", "48x36", "--strategies", "pmp, steps 3", "-o", "@/compared"},
-     {"compared/rms.png", "compared/cloud-01.png"}},
-    {"gamma",
-     {"calibrate", "gamma", "%/gamma", "-o", "@/gamma.yaml", "--map", "@/gamma.tiff", "--histogram",
-      "@/gamma.png"},
-     {"gamma.yaml", "gamma.tiff", "gamma.png"}},
-    {"noise", {"calibrate", "noise", "%/noise", "-o", "@/noise.yaml"}, {"noise.yaml"}},
-    {"board",
-     {"calibrate", "board", "--spacing", "5", "--corners", "4x3", "-o", "@/board.png"},
-     {"board.png"}},
-    {"patterns",
-     {"patterns", "@/patterns", "--projector", "64x48", "--steps", "3"},
-     {"patterns/scan.yaml", "patterns/pattern_00.png"}},
-    {"design", {"design", "--steps", "4", "--noise-variance", "2"}},
-    {"help", {"--help"}},
-    {"refused", {"reconstruct", "%/nothing"}},
-    {"geometry",
-     {"calibrate", "geometry", "%/poses", "--corners", "5x4", "--spacing", "25", "-o",
-      "@/scanner.yaml"},
-     {"scanner.yaml"}}};
-
 /// As FaultCall.
 const std::vector<std::string> call_names{"malloc", "open",  "write", "close",
                                           "rename", "fsync", "thread"};
-
-void PrintTo(const Case& tried, std::ostream* stream) {
-  *stream << tried.name;
-}
 
 std::string replaced(std::string text, char mark, const fs::path& folder) {
   const std::size_t at = text.find(mark);
   return at == std::string::npos ? text : text.replace(at, 1, folder.string());
 }
 
+/// The pictures and points of an MCAP file.
+std::string essence_of_mcap(const fs::path& path) {
+  constexpr std::size_t time = 12;  // with what says how a message is coded
+  std::string messages;
+  try {
+    const bool ended = read_mcap(path, [&](const McapMessage& message) {
+      if (message.topic != "/image" && message.topic != "/points") return;
+      messages.append(message.content.begin() + time, message.content.end());
+    });
+    return messages + (ended ? "." : "");
+  } catch (const Error&) {
+    return "damaged";
+  }
+}
+
+/// The scans of a plan, without what they cost: one that cannot be read costs little.
+std::string essence_of_plan(const fs::path& path) {
+  std::istringstream lines(contents(path));
+  std::string scans;
+  for (std::string line; std::getline(lines, line);)
+    scans += line.substr(0, line.find('\t')) + '\n';
+  return scans;
+}
+
 /// What a recording holds, without the times at which frames came; else the bytes.
 std::string essence(const fs::path& path) {
+  if (path.filename() == "scans.txt") return essence_of_plan(path);
+  if (path.extension() == ".mcap" && contents(path) != "old") return essence_of_mcap(path);
   if (path.extension() != ".slip" || !is_recording(path)) return contents(path);
   const RecordingReader recording(path);
   std::string frames;
@@ -117,75 +81,11 @@ std::string essence(const fs::path& path) {
     const auto& image = std::get<0>(frame.pixels);
     frames.append(image.begin(), image.end());
   }
-  return frames;
+  return frames + (recording.finished() ? "." : "");
 }
 
 /// The exit code of a run that leaks.
 constexpr int leaking = 99;
-
-/// The program, loaded once and run again and again with the same arguments, as fault_library does.
-class FaultedProgram {
- public:
-  /// `closely`: leaks are known by all of their frames, and those of libraries passed over; slow.
-  FaultedProgram(const std::vector<std::string>& arguments, bool closely) {
-    const fs::path record = folder_.path() / "record";
-    std::ofstream(record) << "";
-    fs::resize_file(record, sizeof(FaultRecord));
-    const int file = ::open(record.c_str(), O_RDWR | O_CLOEXEC);
-    void* const memory =
-        ::mmap(nullptr, sizeof(FaultRecord), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
-    ::close(file);
-    if (memory == MAP_FAILED) throw std::runtime_error("no memory for what is recorded");
-    record_ = static_cast<FaultRecord*>(memory);
-    for (const char* pipe : {"requests", "answers"}) {
-      ::mkfifo((folder_.path() / pipe).c_str(), 0600);
-    }
-    const fs::path passed_over = folder_.path() / "leaks",
-                   tests = SLIPSTREAM_SOURCE_FOLDER "/tests";
-    std::ofstream(passed_over) << contents(tests / "opengl/driver_leaks.txt")
-                               << contents(tests / "faults/library_leaks.txt");
-    ::setenv("LD_PRELOAD", SLIPSTREAM_FAULT_LIBRARY " " SLIPSTREAM_LEAK_LIBRARY, 1);
-    ::setenv("LSAN_OPTIONS",
-             ("exitcode=99:print_suppressions=0:suppressions=" + passed_over.string() +
-              (closely ? ":fast_unwind_on_malloc=0" : ""))
-                 .c_str(),
-             1);
-    ::setenv("SLIPSTREAM_FAULTS_FROM", folder_.path().c_str(), 1);
-    program_.emplace(arguments);
-    ::unsetenv("LD_PRELOAD");
-    requests_ = ::open((folder_.path() / "requests").c_str(), O_WRONLY | O_CLOEXEC);
-    answers_ = ::open((folder_.path() / "answers").c_str(), O_RDONLY | O_CLOEXEC);
-  }
-  FaultedProgram(const FaultedProgram&) = delete;
-  FaultedProgram& operator=(const FaultedProgram&) = delete;
-  ~FaultedProgram() {
-    ::close(requests_);  // it ends
-    ::close(answers_);
-    ::munmap(record_, sizeof(FaultRecord));
-  }
-
-  /// The exit code, or what signal ended it, negative; SIGALRM where it hangs.
-  int run(FaultRequest request) {
-    record_->faults = record_->place = 0;
-    for (auto& calls : record_->calls) calls = 0;
-    (void)!::write(requests_, &request, sizeof request);
-    pollfd answered{answers_, POLLIN, 0};
-    const bool hangs = ::poll(&answered, 1, 60000) == 0;
-    if (hangs) ::kill(record_->process, SIGKILL);
-    int status = 0;
-    if (::read(answers_, &status, sizeof status) != sizeof status) return -SIGPIPE;
-    return hangs ? -SIGALRM : WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-
-  [[nodiscard]] const FaultRecord& record() const { return *record_; }
-  [[nodiscard]] std::string err() const { return program_->err(); }
-
- private:
-  TemporaryFolder folder_;
-  FaultRecord* record_ = nullptr;
-  std::optional<RunningProgram> program_;
-  int requests_ = -1, answers_ = -1;
-};
 
 /// Places in the code whose failure has been tried, by whatever command.
 std::set<std::uint64_t> tried_places;
@@ -231,25 +131,54 @@ class FaultInjection : public testing::TestWithParam<Case> {
   static void TearDownTestSuite() { input_.reset(); }
 
  protected:
-  /// The inputs that the command takes are made where they are not there yet.
+  /// The inputs that the command takes are made, and what is to be there before.
   void SetUp() override {
-    require("scan", {"simulate", "--camera", "64x48"});
-    require("frames.slip", {"simulate", "--camera", "64x48"});
-    require("noise", {"simulate", "--camera", "64x48", "--strategy", "pmp", "--steps", "4"});
-    require("gamma", {"simulate", "--camera", "64x48", "--strategy", "pmp", "--steps", "8",
-                      "--scene", "board"});
-    require("poses", {"simulate", "--boards", "4", "--corners", "5x4", "--spacing", "25",
-                      "--camera", "160x120", "--world", "ideal", "--steps", "3"});
+    if (GetParam().when_asked && std::getenv("SLIPSTREAM_FAULTS") == nullptr) {
+      GTEST_SKIP() << "where SLIPSTREAM_FAULTS asks for it";
+    }
+    make_inputs(GetParam().arguments);
+    for (const std::vector<std::string>& words : GetParam().before) {
+      fs::create_directories(output());
+      make_inputs(words);
+      run_whole(placed(words));
+    }
+    if (fs::exists(output())) fs::rename(output(), before());
   }
-  static void require(const std::string& name, std::vector<std::string> arguments) {
-    const auto& words = GetParam().arguments;
-    if (fs::exists(input_->path() / name) ||
-        std::none_of(words.begin(), words.end(),
-                     [&](const std::string& word) { return word.ends_with("%/" + name); }))
-      return;
-    arguments.push_back(input_->path() / name);
+
+  static void run_whole(const std::vector<std::string>& arguments) {
     const ProgramRun run = run_program(arguments);
     ASSERT_EQ(run.exit_code, 0) << run.err;
+  }
+
+  void make_inputs(const std::vector<std::string>& words) const {
+    for (const std::string& word : words) {
+      const std::size_t at = word.find("%/");
+      if (at == std::string::npos) continue;
+      if (const std::string name = word.substr(at + 2); !fs::exists(input_->path() / name)) {
+        make_input(name);
+      }
+    }
+  }
+
+  void make_input(const std::string& name) const {
+    const fs::path path = input_->path() / name;
+    if (name == "rig.yaml") std::ofstream(path) << "rate: 0\n";
+    if (name == "artefacts.yaml") {
+      make_inputs({"%/plane_0", "%/plane_20"});
+      std::ofstream(path) << "planes: [plane_0, plane_20]\ndiagonal: 400\n";
+    }
+    if (name == "knocked.yaml") {
+      make_inputs({"%/poses"});
+      Scanner scanner = read_scanner(input_->path() / "poses/scanner.yaml");
+      scanner.rotation = Eigen::AngleAxisd(0.01, Eigen::Vector3d::UnitX()) * scanner.rotation;
+      write_scanner(path, scanner);
+    }
+    const auto made = inputs.find(name);
+    if (made == inputs.end()) return;
+    make_inputs(made->second);
+    std::vector<std::string> arguments = placed(made->second);
+    arguments.push_back(path);
+    run_whole(arguments);
   }
 
   struct Outcome {
@@ -267,21 +196,30 @@ class FaultInjection : public testing::TestWithParam<Case> {
 
   [[nodiscard]] fs::path output() const { return folder_.path() / "out"; }
 
-  [[nodiscard]] std::vector<std::string> arguments() const {
-    std::vector<std::string> arguments;
-    for (const std::string& word : GetParam().arguments) {
-      arguments.push_back(replaced(replaced(word, '%', input_->path()), '@', output()));
+  /// What is there before a run; not each command wants anything.
+  [[nodiscard]] fs::path before() const { return folder_.path() / "before"; }
+
+  /// The words with their folders.
+  [[nodiscard]] std::vector<std::string> placed(std::vector<std::string> words) const {
+    for (std::string& word : words) {
+      word = replaced(replaced(word, '%', input_->path()), '@', output());
     }
-    return arguments;
+    return words;
   }
 
   /// `old`: outputs hold something before.
   Outcome run(FaultedProgram& program, FaultRequest request, bool old) const {
     fs::remove_all(output());
     fs::create_directory(output());
+    if (fs::exists(before())) fs::copy(before(), output(), fs::copy_options::recursive);
     for (const std::string& name : GetParam().outputs) {
       if (is_old(name, old)) std::ofstream(output() / name) << "old";
     }
+    return run_over(program, request);
+  }
+
+  /// Over what the run before left.
+  Outcome run_over(FaultedProgram& program, FaultRequest request) const {
     Outcome outcome{program.run(request), program.err()};
     for (const std::string& name : GetParam().outputs) {
       if (fs::exists(output() / name)) outcome.written[name] = essence(output() / name);
@@ -313,8 +251,10 @@ class FaultInjection : public testing::TestWithParam<Case> {
       }
       const std::string &is = found->second, &should = whole.written.at(name);
       if (is == should || (outcome.code != 0 && was_there && is == "old")) continue;
-      // A recording that fails keeps the frames before.
-      const bool begun = name.ends_with(".slip") && outcome.code != 0 && should.starts_with(is);
+      // A recording that fails keeps the frames before; with none it is not there.
+      const std::string before = is.ends_with('.') ? is.substr(0, is.size() - 1) : is;
+      const bool begun =
+          GetParam().grows && outcome.code != 0 && !before.empty() && should.starts_with(before);
       if (!begun) return name + " is neither old nor whole";
     }
     return "";
@@ -327,7 +267,7 @@ class FaultInjection : public testing::TestWithParam<Case> {
 std::unique_ptr<TemporaryFolder> FaultInjection::input_;
 
 TEST_P(FaultInjection, EndsAsPromised) {
-  FaultedProgram program(arguments(), false);
+  FaultedProgram program(placed(GetParam().arguments), false);
   std::optional<FaultedProgram> close;
   const Outcome whole = run(program, {}, false);
   ASSERT_LE(whole.code, 2) << whole.err;
@@ -348,11 +288,15 @@ TEST_P(FaultInjection, EndsAsPromised) {
     Outcome outcome = run(program, {call, at}, old);
     if (program.record().faults == 0) continue;  // threads do not call as often each time
     if (outcome.code == leaking) {
-      if (!close) close.emplace(arguments(), true);
+      if (!close) close.emplace(placed(GetParam().arguments), true);
       outcome = run(*close, {call, at}, old);
     }
     ++tried[call];
-    const std::string broken = broken_promise(outcome, whole, old);
+    std::string broken = broken_promise(outcome, whole, old);
+    if (GetParam().resumes && broken.empty() && outcome.code != 0) {
+      outcome = run_over(program, {});
+      broken = outcome.code == 0 ? broken_promise(outcome, whole, false) : "does not resume";
+    }
     kept[call] += broken.empty() ? 1 : 0;
     EXPECT_EQ(broken, "") << call_names[call] << " " << at << " of " << calls[call]
                           << ", exit code " << outcome.code << ": " << outcome.err;

@@ -83,6 +83,13 @@ bool fails(FaultCall call) {
   return is_failing;
 }
 
+/// After a call that was done.
+void note(FaultCall call, int descriptor, std::uint64_t bytes = 0) {
+  if (!armed.load(std::memory_order_relaxed)) return;
+  const std::uint64_t number = record->events_made.fetch_add(1);
+  if (number < most_events) record->events[number] = {call, descriptor, bytes};
+}
+
 int (*program_main)(int, char**, char**) = nullptr;
 
 /// The child that is to run on, or nothing more is asked for.
@@ -205,7 +212,11 @@ int open(const char* path, int flags, ...) {
 }
 
 ssize_t write(int descriptor, const void* bytes, std::size_t size) {
-  if (!fails(of_write)) return ::syscall(SYS_write, descriptor, bytes, size);
+  if (!fails(of_write)) {
+    const ssize_t written = ::syscall(SYS_write, descriptor, bytes, size);
+    if (written > 0) note(of_write, descriptor, static_cast<std::uint64_t>(written));
+    return written;
+  }
   errno = ENOSPC;
   return -1;
 }
@@ -219,13 +230,21 @@ int close(int descriptor) {
 }
 
 int rename(const char* from, const char* to) noexcept {
-  if (!fails(of_rename)) return static_cast<int>(::syscall(SYS_rename, from, to));
+  if (!fails(of_rename)) {
+    const int result = static_cast<int>(::syscall(SYS_rename, from, to));
+    if (result == 0) note(of_rename, -1);
+    return result;
+  }
   errno = EIO;
   return -1;
 }
 
 int fsync(int descriptor) {
-  if (!fails(of_fsync)) return static_cast<int>(::syscall(SYS_fsync, descriptor));
+  if (!fails(of_fsync)) {
+    const int result = static_cast<int>(::syscall(SYS_fsync, descriptor));
+    if (result == 0) note(of_fsync, descriptor);
+    return result;
+  }
   errno = EIO;
   return -1;
 }

@@ -32,6 +32,14 @@ struct FaultRequest {
   std::uint64_t at = 0;
 };
 
+/// What a run did to a file, and how many bytes of it were written.
+struct FileEvent {
+  FaultCall call;
+  int descriptor;
+  std::uint64_t bytes;
+};
+constexpr std::size_t most_events = 1 << 16;
+
 /// The file `record` in that folder, zeros before the run.
 struct FaultRecord {
   std::atomic<std::uint64_t> faults;  ///< made
@@ -39,6 +47,8 @@ struct FaultRecord {
   std::atomic<pid_t> process;
   std::atomic<std::uint64_t> calls[fault_calls];
   std::uint64_t places[most_places];  ///< of each call of malloc, where none is to fail
+  std::atomic<std::uint64_t> events_made;
+  FileEvent events[most_events];  ///< writes, renames and syncs that were done, in their order
 };
 
 }  // namespace slipstream

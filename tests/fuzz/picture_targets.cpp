@@ -1,5 +1,9 @@
 // Frames: pictures, recordings, and pixels as cameras give them.
+#include <bit>
+#include <cstring>
+
 #include "slipstream/camera/pixel_format.h"
+#include "slipstream/io/checksum.h"
 #include "slipstream/io/height_file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
@@ -31,6 +35,51 @@ bool add_picture_target(const std::string& ending) {
                           [=](std::span<const std::uint8_t> input) {
                             (void)read_frames({file_of(input, "frame" + ending)});
                           }});
+}
+
+template <class Number>
+Number number_at(const Bytes& bytes, std::size_t at) {
+  Number number{};
+  std::memcpy(&number, bytes.data() + at, sizeof(number));
+  return number;
+}
+
+/// Puts the checksum of so many bytes from `first` on.
+void put_checksum(Bytes& bytes, std::size_t at, std::size_t first, std::size_t length,
+                  std::uint32_t before = 0) {
+  const std::uint32_t sum = checksum(std::span(bytes).subspan(first, length), before);
+  std::memcpy(bytes.data() + at, &sum, sizeof(sum));
+}
+
+/// With checksums that are right again: what they keep out is let in.
+Bytes repaired_png(std::span<const std::uint8_t> input) {
+  Bytes bytes(input.begin(), input.end());
+  constexpr std::size_t signature = 8, around = 12;  // length, kind and checksum of a chunk
+  for (std::size_t at = signature; at + around <= bytes.size();) {
+    const std::size_t length = __builtin_bswap32(number_at<std::uint32_t>(bytes, at));
+    const std::size_t sum = at + 8 + length;
+    if (length > bytes.size() - at - around) break;
+    put_checksum(bytes, sum, at + 4, 4 + length);
+    std::reverse(bytes.begin() + static_cast<std::ptrdiff_t>(sum),
+                 bytes.begin() + static_cast<std::ptrdiff_t>(sum + 4));
+    at += around + length;
+  }
+  return bytes;
+}
+
+/// Likewise; the layout is in docs/files.md.
+Bytes repaired_recording(std::span<const std::uint8_t> input) {
+  Bytes bytes(input.begin(), input.end());
+  constexpr std::size_t head = 64, sum = 60, end_mark = 16;
+  if (bytes.size() < head) return bytes;
+  const std::size_t begin = number_at<std::uint32_t>(bytes, 12);
+  const std::uint64_t record = number_at<std::uint64_t>(bytes, 48);
+  if (begin < head || begin > bytes.size() || record < head) return bytes;
+  put_checksum(bytes, sum, head, begin - head, checksum(std::span(bytes).first(sum)));
+  std::size_t at = begin;
+  for (; record <= bytes.size() - at; at += record) put_checksum(bytes, at, at + 4, record - 4);
+  if (bytes.size() - at == end_mark) put_checksum(bytes, at, at + 4, end_mark - 4);
+  return bytes;
 }
 
 std::vector<Bytes> number_files() {
@@ -94,6 +143,13 @@ const bool known =
                        (void)read_height_curves(file_of(input, "heights.npy"));
                      }}) &&
     add_fuzz_target({"recording", recordings, read_recording}) &&
+    add_fuzz_target(
+        {"recording.repaired", recordings,
+         [](std::span<const std::uint8_t> input) { read_recording(repaired_recording(input)); }}) &&
+    add_fuzz_target({"frame.png.repaired", [] { return pictures(".png"); },
+                     [](std::span<const std::uint8_t> input) {
+                       (void)read_frames({file_of(repaired_png(input), "frame.png")});
+                     }}) &&
     add_fuzz_target({"pixels", [] { return std::vector<Bytes>{Bytes(400, 0xa5)}; }, unpack_pixels});
 
 }  // namespace

@@ -1,4 +1,6 @@
 // What others may have written of clouds: MCAP files, messages of ROS 2.
+#include <cstring>
+
 #include "slipstream/publish/mcap_reader.h"
 #include "slipstream/publish/mcap_records.h"
 #include "slipstream/publish/mcap_writer.h"
@@ -90,6 +92,22 @@ std::vector<Bytes> files() {
       })};
 }
 
+/// Without the checksums of its chunks, which need not be there.
+Bytes without_checksums(std::span<const std::uint8_t> input) {
+  Bytes bytes(input.begin(), input.end());
+  constexpr std::size_t head = 9, sum = 24;
+  for (std::size_t at = mcap::magic.size(); at + head <= bytes.size();) {
+    std::uint64_t length = 0;
+    std::memcpy(&length, bytes.data() + at + 1, sizeof(length));
+    if (length > bytes.size() - at - head) break;
+    if (bytes[at] == mcap::chunk && length >= sum + 4) {
+      std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(at + head + sum), 4, 0);
+    }
+    at += head + length;
+  }
+  return bytes;
+}
+
 void read_file_of_messages(std::span<const std::uint8_t> input) {
   (void)read_mcap(file_of(input, "clouds.mcap"), [](const McapMessage& message) {
     if (message.encoding.empty()) return;  // an attached file
@@ -101,8 +119,12 @@ void read_file_of_messages(std::span<const std::uint8_t> input) {
   });
 }
 
-const bool known = add_fuzz_target({"message", clouds, read_messages}) &&
-                   add_fuzz_target({"mcap", files, read_file_of_messages});
+const bool known =
+    add_fuzz_target({"message", clouds, read_messages}) &&
+    add_fuzz_target({"mcap", files, read_file_of_messages}) &&
+    add_fuzz_target({"mcap.repaired", files, [](std::span<const std::uint8_t> input) {
+                       read_file_of_messages(without_checksums(input));
+                     }});
 
 }  // namespace
 }  // namespace slipstream

@@ -113,9 +113,13 @@ TEST(RecordedSource, RecordingsNameTheStrategyThatIsShownWhenTheyBegin) {
   const TemporaryFolder folder;
   RecordedSource source(some_source(folder.path() / "played", 16),
                         {.sequence = Sequence{.strategy = PhaseMeasuring{.steps = 4}}});
+  source.start();
+  Frame frame(source.format());
   source.record_to(folder.path() / "first");
   source.set_strategy(PhaseMeasuring{.steps = 6});
+  ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
   source.record_to(folder.path() / "second");
+  ASSERT_EQ(source.next(frame, 10ms), Arrival::frame);
   source.finish_recording();
   const auto steps = [&](const char* name) {
     const RecordingReader reader(folder.path() / name);

@@ -66,10 +66,13 @@ TEST(Recording, KeepsSequenceAndScanner) {
                                                     .light = {.alpha_p = 200, .beta_p = 20},
                                                     .projector = {1280, 800}},
                                .scanner = scanner};
-  RecordingWriter(folder.path() / "frames", header).finish();
-
+  {
+    RecordingWriter writer(folder.path() / "frames", header);
+    writer.append(some_frame(0));
+    writer.finish();
+  }
   const RecordingReader reader(folder.path() / "frames");
-  EXPECT_EQ(reader.count(), 0U);
+  EXPECT_EQ(reader.count(), 1U);
   EXPECT_EQ(reader.header().frame_rate, 119.5);
   EXPECT_EQ(reader.header().sequence, header.sequence);
   EXPECT_EQ(reader.header().scanner, header.scanner);
@@ -203,6 +206,18 @@ TEST(Recording, OldOneStaysUntilTheNewOneIsWhole) {
     EXPECT_THROW(none.append(some_frame(0)), WorldError);
   }
   EXPECT_EQ(RecordingReader(path).count(), 5U);
+  EXPECT_EQ(entries_in(folder.path()), 1);
+}
+
+TEST(Recording, WithoutAFrameTheOldOneStays) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  EXPECT_THROW(RecordingWriter(path, {.format = some_format}).finish(), WorldError);
+  EXPECT_EQ(entries_in(folder.path()), 0);
+  record(path, 3);
+  EXPECT_THROW(RecordingWriter(path, {.format = some_format}).finish(), WorldError);
+  { const RecordingWriter abandoned(path, {.format = some_format}); }
+  EXPECT_EQ(RecordingReader(path).count(), 3U);
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include "slipstream/error/error.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
 #include "slipstream/publish/metrics.h"
@@ -18,6 +19,7 @@
 #include "slipstream/publish/ros_messages.h"
 #include "slipstream/publish/web_cloud.h"
 #include "slipstream/strategy/registry.h"
+#include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"
 
@@ -188,6 +190,35 @@ TEST(Mcap, holds_every_point_bit_for_bit_and_can_be_read_before_its_end_is_writt
   }
   const Bytes& image = file.messages.at("/image").front();
   EXPECT_EQ(image.back(), grey_level(any_cloud(0)->cloud.intensity(60, 42)));
+}
+
+TEST(Mcap, ends_with_the_chunk_before_where_the_disk_is_full) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "clouds.mcap";
+  const auto sink = open_sink("mcap:" + path.string(), {.camera = camera()});
+  std::uint64_t clouds = 0;
+  while (clouds < 100) sink->put(any_cloud(clouds++));
+  const auto bytes = std::filesystem::file_size(path);
+  const auto fill = [&] {
+    const SmallDisk disk(bytes);
+    while (clouds < 1000) sink->put(any_cloud(clouds++));
+  };
+  EXPECT_THROW(fill(), WorldError);
+  sink->finish();  // of what is over
+  EXPECT_EQ(std::filesystem::file_size(path), bytes);
+  const McapFile left = read_mcap(path);
+  EXPECT_FALSE(left.has_end);
+  EXPECT_EQ(left.chunks, 1);
+}
+
+TEST(Mcap, without_a_cloud_leaves_the_old_one) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "clouds.mcap";
+  write_file(path, "old");
+  EXPECT_THROW(open_sink("mcap:" + path.string(), {.camera = camera()})->finish(), WorldError);
+  (void)open_sink("mcap:" + path.string(), {.camera = camera()});
+  EXPECT_EQ(read_text(path), "old");
+  EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
 TEST(Mcap, holds_frames_statistics_and_what_the_scan_was_made_with) {

@@ -1,6 +1,6 @@
 // soak MINUTES: live scans from a camera that is served with loss, killed and run again, recorded
-// in files that are changed and read back. Ends with 1 where a frame or a cloud was wrong, a
-// recording not whole, or memory or descriptors grew.
+// in files that are changed and read back. Ends with 1 where a frame or a cloud was wrong, no cloud
+// came after a kill, a recording was not whole, or memory or descriptors grew.
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -68,12 +68,22 @@ long resident_kilobytes() {
 
 struct Counts {
   std::atomic<std::uint64_t> clouds = 0, wrong_clouds = 0;
-  std::uint64_t recordings = 0, frames = 0, wrong_frames = 0, broken_recordings = 0, kills = 0;
+  std::uint64_t recordings = 0, frames = 0, wrong_frames = 0, broken_recordings = 0;
+  std::uint64_t kills = 0, reconnects = 0, silences = 0;
 
   [[nodiscard]] bool is_good() const {
-    return clouds > 0 && frames > 0 && wrong_clouds + wrong_frames + broken_recordings == 0;
+    return clouds > 0 && frames > 0 && reconnects >= kills &&
+           wrong_clouds + wrong_frames + broken_recordings + silences == 0;
   }
 };
+
+/// Whether more clouds come within a minute.
+bool clouds_come(const Counts& counts) {
+  const std::uint64_t before = counts.clouds;
+  const auto end = steady_clock::now() + 1min;
+  while (counts.clouds == before && steady_clock::now() < end) std::this_thread::sleep_for(10ms);
+  return counts.clouds > before;
+}
 
 void check(const std::filesystem::path& path, const std::vector<Frame>& loop, Counts& counts) {
   const RecordingReader recording(path);
@@ -131,9 +141,11 @@ bool soak(std::chrono::duration<double, std::ratio<60>> length) {
       ++counts.kills;
       std::this_thread::sleep_for(std::chrono::milliseconds(round % 5 * 700));
       server.start();
+      if (!clouds_come(counts)) ++counts.silences;
       std::this_thread::sleep_for(4s);
     }
     recorded.finish_recording();
+    counts.reconnects = recorded.counters().reconnects;
     check(path, offline.loop, counts);
     memory = resident_kilobytes();
     descriptors = entries_in("/proc/self/fd");
@@ -145,10 +157,11 @@ bool soak(std::chrono::duration<double, std::ratio<60>> length) {
     const LiveStatistics now = pipeline.statistics();
     fmt::print(
         "{:.1f} min: {} clouds, {} wrong; {} recordings, {} broken, {} frames, {} wrong; {} "
-        "kills, {} frames lost; {} kB, {} descriptors\n",
+        "kills, {} reconnects, {} silences, {} frames lost; {} kB, {} descriptors\n",
         std::chrono::duration<double, std::ratio<60>>(steady_clock::now() - begin).count(),
         counts.clouds, counts.wrong_clouds, counts.recordings, counts.broken_recordings,
-        counts.frames, counts.wrong_frames, counts.kills, now.frames.lost, memory, descriptors);
+        counts.frames, counts.wrong_frames, counts.kills, counts.reconnects, counts.silences,
+        now.frames.lost, memory, descriptors);
     std::fflush(stdout);
     if (!pipeline.running()) return false;
   }

@@ -34,7 +34,7 @@ class NodeSink final : public slipstream::CloudSink {
 
   bool wants(const slipstream::LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
-  void put(const slipstream::Pooled<slipstream::LiveCloud>& live) override {
+  void put(const slipstream::Pooled<slipstream::LiveCloud>& live, bool /*alone*/) override {
     const slipstream::Cloud& cloud = live->cloud;
     const auto time = slipstream::world_time(live->newest.host_time);
     publish(*info_, [&](auto& to) { write_camera_info(camera_, cloud.size(), time, to); });

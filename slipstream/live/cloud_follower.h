@@ -33,6 +33,7 @@ class CloudFollower {
 
   /// In place of the oldest that waits, where there is no room: that is missed. True where one was.
   bool follow(const Pooled<LiveCloud>& cloud);
+  [[nodiscard]] std::size_t waiting() const { return waiting_.waiting(); }
   /// Looks at what waits, and ends.
   void finish();
 

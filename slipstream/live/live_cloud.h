@@ -1,6 +1,5 @@
 #pragma once
 
-#include <chrono>
 #include <vector>
 
 #include "slipstream/capture/frame.h"
@@ -18,7 +17,6 @@ struct LiveCloud {
   int first_pattern = 0;  ///< of its first frame
   int motion = 0;         ///< frames beyond a cycle that the cloud was made of: see motion_window
   FrameStamp newest;      ///< of the frame that completed the window
-  std::chrono::steady_clock::time_point finished;  ///< when the cloud was whole
 };
 
 }  // namespace slipstream

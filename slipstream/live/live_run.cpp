@@ -303,9 +303,8 @@ void LiveRun::reconstruct() {
     LiveCloud& cloud = window->cloud.fill();
     look(*window->reconstruct, cloud);
     cloud.cleaned = window->reconstruct->reconstruct(cloud);
-    cloud.finished = Clock::now();
+    cloud_latency_.add(Clock::now() - cloud.newest.host_time);
     note_backend(*window->reconstruct);
-    cloud_latency_.add(cloud.finished - cloud.newest.host_time);
     reconstruct_meter_.done(cloud.newest.host_time);
     finished_.push_when_room(std::move(window->cloud));
   }

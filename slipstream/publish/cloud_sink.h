@@ -47,8 +47,9 @@ class CloudSink {
   /// Whether the sink is to be given this cloud, of those that come. In the thread that makes them.
   [[nodiscard]] virtual bool wants(const LiveCloud&) { return true; }
   /// Takes the next cloud; what is kept of it keeps its memory from the pipeline, one at most. What
-  /// is thrown ends the sink and nothing else.
-  virtual void put(const Pooled<LiveCloud>& cloud) = 0;
+  /// is thrown ends the sink and nothing else. `alone`: clouds were dropped and others wait, so
+  /// nothing is added to it that takes time, as its uncertainty and frames do.
+  virtual void put(const Pooled<LiveCloud>& cloud, bool alone) = 0;
   /// No more clouds come. Throws likewise.
   virtual void finish() {}
   /// Lines for people that were not told before. From any thread.

@@ -137,7 +137,7 @@ class GenicamSink final : public CloudSink {
         thread_([this](const std::stop_token& stop) { serve(stop); }) {}
 
   bool wants(const LiveCloud& cloud) override;
-  void put(const Pooled<LiveCloud>& cloud) override;
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override;
   void finish() override {
     thread_.request_stop();
     if (thread_.joinable()) thread_.join();
@@ -390,7 +390,7 @@ std::shared_ptr<SentBlock> GenicamSink::next_block(bool is_multipart) {
   return next;
 }
 
-void GenicamSink::put(const Pooled<LiveCloud>& cloud) {
+void GenicamSink::put(const Pooled<LiveCloud>& cloud, bool /*alone*/) {
   std::unique_lock lock(mutex_);
   const auto stream = stream_for(*cloud);
   if (!stream) return;

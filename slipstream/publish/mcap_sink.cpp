@@ -26,13 +26,13 @@ class McapSink final : public CloudSink {
 
   bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
-  void put(const Pooled<LiveCloud>& cloud) override {
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
     const std::uint64_t time = world_time(cloud->newest.host_time);
-    if (run_.sequence && is_fresh(*cloud)) put_frames(*cloud);
+    if (run_.sequence && !alone) put_frames(*cloud);
     write_image(*cloud, time, message_);
     writer_.write(image_, time, message_);
     if (run_.has_points) {
-      write_point_cloud(*cloud, run_, time, message_);
+      write_point_cloud(*cloud, run_, alone, time, message_);
       writer_.write(points_, time, message_);
       write_camera_info(run_.camera, cloud->cloud.size(), time, message_);
       writer_.write(camera_info_, time, message_);

@@ -30,7 +30,8 @@ struct Publisher::Outlet {
         follower(
             [this](const Pooled<LiveCloud>& cloud) {
               if (published == 0) let_others_go_first();
-              sink->put(cloud);
+              if (follower.waiting() == 0) late = false;
+              sink->put(cloud, late);
               ++published;
             },
             [this](const std::exception_ptr& failure) { fail(failure); }, waiting_clouds) {}
@@ -58,6 +59,7 @@ struct Publisher::Outlet {
   const std::string name;
   std::unique_ptr<CloudSink> sink;
   std::atomic<std::uint64_t> published = 0, dropped = 0;
+  std::atomic<bool> late = false;  ///< from a cloud that is dropped until none waits
   mutable std::mutex mutex;
   std::string error;
   bool finished = false, told_drops = false, told_error = false;
@@ -76,7 +78,9 @@ void Publisher::add(const std::string& name, std::unique_ptr<CloudSink> sink) {
 
 void Publisher::publish(const Pooled<LiveCloud>& cloud) {
   for (const auto& outlet : outlets_) {
-    if (outlet->sink->wants(*cloud) && outlet->follower.follow(cloud)) ++outlet->dropped;
+    if (!outlet->sink->wants(*cloud) || !outlet->follower.follow(cloud)) continue;
+    ++outlet->dropped;
+    outlet->late = true;
   }
 }
 

@@ -249,7 +249,7 @@ class Ros2Sink final : public CloudSink {
 
   bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
 
-  void put(const Pooled<LiveCloud>& cloud) override {
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
     const std::uint64_t time = world_time(cloud->newest.host_time);
     image_.write_if_heard([&](RosMessage& message) { write_image(*cloud, time, message); });
     if (!points_) return;
@@ -258,7 +258,7 @@ class Ros2Sink final : public CloudSink {
         [&](RosMessage& message) { write_camera_info(run_.camera, points.size(), time, message); });
     depth_->write_if_heard([&](RosMessage& message) { write_depth(points, time, message); });
     points_->write_if_heard(
-        [&](RosMessage& message) { write_point_cloud(*cloud, run_, time, message); });
+        [&](RosMessage& message) { write_point_cloud(*cloud, run_, alone, time, message); });
   }
 
   void finish() override { stop(); }

@@ -117,9 +117,9 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
   cdr.add(std::uint8_t{0});  // some points are NaN
 }
 
-void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, std::uint64_t time,
-                       RosMessage& message) {
-  const auto sigma = run.uncertainty && is_fresh(cloud) ? run.uncertainty(cloud) : std::nullopt;
+void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, bool alone,
+                       std::uint64_t time, RosMessage& message) {
+  const auto sigma = run.uncertainty && !alone ? run.uncertainty(cloud) : std::nullopt;
   write_point_cloud(cloud.cloud, time, message, sigma ? &*sigma : nullptr);
 }
 
@@ -188,10 +188,6 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
   const auto age = std::chrono::steady_clock::now() - time;
   const auto since_1970 = (std::chrono::system_clock::now() - age).time_since_epoch();
   return static_cast<std::uint64_t>(std::chrono::nanoseconds(since_1970).count());
-}
-
-bool is_fresh(const LiveCloud& cloud) {
-  return std::chrono::steady_clock::now() - cloud.finished < std::chrono::milliseconds(50);
 }
 
 void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message) {

@@ -27,10 +27,6 @@ RosType string_type();
 /// Nanoseconds of the world's clock since 1970 at that time of this machine's.
 std::uint64_t world_time(std::chrono::steady_clock::time_point time);
 
-/// Whether a cloud has come within 50 ms. Clouds come first: to one that has waited longer nothing
-/// is added that takes time, as its uncertainty and frames do.
-bool is_fresh(const LiveCloud& cloud);
-
 /// Each into `message`, whose memory is used; `time`: world_time.
 
 /// sensor_msgs/msg/PointCloud2, organised as the camera's pixels: x, y, z in metres (each the
@@ -39,9 +35,9 @@ bool is_fresh(const LiveCloud& cloud);
 /// sigma_coordinate, sigma_x, sigma_y and sigma_z likewise.
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
-/// The same with what the run knows of its uncertainty, where it is fresh.
-void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, std::uint64_t time,
-                       RosMessage& message);
+/// The same with what the run knows of its uncertainty, unless it goes `alone`.
+void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, bool alone,
+                       std::uint64_t time, RosMessage& message);
 /// What of these such a message has, in mm, whoever wrote it. Throws Error, naming no file, where
 /// it is none, has no x, y, z of 32-bit float, or is not little-endian.
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message);

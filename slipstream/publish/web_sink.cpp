@@ -88,7 +88,7 @@ class WebSink final : public CloudSink {
   WebSink(const WebAddress& address, PublishedRun run);
   ~WebSink() override { stop(); }
 
-  void put(const Pooled<LiveCloud>& cloud) override;
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override;
   void finish() override { stop(); }
   std::vector<std::string> news() override;
 
@@ -294,7 +294,7 @@ void WebSink::accept() {
   });
 }
 
-void WebSink::put(const Pooled<LiveCloud>& cloud) {
+void WebSink::put(const Pooled<LiveCloud>& cloud, bool /*alone*/) {
   {
     const std::lock_guard lock(mutex_);
     newest_ = cloud;

@@ -1,5 +1,4 @@
 // Clouds from one kind of file to another by the program.
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <string>
@@ -79,28 +78,19 @@ TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_f
     run({"reconstruct", path(scan), "--windows", ":", "--uncertainty", "-o",
          path(name + "-{window}.pcd")});
   };
-  const std::vector<std::string> windows{"-000000.pcd", "-000001.pcd", "-000002.pcd"};
-  // Clouds that had to wait on a busy machine go without frames and uncertainty: then once more.
-  const auto has_published_all = [&] {
-    run({"live", "--source", "replay:" + path("scan.slip"), "--rate", "20", "--motion", "0",
-         "--headless", "--publish", "mcap:" + path("live.mcap")});
-    run_program({"convert", path("live.mcap"), "-o", path("live.slip")});
-    run({"convert", path("live.mcap"), "-o", path("published-{window}.pcd")});
-    return is_recording(path("live.slip")) && RecordingReader(path("live.slip")).count() == 12 &&
-           std::all_of(windows.begin(), windows.end(), [&](const std::string& window) {
-             return read_cloud(path("published" + window)).uncertainty.has_value();
-           });
-  };
-  bool has_all = false;
-  for (int tries = 0; tries < 50 && !has_all; ++tries) has_all = has_published_all();
-  ASSERT_TRUE(has_all);
+  // Three clouds, for which there is room to wait: none is dropped, however busy the machine.
+  run({"live", "--source", "replay:" + path("scan.slip"), "--motion", "0", "--headless",
+       "--publish", "mcap:" + path("live.mcap")});
+  run({"convert", path("live.mcap"), "-o", path("live.slip")});
+  run({"convert", path("live.mcap"), "-o", path("published-{window}.pcd")});
+  EXPECT_EQ(RecordingReader(path("live.slip")).count(), 12U);
   run({"convert", path("live.slip"), "-o", path("folder-{window}")});
   run({"convert", path("folder-000000"), path("folder-000001"), path("folder-000002"), "-o",
        path("joined.slip")});
   reconstruct("scan.slip", "expected");
   reconstruct("live.slip", "live");
   reconstruct("joined.slip", "joined");
-  for (const std::string& window : windows) {
+  for (const std::string window : {"-000000.pcd", "-000001.pcd", "-000002.pcd"}) {
     for (const std::string name : {"published", "live", "joined"}) {
       expect_same(path(name + window), path("expected" + window));
     }

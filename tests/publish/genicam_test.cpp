@@ -146,7 +146,7 @@ class GenicamSink : public testing::Test {
   /// The cloud as the client gets it; `sequence`: which.
   TakenBlock put_and_take(const Client& client, std::uint64_t sequence) {
     std::this_thread::sleep_for(1ms);  // the camera gives 1000 a second at most
-    sink_->put(any_cloud(sequence));
+    sink_->put(any_cloud(sequence), false);
     return client.take();
   }
 
@@ -426,7 +426,7 @@ TEST_F(GenicamSink, its_own_client_may_send_anything) {
     const std::uint32_t where = random() % 2 == 0 ? 0x8000 + 4 * any(40) : 0x100 + 4 * any(16);
     client.control.send(i % 2 == 0 ? hostile_packet(random)
                                    : command(write_register, {where, any(4)}));
-    if (i % 512 == 0) sink_->put(any_cloud(0));
+    if (i % 512 == 0) sink_->put(any_cloud(0), false);
     if (i % 4 == 0) std::this_thread::sleep_for(100us);  // so that all are read
   }
   for (const std::uint32_t which : {0xa00, 0x938}) {

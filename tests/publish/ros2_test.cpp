@@ -60,7 +60,7 @@ void publish_clouds(Shared& shared) {
   std::vector<Pooled<LiveCloud>> clouds;
   for (std::uint64_t number = 0; number < 50; ++number) clouds.push_back(numbered_cloud(number));
   while (true) {
-    sink->put(clouds[shared.published++ % clouds.size()]);
+    sink->put(clouds[shared.published++ % clouds.size()], false);
     std::this_thread::sleep_for(5ms);
   }
 }

@@ -112,7 +112,7 @@ std::vector<std::uint64_t> calls_to_fail(FaultCall call, const FaultRecord& whol
   const char* const of = std::getenv("SLIPSTREAM_FAULTS_OF");
   if (of != nullptr && call_names[call] != of) return {};
   const char* const asked = std::getenv("SLIPSTREAM_FAULTS");
-  const std::string wanted = asked == nullptr ? "3" : asked;
+  const std::string wanted = asked == nullptr ? "2" : asked;
   if (wanted.starts_with('@')) return {std::stoull(wanted.substr(1))};
   if (call == of_malloc && wanted == "all") return calls_of_new_places(whole);
   const std::uint64_t all = whole.calls[call];

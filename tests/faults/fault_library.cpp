@@ -19,6 +19,7 @@
 #include <link.h>
 #include <pthread.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -88,6 +89,12 @@ void note(FaultCall call, int descriptor, std::uint64_t bytes = 0) {
   if (!armed.load(std::memory_order_relaxed)) return;
   const std::uint64_t number = record->events_made.fetch_add(1);
   if (number < most_events) record->events[number] = {call, descriptor, bytes};
+}
+
+/// What a library wakes its threads by (eventfd) is none, and takes whatever is written.
+bool is_file(int descriptor) {
+  struct stat found {};
+  return ::fstat(descriptor, &found) == 0 && (found.st_mode & S_IFMT) != 0;
 }
 
 int (*program_main)(int, char**, char**) = nullptr;
@@ -212,7 +219,7 @@ int open(const char* path, int flags, ...) {
 }
 
 ssize_t write(int descriptor, const void* bytes, std::size_t size) {
-  if (!fails(of_write)) {
+  if (!is_file(descriptor) || !fails(of_write)) {
     const ssize_t written = ::syscall(SYS_write, descriptor, bytes, size);
     if (written > 0) note(of_write, descriptor, static_cast<std::uint64_t>(written));
     return written;

@@ -1,6 +1,9 @@
 #include "slipstream/io/cloud_file.h"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <string>
 #include <string_view>
@@ -68,9 +71,21 @@ void for_each_pixel(const Cloud& cloud, const Visit& visit) {
 
 template <class Visit>
 void for_each_point(const Cloud& cloud, const Visit& visit) {
-  for_each_pixel(cloud, [&](int column, int row) {
-    if (cloud.validity(column, row) == Validity::valid) visit(column, row);
-  });
+  static_assert(sizeof(Validity) == 1);
+  for (int row = 0; row < cloud.size().height; ++row) {
+    const Validity* const first = cloud.validity.row(row);
+    const Validity* const end = first + cloud.size().width;
+    for (const Validity* pixel = first; pixel != end; ++pixel) {
+      if (*pixel != Validity::valid) {
+        // Of whole objects most pixels lie beside them.
+        const void* const next = std::memchr(pixel, static_cast<int>(Validity::valid),
+                                             static_cast<std::size_t>(end - pixel));
+        if (next == nullptr) break;
+        pixel = static_cast<const Validity*>(next);
+      }
+      visit(static_cast<int>(pixel - first), row);
+    }
+  }
 }
 
 std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
@@ -84,12 +99,20 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
   for (const Extra& extra : extras) file += fmt::format("property float {}\n", extra.ply_name);
   file += "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
   constexpr std::size_t place_intensity_colour = 12 + 8 + 3;
-  file.reserve(file.size() + points * (place_intensity_colour + 4 * extras.size()));
+  const std::size_t header = file.size();
+  file.resize(header + points * (place_intensity_colour + 4 * extras.size()));
+  char* to = file.data() + header;
+  const auto put = [&to](const auto& number) {
+    std::memcpy(to, &number, sizeof number);
+    to += sizeof number;
+  };
   for_each_point(cloud, [&](int column, int row) {
-    append_place(file, cloud, column, row);
-    append_numbers(file, double{cloud.intensity(column, row)});
-    append_extras(file, extras, column, row);
-    file.append(3, static_cast<char>(grey_level(cloud.intensity(column, row))));
+    const float intensity = cloud.intensity(column, row);
+    for (const Image<float>* image : {&cloud.x, &cloud.y, &cloud.z}) put((*image)(column, row));
+    put(double{intensity});
+    for (const Extra& extra : extras) put(extra.values(column, row));
+    const std::uint8_t grey = grey_level(intensity);
+    put(std::array{grey, grey, grey});
   });
   return file;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -96,10 +97,10 @@ HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
   }
 }
 
-/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, and B_1^c.
+/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, else 1 / B_1^c.
 template <std::size_t count>
 struct CueChannels {
-  Several<count> channel, sine, modulation;
+  Several<count> channel, sine, per_modulation;
 
   HWY_INLINE CueChannels() {}
 };
@@ -116,17 +117,54 @@ HWY_INLINE Several<count> periods_of_circle(const CueStage& cue, const CueChanne
   return periods;
 }
 
+/// 1 / sqrt(of) of numbers above 0, to one unit in the last place or two.
+HWY_INLINE Floats reciprocal_root(Floats of) {
+  const FloatTag d;
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
+  const Floats r = hn::ApproximateReciprocalSqrt(of);
+  const Floats half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(of, r));
+  return hn::MulAdd(r, hn::NegMulAdd(half, r, hn::Set(d, 0.5F)), r);
+#else
+  return hn::Div(hn::Set(d, 1.0F), hn::Sqrt(of));
+#endif
+}
+
+/// acos(R) / pi of each in [-1, 1]: sqrt(1 - |R|) times a polynomial in |R| (minimax, 2.8e-8).
+template <std::size_t count>
+HWY_INLINE Several<count> angles_in_half_turns(const Several<count>& R) {
+  const FloatTag d;
+  const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-30F);
+  Several<count> size, sum;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    size[k] = hn::Abs(R[k]);
+    sum[k] = hn::Set(d, 0.0008313374499234732F);
+  });
+  add_term<count>(sum, size, -0.0038208022355466194F);
+  add_term<count>(sum, size, 0.008837213193719965F);
+  add_term<count>(sum, size, -0.01566003239478257F);
+  add_term<count>(sum, size, 0.02827734117522762F);
+  add_term<count>(sum, size, -0.06830646506467819F);
+  add_term<count>(sum, size, 0.4999999720089002F);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const Floats rest = hn::Sub(one, size[k]);
+    const Floats root = hn::Mul(rest, reciprocal_root(hn::Max(rest, least)));
+    const Floats angle = hn::Mul(root, sum[k]);
+    sum[k] = hn::IfThenElse(hn::Lt(R[k], hn::Zero(d)), hn::Sub(one, angle), angle);
+  });
+  return sum;
+}
+
 /// The same for N = 3 and 4; 0 without light.
 template <int steps, std::size_t count>
 HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLimits& limits,
                                                const CueChannels<count>& of) {
   const FloatTag d;
-  const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
+  const Floats one = hn::Set(d, 1.0F);
   Several<count> R, periods;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
         hn::MulSub(of.channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
-    const Floats ratio = quotient(value, hn::Max(of.modulation[k], least));
+    const Floats ratio = hn::Mul(value, of.per_modulation[k]);
     R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
                      one);
   });
@@ -134,16 +172,13 @@ HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLim
     const Floats half = hn::Set(d, 0.5F * cue.periods);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
   } else {
-    Several<count> sine;
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-      sine[k] = hn::Sqrt(hn::Max(hn::NegMulAdd(R[k], R[k], one), hn::Zero(d)));
-    });
-    periods = angles_in_turns<count>(sine, R);
-    const Floats twice = hn::Set(d, 2 * cue.periods);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(twice, periods[k]); });
+    periods = angles_in_half_turns<count>(R);
+    const Floats all = hn::Set(d, cue.periods);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(all, periods[k]); });
   }
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    periods[k] = hn::IfThenElseZero(hn::Gt(of.modulation[k], least), periods[k]);
+    const auto lit = hn::Gt(of.per_modulation[k], hn::Zero(d));
+    periods[k] = hn::IfThenElseZero(lit, periods[k]);
   });
   return periods;
 }
@@ -158,10 +193,9 @@ HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limi
   }
 }
 
-/// In [0, 1).
+/// Of a turn in [0, 1], where 1 stands for 0.
 HWY_INLINE Floats within_a_turn(Floats turn) {
-  const Floats part = hn::Sub(turn, hn::Floor(turn));
-  return hn::IfThenElseZero(hn::Lt(part, hn::Set(FloatTag(), 1.0F)), part);
+  return hn::IfThenElseZero(hn::Lt(turn, hn::Set(FloatTag(), 1.0F)), turn);
 }
 
 /// What the kernel takes, without the lists.
@@ -206,8 +240,9 @@ class CueVectors {
   template <std::size_t count>
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
+    const Floats least = hn::Set(d, 1e-9F), per_scale = hn::Set(d, 1 / stage_.modulation_scale);
     const bool decoding = row_.turn != nullptr, told = row_.modulation != nullptr;
-    Several<count> U, V, square, sum;
+    Several<count> U, V, square, sum, modulation;
     CueChannels<count> cue;
     FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -218,11 +253,19 @@ class CueVectors {
       cue.sine[k] = sums.cue_sine;
       sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
-      cue.modulation[k] = square[k];  // of no use where it is not asked for
-      if (!is_circle<steps> || told) {
-        cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
+      modulation[k] = square[k];  // of no use where it is not asked for
+      if (casts_shade || told) {
+        modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
       }
-      if (told) hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
+      if constexpr (casts_shade) {
+        cue.per_modulation[k] =
+            hn::IfThenElseZero(hn::Gt(modulation[k], least), reciprocal(modulation[k]));
+      } else if constexpr (!is_circle<steps>) {
+        const Floats root = reciprocal_root(hn::Max(square[k], least));
+        cue.per_modulation[k] =
+            hn::IfThenElseZero(hn::Gt(square[k], least), hn::Mul(root, per_scale));
+      }
+      if (told) hn::StoreU(modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
       all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
     });
     if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
@@ -247,7 +290,7 @@ class CueVectors {
       if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
       store_flags(pixel, square[k], doubt, saturated);
       fetch_ahead(row_.mean + pixel, row_.past_cache);
-      store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
+      store(shown_mean(sum[k], modulation[k], y), row_.mean + pixel, row_.past_cache);
       if (HWY_UNLIKELY(decoding)) {
         hn::StoreU(turn[k], d, row_.turn + pixel);
         hn::StoreU(doubt, d, row_.doubt + pixel);
@@ -331,9 +374,9 @@ class CueVectors {
 template <int steps, class Pixel>
 HWY_INLINE void decode_steps(const CueWork& work, const Pixel* const* frames) {
   const CueVectors<steps, Pixel> vectors(work, frames);
-  for_each_group(static_cast<std::size_t>(work.row.width),
-                 [&]<std::size_t count>(Together<count>, std::size_t i)
-                     SLIPSTREAM_STEP { vectors.template decode<count>(i); });
+  for_each_group<few_at_once>(static_cast<std::size_t>(work.row.width),
+                              [&]<std::size_t count>(Together<count>, std::size_t i)
+                                  SLIPSTREAM_STEP { vectors.template decode<count>(i); });
 }
 
 template <class Pixel>
@@ -364,39 +407,58 @@ void DecodeCueRow16(const SinusoidStage& stage, const CueStage& cue, const Sinus
   decode_cue({stage, cue, limits, cue_limits, row}, frames);
 }
 
-void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
-                     std::vector<PixelPlace>& found) {
+/// Read byte by byte: what was just written by fewer bytes at once is waited for.
+HWY_INLINE std::uint32_t bits_of(FloatMask mask) {
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(FloatTag(), mask, bytes.data());
+  return bytes[0] | std::uint32_t{bytes[1]} << 8;
+}
+
+/// Of one vector, from pixel i on.
+HWY_INLINE void append_disagreeing(const CueStage& cue, const CoordinateRows& rows, int i,
+                                   std::vector<PixelPlace>& found) {
   const FloatTag d;
   // A little less and more than the vote's own limits, whose numbers are not rounded to float.
   const Floats half_period = hn::Set(d, 0.499F / cue.periods);
   const Floats steepest = hn::Set(d, 0.251F);
-  const Floats f_h = hn::Set(d, cue.periods);
+  const Floats f_h = hn::Set(d, cue.periods), y = hn::LoadU(d, rows.here + i);
+  // A step of whole periods, but for one that may be the surface's own.
+  const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
+    const Floats step = hn::Sub(hn::LoadU(d, other + i), y), periods = hn::Mul(step, f_h);
+    const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
+    return hn::And(hn::Gt(hn::Abs(step), half_period), hn::Le(part, steepest));
+  };
+  const auto open = hn::Or(hn::Or(disagrees(rows.here - 1), disagrees(rows.here + 1)),
+                           hn::Or(disagrees(rows.above), disagrees(rows.below)));
+  for (std::uint32_t bits = bits_of(open); bits != 0; bits &= bits - 1) {
+    found.push_back({rows.row, i + std::countr_zero(bits)});
+  }
+}
+
+/// Most vectors are looked at only to the left and down: what is far on their right is so on the
+/// left of the next, and what is above was below. Past the row's end nothing is far.
+void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
+                     std::vector<PixelPlace>& found) {
+  const FloatTag d;
+  const Floats half_period = hn::Set(d, 0.499F / cue.periods);
   const auto lanes = static_cast<int>(hn::Lanes(d));
-  for (int next = 0; next < rows.width; next += lanes) {
-    const int i = std::min(next, rows.width - lanes);
-    const Floats y = hn::LoadU(d, rows.here + i);
+  const CoordinateRows local = rows;  // no store can change them
+  std::uint8_t* far_above = local.far_above;
+  bool far_before = false;
+  for (int i = 0; i < local.width; i += lanes) {
+    const Floats y = hn::LoadU(d, local.here + i);
     const auto far = [&](const float* other) SLIPSTREAM_STEP {
       return hn::Gt(hn::Abs(hn::Sub(hn::LoadU(d, other + i), y)), half_period);
     };
-    const auto any = hn::Or(hn::Or(far(rows.here - 1), far(rows.here + 1)),
-                            hn::Or(far(rows.above), far(rows.below)));
-    if (HWY_LIKELY(hn::AllFalse(d, any))) continue;
-    // A step of whole periods, but for one that may be the surface's own.
-    const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
-      const Floats periods = hn::Mul(hn::Sub(hn::LoadU(d, other + i), y), f_h);
-      const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
-      return hn::And(far(other), hn::Le(part, steepest));
-    };
-    const auto open = hn::Or(hn::Or(disagrees(rows.here - 1), disagrees(rows.here + 1)),
-                             hn::Or(disagrees(rows.above), disagrees(rows.below)));
-    if (hn::AllFalse(d, open)) continue;
-    HWY_ALIGN std::array<std::int32_t, HWY_MAX_BYTES / 4> lane;
-    const IntTag di;
-    hn::Store(hn::VecFromMask(di, hn::RebindMask(di, open)), di, lane.data());
-    for (int j = next - i; j < lanes; ++j) {
-      if (lane[static_cast<std::size_t>(j)] != 0) found.push_back({rows.row, i + j});
+    const FloatMask left = far(local.here - 1);
+    const bool below = !hn::AllFalse(d, far(local.below)), beside = !hn::AllFalse(d, left);
+    if (far_before || (beside && (bits_of(left) & 1U) != 0)) {
+      append_disagreeing(cue, local, i - lanes, found);
     }
+    far_before = beside || below || *far_above != 0;
+    *far_above++ = below ? 1 : 0;
   }
+  if (far_before) append_disagreeing(cue, local, (local.width - 1) / lanes * lanes, found);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE

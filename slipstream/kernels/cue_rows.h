@@ -54,13 +54,17 @@ void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidL
 void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
                 const CueLimits& cue_limits, const std::uint16_t* const* frames, const CueRow& row);
 
-/// A row of coordinates and its neighbours; all three have a NaN before and after.
+/// A row of coordinates and its neighbours; all three have a NaN before, and after as many as
+/// complete a vector and one more.
 struct CoordinateRows {
   int width = 0;
   int row = 0;
   const float* above = nullptr;
   const float* here = nullptr;
   const float* below = nullptr;
+  /// Of each pixel, or of fewer vectors: whether a step from the row above may be one that
+  /// disagrees; then the same of the step to the row below.
+  std::uint8_t* far_above = nullptr;
 };
 
 /// Appends, from left to right, the pixels of a row that may disagree with one of the four beside

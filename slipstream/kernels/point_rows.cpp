@@ -315,9 +315,10 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     fetch_ahead(row, parts.pixel(k));
     p[k] = source.unit_coordinate(parts.pixel(k));
-    good[k] = source.trusted(parts.describe(k, p[k]), row, parts.pixel(k));
-    all = hn::And(all, good[k]);
+    good[k] = parts.describe(k, p[k]);
   });
+  source.keep_trusted(row, parts.pixel(0), good);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { all = hn::And(all, good[k]); });
   if (HWY_LIKELY(hn::AllTrue(d, all) && !stage.limits_depth)) {
     const Several<count> z = depths(parts, p);
     if (row.past_cache) return store_all(row, true, parts, z);
@@ -373,8 +374,8 @@ HWY_INLINE void point_part(const PointStage& stage, const Source& source, const 
   const std::size_t pixel = first * width;
   const std::size_t whole = std::min(count, (static_cast<std::size_t>(row.width) - pixel) / width);
   const RayBlocks::Range* described = row.blocks.described + first;
-  const std::size_t next =
-      point_blocks<at_once>(stage, source, row, pixel, coefficients, described, 0, whole * vectors);
+  const std::size_t next = point_blocks<few_at_once>(stage, source, row, pixel, coefficients,
+                                                     described, 0, whole * vectors);
   point_blocks<1>(stage, source, row, pixel, coefficients, described, next, whole * vectors);
   if (whole == count) return;
   const int last = RayBlocks::first_column(static_cast<int>(first + whole), row.width);

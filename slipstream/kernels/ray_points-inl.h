@@ -123,38 +123,92 @@ class Neighbourhood {
   }
 
   HWY_INLINE FloatMask confirms(std::size_t i, Ints flags) const {
+    Several<1, FloatMask> confirmed;
+    confirm<1>(
+        i, [flags](std::size_t) SLIPSTREAM_STEP { return flags; }, confirmed);
+    return confirmed[0];
+  }
+  /// Leaves those of `lanes`, some vectors from pixel i on, whose coordinate is believed.
+  template <std::size_t count>
+  HWY_INLINE void keep_trusted(const PointRow& row, std::size_t i,
+                               Several<count, FloatMask>& lanes) const {
     const FloatTag d;
     const IntTag di;
-    const Floats y = coordinate(i);
-    const auto doubtful =
-        hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::doubtful_order)), hn::Zero(di));
-    const Ints needed =
-        hn::IfThenElse(doubtful, hn::Set(di, needed_if_doubtful_), hn::Set(di, needed_));
-    // In a surface the row's own neighbours suffice; masks are -1 as integers.
-    Ints missing = hn::Add(needed, hn::Add(agreeing(here_, i - 1, y), agreeing(here_, i + 1, y)));
-    const auto dark = hn::Ne(hn::And(flags, hn::Set(di, PixelFlag::dark)), hn::Zero(di));
-    const auto settled = hn::Or(dark, hn::Lt(missing, hn::Set(di, 1)));
-    if (HWY_UNLIKELY(!hn::AllTrue(di, settled))) {
-      for (const float* other : {above_, below_}) {
-        for (std::size_t j = i - 1; j != i + 2; ++j) {
-          missing = hn::Add(missing, agreeing(other, j, y));
-        }
+    const auto flags = [&](std::size_t k) SLIPSTREAM_STEP {
+      return hn::LoadU(di, row.flags + i + k * hn::Lanes(d));
+    };
+    Ints any = hn::Zero(di);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { any = hn::Or(any, flags(k)); });
+    Several<count, FloatMask> confirmed;
+    // By default a neighbour in the row suffices a pixel that is not in doubt.
+    const Ints troubled = hn::Set(di, PixelFlag::saturated | PixelFlag::doubtful_order);
+    if (needed_ == 1 && hn::AllTrue(di, hn::Eq(hn::And(any, troubled), hn::Zero(di)))) {
+      FloatMask all = hn::FirstN(d, hn::Lanes(d));
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        const std::size_t at = i + k * hn::Lanes(d);
+        const Floats y = coordinate(at);
+        const FloatMask dark = is_dark(flags(k));
+        confirmed[k] = hn::Or(agrees(here_, at - 1, y), agrees(here_, at + 1, y));
+        all = hn::And(all, hn::Or(confirmed[k], dark));
+        confirmed[k] = hn::AndNot(dark, confirmed[k]);
+      });
+      if (HWY_LIKELY(hn::AllTrue(d, all))) {
+        return each<count>([&](std::size_t k)
+                               SLIPSTREAM_STEP { lanes[k] = hn::And(lanes[k], confirmed[k]); });
       }
     }
-    return hn::RebindMask(d, hn::Lt(missing, hn::Set(di, 1)));
-  }
-  /// Those of `lanes` whose coordinate is believed.
-  HWY_INLINE FloatMask trusted(FloatMask lanes, const PointRow& row, std::size_t i) const {
-    const Ints flags = hn::LoadU(IntTag(), row.flags + i);
-    return hn::And(hn::And(lanes, is_unflagged(flags)), confirms(i, flags));
+    confirm<count>(i, flags, confirmed);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      lanes[k] = hn::And(hn::And(lanes[k], is_unflagged(flags(k))), confirmed[k]);
+    });
   }
 
  private:
-  HWY_INLINE Ints agreeing(const float* others, std::size_t i, Floats y) const {
+  /// Which of some vectors from pixel i on have as many agreeing neighbours as they need; of dark
+  /// ones it says nothing.
+  template <std::size_t count, class Flags>
+  HWY_INLINE void confirm(std::size_t i, const Flags& flags,
+                          Several<count, FloatMask>& confirmed) const {
     const FloatTag d;
-    const Floats other = hn::LoadU(d, others + i);
-    return hn::VecFromMask(IntTag(), hn::RebindMask(IntTag(), hn::Lt(hn::Abs(hn::Sub(other, y)),
-                                                                     hn::Set(d, half_fringe_))));
+    const IntTag di;
+    Several<count> y;
+    Several<count, Ints> missing;
+    const auto count_agreeing = [&](const float* others, std::size_t from) SLIPSTREAM_STEP {
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        const FloatMask agreeing = agrees(others, from + k * hn::Lanes(d), y[k]);
+        // Masks are -1 as integers.
+        missing[k] = hn::Add(missing[k], hn::VecFromMask(di, hn::RebindMask(di, agreeing)));
+      });
+    };
+    const auto settled = [&]() SLIPSTREAM_STEP {
+      FloatMask all = hn::FirstN(d, hn::Lanes(d));
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        confirmed[k] = hn::RebindMask(d, hn::Lt(missing[k], hn::Set(di, 1)));
+        all = hn::And(all, hn::Or(is_dark(flags(k)), confirmed[k]));
+      });
+      return hn::AllTrue(d, all);
+    };
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const auto doubtful = hn::TestBit(flags(k), hn::Set(di, PixelFlag::doubtful_order));
+      missing[k] = hn::IfThenElse(doubtful, hn::Set(di, needed_if_doubtful_), hn::Set(di, needed_));
+      y[k] = coordinate(i + k * hn::Lanes(d));
+    });
+    // In a surface the row's own neighbours suffice, or those that are nearest.
+    count_agreeing(here_, i - 1);
+    count_agreeing(here_, i + 1);
+    if (settled()) return;
+    count_agreeing(above_, i);
+    count_agreeing(below_, i);
+    if (settled()) return;
+    for (const float* other : {above_, below_}) {
+      count_agreeing(other, i - 1);
+      count_agreeing(other, i + 1);
+    }
+    settled();
+  }
+  HWY_INLINE FloatMask agrees(const float* others, std::size_t i, Floats y) const {
+    const FloatTag d;
+    return hn::Lt(hn::Abs(hn::Sub(hn::LoadU(d, others + i), y)), hn::Set(d, half_fringe_));
   }
 
   Floats unit_scale_, unit_offset_;
@@ -187,9 +241,8 @@ class Alone {
     return hn::FirstN(FloatTag(), hn::Lanes(FloatTag()));
   }
   /// The turns of dark and saturated pixels are NaN, which no block describes.
-  HWY_INLINE FloatMask trusted(FloatMask lanes, const PointRow&, std::size_t) const {
-    return lanes;
-  }
+  template <std::size_t count>
+  HWY_INLINE void keep_trusted(const PointRow&, std::size_t, Several<count, FloatMask>&) const {}
 
  private:
   FieldPlacer in_field_;

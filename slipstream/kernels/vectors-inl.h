@@ -48,16 +48,20 @@ inline constexpr std::size_t at_once = 4;
 inline constexpr std::size_t at_once = 2;
 #endif
 
+/// Where what is kept of each would fill the registers.
+inline constexpr std::size_t few_at_once = 2;
+
 template <std::size_t count>
 using Together = std::integral_constant<std::size_t, count>;
 
 /// Calls `body(Together<count>(), i)` for `count` vectors from pixel i on, all the vectors of a
-/// row. The last overlap those before them where the width is no multiple.
-template <class Body>
+/// row, `most` of them where there are so many. The last overlap those before them where the width
+/// is no multiple.
+template <std::size_t most = at_once, class Body>
 HWY_INLINE void for_each_group(std::size_t width, const Body& body) {
-  const std::size_t lanes = hn::Lanes(FloatTag()), together = at_once * lanes;
+  const std::size_t lanes = hn::Lanes(FloatTag()), together = most * lanes;
   std::size_t i = 0;
-  for (; i + together <= width; i += together) body(Together<at_once>(), i);
+  for (; i + together <= width; i += together) body(Together<most>(), i);
   for (; i < width; i += lanes) body(Together<1>(), std::min(i, width - lanes));
 }
 

@@ -305,7 +305,7 @@ struct MovedPixel {
 };
 
 void set(const FusedOutput& output, PixelPlace at, const MovedPixel& pixel, double grey_level) {
-  if (output.cloud != nullptr || output.points != nullptr) {
+  if (pixel.brighter != 0 && (output.cloud != nullptr || output.points != nullptr)) {
     Image<float>& intensity =
         output.cloud != nullptr ? output.cloud->intensity : output.points->intensity;
     intensity(at.column, at.row) += static_cast<float>(pixel.brighter);
@@ -362,7 +362,8 @@ void voted_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scra
                         .row = asked,
                         .above = block.coordinates(asked - 1),
                         .here = block.coordinates(asked),
-                        .below = block.coordinates(asked + 1)},
+                        .below = block.coordinates(asked + 1),
+                        .far_above = block.far_above.data()},
                        block.disagreeing);
     }
   };

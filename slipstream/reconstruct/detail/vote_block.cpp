@@ -22,6 +22,7 @@ void VoteBlock::prepare(int width) {
   }
   moved.clear();
   disagreeing.clear();
+  far_above.assign(static_cast<std::size_t>(width), 1);
 }
 
 void VoteBlock::clear(int first, int last) {

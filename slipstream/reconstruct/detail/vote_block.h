@@ -83,6 +83,7 @@ class VoteBlock {
   };
   std::vector<Moved> moved;
   std::vector<PixelPlace> disagreeing;
+  std::vector<std::uint8_t> far_above;  ///< CoordinateRows::far_above of the next row
   NeighbourhoodVoteLists lists;
 
  private:

@@ -18,6 +18,7 @@
 #include "app/stop_signal.h"
 #include "slipstream/calibrate/guided_poses.h"
 #include "slipstream/calibrate/pose_drawing.h"
+#include "slipstream/capture/colour_channels.h"
 #include "slipstream/capture/shown_scans.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/image_file.h"
@@ -59,7 +60,9 @@ void require_good(const CaptureFlags& flags) {
                             flags.source.source));
   }
   if (flags.monitor && flags.source.camera.pixel_format == "RGB8") {
-    throw Error("--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them");
+    throw Error(
+        "--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them, or "
+        "`slipstream project --colour` shows them in colour");
   }
   if (flags.poses && (scheme == "virtual" || scheme == "replay")) {
     throw Error(
@@ -86,6 +89,7 @@ void require_good(const CaptureFlags& flags) {
 SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> projector) {
   SourceRequest request = request_from(flags.source);
   request.scans = flags.poses ? 2 : 1;
+  request.as_taken = !flags.poses;
   request.loop = true;  // a single recorded cycle stands still before itself
   if (!request.sequence.strategy && scheme_of(flags.source.source) != "replay") {
     request.sequence.strategy = default_strategy().name();
@@ -250,10 +254,15 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
         completed(*scan.scanner, opened.scanner_name, scan.frames.size(), scan.sequence.projector);
   }
   const bool several = frame_count(scan.sequence) > frame_count(scan.sequence.strategy);
-  Scan whole = several ? merged(scan) : scan;
+  Scan whole = scan;
+  if (opened.in_colour && scan.scanner && scan.scanner->photometry.colour_mixture) {
+    whole.frames = unmixed(scan.frames, *scan.scanner->photometry.colour_mixture, opened.white);
+  }
+  if (several) whole = merged(std::move(whole));
   const CheckedScan checked = check_and_repair(whole);
-  if (!several) scan = std::move(whole);  // slipped frames are put in order
-  save_scan(flags.output, scan.frames, scan.sequence, scan.scanner);
+  if (!several && !opened.in_colour) scan = std::move(whole);  // slipped frames are put in order
+  save_scan(flags.output, scan.frames, scan.sequence, scan.scanner, std::nullopt, opened.in_colour,
+            opened.white);
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),
              text_of(scan.frames.size()), scan.sequence.strategy.name());
   refuse_or_warn(checked, flags.output, true, output);

@@ -115,7 +115,7 @@ void convert_recording(const std::string& path, CloudInputFlags flags, CloudFile
                        Output& output) {
   const RecordingReader recording(path);
   const Sequence sequence = scan_files_in(path, changes_of(flags.input)).sequence;
-  const double rate = recording.header().frame_rate;
+  const double rate = (recording.header().in_colour ? 3 : 1) * recording.header().frame_rate;
   const double cycle = rate > 0 ? static_cast<double>(cycle_length(sequence)) / rate : 1;
   for (std::uint64_t window = 0; window < window_count(recording, sequence); ++window) {
     flags.input.window = window;

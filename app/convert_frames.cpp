@@ -24,13 +24,17 @@ namespace {
 /// Frames of several inputs in one recording; where one ends the next begins with a cycle.
 class JoinedRecording {
  public:
-  explicit JoinedRecording(std::string path) : path_(std::move(path)) {}
+  JoinedRecording(std::string path, std::size_t inputs) : path_(std::move(path)), inputs_(inputs) {}
 
   void begin(RecordingHeader header, const std::string& input) {
     if (writer_ && (header.format != header_.format || header.sequence != header_.sequence ||
-                    header.scanner != header_.scanner)) {
+                    header.scanner != header_.scanner || header.in_colour != header_.in_colour)) {
       throw Error(
           fmt::format("{}: of another camera, strategy or scanner than those before", input));
+    }
+    if (inputs_ > 1 && header.white.count() != 0) {
+      throw Error(fmt::format(
+          "{}: has a white picture, of which a recording holds one; convert it alone", input));
     }
     if (!writer_) writer_.emplace(path_, header);
     header_ = std::move(header);
@@ -51,6 +55,7 @@ class JoinedRecording {
 
  private:
   std::string path_;
+  std::size_t inputs_;
   RecordingHeader header_;
   std::optional<RecordingWriter> writer_;
   std::uint64_t first_ = 0, next_ = 0;  ///< in the recording's count of frames
@@ -116,7 +121,7 @@ void refuse_second(const std::string& path) {
 
 void convert_to_recording(const std::vector<std::string>& paths, const std::string& path,
                           Output& output) {
-  JoinedRecording recording(path);
+  JoinedRecording recording(path, paths.size());
   for (const std::string& input : paths) {
     is_mcap(input) ? add_published(input, recording, output)
                    : add_replayed(input, recording, output);
@@ -147,7 +152,8 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
       if (!written.insert(made).second) refuse_second(made);
       Sequence shown = sequence;
       shown.marker = false;
-      save_scan(made, *frames, shown, scanner);
+      save_scan(made, *frames, shown, scanner, std::nullopt, recording.header().in_colour,
+                recording.header().white);
     }
   }
   if (written.empty()) throw Error("no scan came that could be written");

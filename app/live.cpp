@@ -328,7 +328,8 @@ void require_good(const LiveFlags& flags) {
 void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
   PatternIndexing indexing = pattern_indexing_named(flags.indexing);
-  const SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
+  SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
+  request.as_taken = true;  // recorded so
   if (request.world && !flags.headless) {
     output.say("rendering what the virtual camera sees: seconds with --world ideal, else a minute");
   }
@@ -337,16 +338,20 @@ void live(const LiveFlags& flags, Output& output) {
   if (opened.sequence.marker) indexing = PatternIndexing::marker;
   EngineSetup setup = setup_from(opened, flags, output);
   const std::string scheme = scheme_of(flags.source.source);
-  // A replay may end with its first cycle.
-  const bool motion_when_seen = scheme != "replay" && !flags.source.scan.motion &&
-                                setup.sequence.motion == 0 && takes_motion(setup.sequence);
+  // A replay may end with its first cycle; the channels of a picture in colour move with each
+  // other.
+  const bool motion_when_seen = scheme != "replay" && !opened.in_colour &&
+                                !flags.source.scan.motion && setup.sequence.motion == 0 &&
+                                takes_motion(setup.sequence);
   if (motion_when_seen) setup.sequence.motion = 2;
 
   const RecordingHeader header{
       .format = opened.frames->format(),
       .frame_rate = flags.source.rate.value_or(0),
       .sequence = opened.sequence,
-      .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt};
+      .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt,
+      .in_colour = opened.in_colour,
+      .white = opened.white};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
   RecordedSource& recorder = *source;
   LiveSettings settings{.indexing = indexing,
@@ -359,7 +364,7 @@ void live(const LiveFlags& flags, Output& output) {
     settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
     settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { publisher.publish(cloud); };
   }
-  LivePipeline pipeline(std::move(source), setup, settings);
+  LivePipeline pipeline(colours_apart(std::move(source), opened), setup, settings);
 
   const RunEnd end(flags.duration);
   LiveSession session{pipeline,

@@ -31,6 +31,7 @@ struct ProjectFlags {
   std::optional<int> hold;
   std::optional<double> duration;
   std::string log;
+  bool in_colour = false;
 };
 
 nlohmann::json json_of(const Monitor& monitor, int number) {
@@ -62,15 +63,34 @@ const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
   return monitors[static_cast<std::size_t>(number)];
 }
 
-std::vector<Image<std::uint8_t>> patterns_from(const ProjectFlags& flags, const Monitor& monitor) {
-  const Sequence sequence = default_sequence(monitor.size, changes_from(flags.scan));
+/// What is shown, of the monitor's size.
+Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
+  Sequence sequence = default_sequence(monitor.size, changes_from(flags.scan));
   const Size projector = sequence.projector;
   if (projector != monitor.size) {
     throw Error(
         fmt::format("--projector {} is not the size of monitor {}, {}; set the monitor to it",
                     text_of(projector), flags.monitor, text_of(monitor.size)));
   }
-  return patterns_in_8_bits(pattern_set(cycle_of(sequence)), projector);
+  sequence = cycle_of(std::move(sequence));
+  if (flags.in_colour) require_in_colour(sequence, "--colour");
+  return sequence;
+}
+
+/// Returns how many there are.
+std::size_t load_patterns(project::MonitorSink& sink, const Sequence& sequence, bool in_colour) {
+  const PatternSet set = pattern_set(sequence);
+  if (!in_colour) {
+    sink.load(patterns_in_8_bits(set, sequence.projector));
+    return static_cast<std::size_t>(set.count);
+  }
+  std::vector<Image<Colour>> pictures;
+  for (int n = 0; n < set.count; n += 3) {
+    pictures.push_back(picture_in_colour(set, n, sequence.projector));
+  }
+  const std::size_t count = pictures.size();
+  sink.load_in_colour(std::move(pictures));
+  return count;
 }
 
 void tell(const project::ProjectionReport& report, const project::MonitorSink& projector, int hold,
@@ -103,10 +123,9 @@ void project_scan(const ProjectFlags& flags, Output& output) {
   }
   const Monitor& monitor = monitor_at(monitors, flags.monitor);
   const int hold = project::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
-  auto patterns = patterns_from(flags, monitor);
-  const std::size_t count = patterns.size();
+  const Sequence sequence = sequence_on(flags, monitor);
   project::MonitorSink projector(system, flags.monitor);
-  projector.load(std::move(patterns));
+  const std::size_t count = load_patterns(projector, sequence, flags.in_colour);
 
   project::SwapLog log;
   const RunEnd end(flags.duration);
@@ -144,9 +163,12 @@ void add_project(CLI::App& program, Command& chosen) {
   command.add_output("--log", flags.log, "which pattern was shown when: .csv");
   add_pattern_flags(command.app, flags.scan);
   add_marker_flag(command.app, flags.scan);
+  command.add("--colour", flags.in_colour,
+              "three patterns to a picture, its red, green and blue, which count as one");
   command.app.footer(
       "Examples:\n  slipstream project --list\n  slipstream project --monitor 1 --strategy pmp "
-      "--steps 4 --rate 30\nEvery pixel of the monitor shows its own grey level, with the "
+      "--steps 4 --rate 30\n  slipstream project --monitor 1 --colour --strategy de-bruijn\nEvery "
+      "pixel of the monitor shows its own grey level, with the "
       "monitor's "
       "gamma table off. Esc or Ctrl-C ends it.");
 }

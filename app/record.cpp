@@ -48,14 +48,17 @@ std::vector<Finding> findings_of_recording(const std::string& file, Output& outp
 
 void record(const RecordFlags& flags, Output& output) {
   require_valid(flags);
-  const SourceRequest request = request_from(flags.source);
+  SourceRequest request = request_from(flags.source);
+  request.as_taken = true;
   const NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);
   FrameSource& source = *opened.frames;
   Recorder recorder(flags.file, {.format = source.format(),
                                  .frame_rate = flags.source.rate.value_or(0),
                                  .sequence = opened.sequence,
-                                 .scanner = opened.scanner});
+                                 .scanner = opened.scanner,
+                                 .in_colour = opened.in_colour,
+                                 .white = opened.white});
   source.start();
   Progress progress("frames", flags.frames.value_or(0));
   const RunEnd end(flags.duration);

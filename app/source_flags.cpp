@@ -15,8 +15,8 @@ SourceRequest request_from(const SourceFlags& flags, bool marker) {
   if (flags.scanner) request.scanner = *flags.scanner;
   const std::string scheme = scheme_of(flags.source);
   if ((scheme == "virtual" || scheme == "replay") && flags.camera.pixel_format == "RGB8") {
-    throw Error(
-        fmt::format("--pixel-format RGB8: the frames of {} are grey; leave it out", flags.source));
+    throw Error(fmt::format("--pixel-format RGB8: is of a camera, and {} is none; leave it out",
+                            flags.source));
   }
   if (scheme == "virtual") {
     VirtualFlags world = flags.virtual_scanner;

@@ -169,15 +169,17 @@ void bind_scans(py::module_& module) {
       module, "Recording",
       "Raw frames in one file. recording[n] has pixels (to read), bits, sequence (the device's "
       "count), pattern_index and device_time (s), or is None where the frame is damaged; going "
-      "over "
-      "it leaves those out. What is not known of it is None.");
+      "over it leaves those out. What is not known of it is None. Where it is in_colour three "
+      "frames "
+      "are the channels of a picture, as they were taken.");
   recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
   recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
   add(
       recording, "finished", &RecordingReader::finished, "sequence",
       [](const RecordingReader& of) { return of.header().sequence; }, "scanner",
       [](const RecordingReader& of) { return of.header().scanner; }, "frame_rate",
-      [](const RecordingReader& of) { return of.header().frame_rate; });
+      [](const RecordingReader& of) { return of.header().frame_rate; }, "in_colour",
+      [](const RecordingReader& of) { return of.header().in_colour; });
 }
 
 }  // namespace slipstream::python

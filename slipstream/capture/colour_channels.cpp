@@ -203,4 +203,14 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
   return {std::move(alone), 16};
 }
 
+std::string doubt_about_colours(bool mixture_known, bool white_known) {
+  if (!mixture_known) {
+    return "pictures in colour, and nothing is known of how their channels mix; slipstream "
+           "calibrate colour measures it";
+  }
+  return white_known
+             ? ""
+             : "pictures in colour without a white one: only surfaces of one grey come out right";
+}
+
 }  // namespace slipstream

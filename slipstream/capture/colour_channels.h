@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/image/colour_mixture.h"
 
@@ -25,5 +27,8 @@ void require_valid(const ColourMixture& mixture);
 /// three, and for a white picture of other frames.
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture,
                  const FrameViews& white = {});
+
+/// What people should know of pictures that are taken apart so; empty where all is well.
+std::string doubt_about_colours(bool mixture_known, bool white_known);
 
 }  // namespace slipstream

@@ -1,11 +1,13 @@
 #include "slipstream/capture/colour_source.h"
 
 #include <algorithm>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <variant>
 
 #include "slipstream/capture/colour_channels.h"
+#include "slipstream/capture/scan_camera.h"
 #include "slipstream/error/error.h"
 
 namespace slipstream {
@@ -13,21 +15,19 @@ namespace {
 
 constexpr int channels = 3;
 
-FrameFormat format_of(const FrameSource& pictures, bool apart) {
+FrameFormat format_of(const FrameSource& pictures) {
   const FrameFormat format = pictures.format();
   if (format.bits != 8 || format.size.width % channels != 0) {
     throw Error("pictures in colour have three values of 8 bits a pixel");
   }
-  return {{format.size.width / channels, format.size.height}, apart ? 16 : 8};
+  return {{format.size.width / channels, format.size.height}, 8};
 }
 
 }  // namespace
 
-ColourSource::ColourSource(std::unique_ptr<FrameSource> pictures,
-                           std::optional<ColourMixture> mixture)
+ColourSource::ColourSource(std::unique_ptr<FrameSource> pictures)
     : pictures_(std::move(pictures)),
-      mixture_(mixture),
-      format_(format_of(*pictures_, mixture.has_value())),
+      format_(format_of(*pictures_)),
       picture_(pictures_->format()),
       given_(channels) {}
 
@@ -36,39 +36,18 @@ void ColourSource::start() {
   pictures_->start();
 }
 
-void ColourSource::take_apart() {
-  const auto& values = std::get<Image<std::uint8_t>>(picture_.pixels);
-  FrameSet::Images8 seen(channels, Image<std::uint8_t>(format_.size));
-  for (std::size_t c = 0; c < seen.size(); ++c) {
-    const std::uint8_t* value = values.begin() + c;
-    for (std::uint8_t& pixel : seen[c]) {
-      pixel = *value;
-      value += channels;
-    }
-  }
-  apart_ = FrameSet(std::move(seen));
-  if (mixture_) apart_ = unmixed(apart_, *mixture_);
-}
-
 Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   if (given_ == channels) {
     const Arrival arrival = pictures_->next(picture_, timeout);
     if (arrival != Arrival::frame) return arrival;
-    take_apart();
     given_ = 0;
   }
   if (frame.format() != format_) frame = Frame(format_);
-  std::visit(
-      [&]<class Pixel>(Image<Pixel>& image) {
-        const auto copy = [&]<class Channel>(const Frames<Channel>& frames) {
-          if constexpr (std::is_same_v<Channel, Pixel>) {
-            std::copy_n(frames[static_cast<std::size_t>(given_)].row(0), image.pixel_count(),
-                        image.begin());
-          }
-        };
-        apart_.visit(copy);
-      },
-      frame.pixels);
+  const std::uint8_t* value = std::get<Image<std::uint8_t>>(picture_.pixels).begin() + given_;
+  for (std::uint8_t& pixel : std::get<Image<std::uint8_t>>(frame.pixels)) {
+    pixel = *value;
+    value += channels;
+  }
   frame.stamp = picture_.stamp;
   frame.stamp.sequence = channels * frame.stamp.sequence + static_cast<std::uint64_t>(given_);
   if (std::optional<int>& pattern = frame.stamp.pattern_index) {
@@ -83,6 +62,45 @@ SourceCounters ColourSource::counters() const {
   counters.delivered *= channels;
   counters.lost *= channels;
   return counters;
+}
+
+UnmixedSource::UnmixedSource(std::unique_ptr<FrameSource> source, const ColourMixture& mixture,
+                             FrameSet white)
+    : channels_(std::move(source)), mixture_(mixture), white_(std::move(white)) {}
+
+void UnmixedSource::start() {
+  seen_.clear();
+  given_ = stamps_.size();
+  channels_->start();
+}
+
+Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point end = Clock::now() + timeout;
+  while (given_ == stamps_.size()) {
+    Frame seen(channels_->format());
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
+    const Arrival arrival = channels_->next(seen, std::max(left, std::chrono::milliseconds(0)));
+    if (arrival != Arrival::frame) return arrival;
+    const std::uint64_t number = seen.stamp.sequence;
+    if (!seen_.empty() && number != seen_.back().stamp.sequence + 1) seen_.clear();
+    if (number % channels != seen_.size()) continue;  // its first one is missing
+    seen_.push_back(std::move(seen));
+    if (seen_.size() < channels) continue;
+    stamps_.clear();
+    for (const Frame& channel : seen_) stamps_.push_back(channel.stamp);
+    apart_ = unmixed(frame_set_of(std::exchange(seen_, {})), mixture_, white_);
+    given_ = 0;
+  }
+  if (frame.format() != format()) frame = Frame(format());
+  apart_.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
+      auto& image = std::get<Image<std::uint16_t>>(frame.pixels);
+      std::copy_n(frames[given_].row(0), image.pixel_count(), image.begin());
+    }
+  });
+  frame.stamp = stamps_[given_++];
+  return Arrival::frame;
 }
 
 }  // namespace slipstream

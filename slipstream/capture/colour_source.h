@@ -1,8 +1,9 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <memory>
-#include <optional>
+#include <vector>
 
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/capture/frame_source.h"
@@ -11,13 +12,12 @@
 namespace slipstream {
 
 /// A camera in colour as a source of grey frames: of each picture its three channels one after
-/// another, or with a mixture what `unmixed` makes of them, see colour_channels.h. Picture n is
-/// frames 3 n to 3 n + 2.
+/// another, see colour_channels.h. Picture n is frames 3 n to 3 n + 2.
 class ColourSource : public FrameSource {
  public:
   /// `pictures`: frames of 8 bits, three times as wide as the pictures: red, green and blue of a
   /// pixel, then those of the next. Throws Error for others.
-  ColourSource(std::unique_ptr<FrameSource> pictures, std::optional<ColourMixture> mixture);
+  explicit ColourSource(std::unique_ptr<FrameSource> pictures);
 
   [[nodiscard]] FrameFormat format() const override { return format_; }
   [[nodiscard]] bool has_own_pace() const override { return pictures_->has_own_pace(); }
@@ -30,14 +30,38 @@ class ColourSource : public FrameSource {
   CameraControls* controls() override { return pictures_->controls(); }
 
  private:
-  void take_apart();
-
   std::unique_ptr<FrameSource> pictures_;
-  std::optional<ColourMixture> mixture_;
   FrameFormat format_;
   Frame picture_;
-  FrameSet apart_;  ///< of the picture
-  int given_;       ///< of those
+  int given_;  ///< channels of it
+};
+
+/// Of a source of channels, as ColourSource, what `unmixed` makes of them: frames of 16 bits of
+/// each of the projector's colours alone. A picture that lacks a channel is left out.
+class UnmixedSource : public FrameSource {
+ public:
+  /// `white`: see unmixed.
+  UnmixedSource(std::unique_ptr<FrameSource> source, const ColourMixture& mixture,
+                FrameSet white = {});
+
+  [[nodiscard]] FrameFormat format() const override { return {channels_->format().size, 16}; }
+  [[nodiscard]] bool has_own_pace() const override { return channels_->has_own_pace(); }
+  void start() override;
+  Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
+  void stop() override { channels_->stop(); }
+  void trigger() override { channels_->trigger(); }
+  [[nodiscard]] SourceCounters counters() const override { return channels_->counters(); }
+  [[nodiscard]] std::string state() const override { return channels_->state(); }
+  CameraControls* controls() override { return channels_->controls(); }
+
+ private:
+  std::unique_ptr<FrameSource> channels_;
+  ColourMixture mixture_;
+  FrameSet white_;
+  std::vector<Frame> seen_;         ///< of the picture that comes
+  std::vector<FrameStamp> stamps_;  ///< of the picture that was taken apart
+  FrameSet apart_;                  ///< it
+  std::size_t given_ = 0;           ///< of its frames
 };
 
 }  // namespace slipstream

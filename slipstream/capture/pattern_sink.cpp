@@ -3,19 +3,26 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/image/colour.h"
 
 namespace slipstream {
 
-void require_patterns(const std::vector<Image<std::uint8_t>>& patterns, std::optional<Size> size,
+template <class Pixel>
+void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
                       const std::string& device) {
   if (patterns.empty()) throw Error("no pattern to be shown; one or more are wanted");
   const Size wanted = size.value_or(patterns.front().size());
-  for (const Image<std::uint8_t>& pattern : patterns) {
+  for (const Image<Pixel>& pattern : patterns) {
     if (pattern.size() == wanted) continue;
     throw Error(fmt::format("the patterns are {}x{}, but {} is {}x{}; each pixel must meet its own",
                             pattern.width(), pattern.height(), size ? device : "the first",
                             wanted.width, wanted.height));
   }
 }
+
+template void require_patterns(const std::vector<Image<std::uint8_t>>&, std::optional<Size>,
+                               const std::string&);
+template void require_patterns(const std::vector<Image<Colour>>&, std::optional<Size>,
+                               const std::string&);
 
 }  // namespace slipstream

@@ -33,7 +33,8 @@ class PatternSink {
 
 /// What every sink refuses. Throws Error where there are no patterns, or one is not of `size`, or
 /// of the first one's where that is none; `device` is what the message calls the sink.
-void require_patterns(const std::vector<Image<std::uint8_t>>& patterns, std::optional<Size> size,
+template <class Pixel = std::uint8_t>
+void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
                       const std::string& device);
 
 }  // namespace slipstream

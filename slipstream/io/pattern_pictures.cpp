@@ -2,18 +2,16 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 
 #include <fmt/format.h>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/folder_sink.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/pattern/pattern_in_8_bits.h"
 #include "slipstream/pattern/primaries.h"
+#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -43,19 +41,11 @@ std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& p
 std::vector<fs::path> write_colour_patterns(const fs::path& folder, const PatternSet& patterns,
                                             const Sequence& sequence,
                                             const std::function<void()>& written) {
-  if (patterns.count % 3 != 0 || patterns.binary || sequence.marker) {
-    throw Error(
-        fmt::format("{} of {} patterns: in colour there are three to a picture, of grey levels and "
-                    "without a marker",
-                    sequence.strategy.name(), patterns.count));
-  }
+  require_in_colour(sequence, folder.string());
   const auto write = [&](const PatternSet& set, int first, const fs::path& file) {
-    FrameSet::Images8 channels;
-    for (int n = first; n < first + 3; ++n) {
-      channels.push_back(in_8_bits(render_pattern(set, n, sequence.projector)));
-    }
+    const Image<Colour> picture = picture_in_colour(set, first, sequence.projector);
     if (first == 0) make_folder(folder);
-    write_colour_frames({file}, FrameSet(std::move(channels)));
+    write_image(file, picture);
   };
   std::vector<fs::path> pictures;
   for (int n = 0; n < patterns.count; n += 3) {

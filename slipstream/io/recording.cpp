@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/capture/scan_camera.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/scan_folder.h"
@@ -26,7 +27,10 @@ static_assert(std::endian::native == std::endian::little,
 
 constexpr std::array<char, 8> magic{'S', 'L', 'I', 'P', 'F', 'R', 'M', 'S'};
 constexpr std::array<char, 4> end_mark{'E', 'N', 'D', '.'};
-constexpr std::uint32_t version = 1;
+/// Of frames that are grey, and of those of pictures in colour, which who reads the first alone
+/// must not take for grey.
+constexpr std::uint32_t grey_version = 1, colour_version = 2;
+constexpr std::uint32_t channels = 3;
 /// Headers and records take multiples of so many bytes.
 constexpr std::uint64_t alignment = 64;
 /// Of an interrupted recording, from its end, frame by frame: more than is unsynced at any time.
@@ -41,10 +45,10 @@ struct FileHeader {
   std::uint32_t bits = 0;
   std::uint32_t scan_length = 0;
   std::uint32_t scanner_length = 0;
-  std::uint32_t reserved = 0;
+  std::uint32_t channels = 0;  ///< in colour 3, else 0
   double frame_rate = 0;
   std::uint64_t record_size = 0;
-  std::uint32_t reserved_too = 0;
+  std::uint32_t white_length = 0;  ///< of the third text: the pixels of the white picture
   std::uint32_t checksum = 0;  ///< of what stands before it, then of what follows to header_size
 };
 static_assert(sizeof(FileHeader) == alignment);
@@ -127,8 +131,9 @@ std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
 }
 
 /// The texts of the header, padded so that the records begin at a multiple of the alignment.
-std::string texts_of(const std::string& scan, const std::string& scanner) {
-  std::string texts = scan + scanner;
+std::string texts_of(const std::string& scan, const std::string& scanner,
+                     const std::string& white) {
+  std::string texts = scan + scanner + white;
   texts.resize(aligned(texts.size()), '\0');
   return texts;
 }
@@ -141,16 +146,57 @@ std::string scanner_text(const RecordingHeader& header) {
   return header.scanner ? text_of(*header.scanner) : std::string();
 }
 
+std::string text_of(const FrameFormat& format) {
+  return fmt::format("{}x{} with {} bits", format.size.width, format.size.height, format.bits);
+}
+
+/// The pixels of the white picture's channels, one behind another.
+std::string pixels_of(const FrameSet& white) {
+  std::string pixels;
+  white.visit([&](const auto& views) {
+    for (const auto& view : views) {
+      const auto* const begin = reinterpret_cast<const char*>(view.row(0));
+      const auto* const end = reinterpret_cast<const char*>(view.row(view.height()));
+      pixels.append(begin, end);
+    }
+  });
+  return pixels;
+}
+
+FrameSet white_from(std::string_view pixels, const FrameFormat& format) {
+  if (pixels.empty()) return {};
+  std::vector<Frame> frames(channels, Frame(format));
+  for (Frame& frame : frames) {
+    const std::span<std::uint8_t> own = pixel_bytes(frame);
+    std::copy_n(pixels.begin(), own.size(), own.begin());
+    pixels.remove_prefix(own.size());
+  }
+  return frame_set_of(std::move(frames));
+}
+
+void require_valid_colours(const RecordingHeader& header) {
+  if (header.in_colour && header.sequence) {
+    require_in_colour(*header.sequence, "a recording in colour");
+  }
+  const FrameSet& white = header.white;
+  if (white.count() == 0) return;
+  const FrameFormat format{white.size(), white.bits()};
+  if (!header.in_colour || white.count() != channels || !white.quantised() ||
+      format != header.format) {
+    throw Error(
+        fmt::format("a white picture of {} channels, {}, cannot be recorded with frames of "
+                    "{}; of three that are alike",
+                    white.count(), text_of(format), text_of(header.format)));
+  }
+}
+
 void require_valid(const RecordingHeader& header) {
   slipstream::require_valid(header.format);
   if (!(header.frame_rate >= 0 && std::isfinite(header.frame_rate))) {
     throw Error(
         fmt::format("a frame rate of {} Hz cannot be recorded; 0 or more", header.frame_rate));
   }
-}
-
-std::string text_of(const FrameFormat& format) {
-  return fmt::format("{}x{} with {} bits", format.size.width, format.size.height, format.bits);
+  require_valid_colours(header);
 }
 
 }  // namespace
@@ -172,18 +218,21 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
     throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
                             scanner.size(), largest_text));
   }
-  const std::string texts = texts_of(scan, scanner);
+  const std::string white = pixels_of(header.white);
+  const std::string texts = texts_of(scan, scanner, white);
   header_size_ = sizeof(FileHeader) + texts.size();
   FileHeader written{.magic = magic,
-                     .version = version,
+                     .version = header.in_colour ? colour_version : grey_version,
                      .header_size = static_cast<std::uint32_t>(header_size_),
                      .width = static_cast<std::uint32_t>(format_.size.width),
                      .height = static_cast<std::uint32_t>(format_.size.height),
                      .bits = static_cast<std::uint32_t>(format_.bits),
                      .scan_length = static_cast<std::uint32_t>(scan.size()),
                      .scanner_length = static_cast<std::uint32_t>(scanner.size()),
+                     .channels = header.in_colour ? channels : 0,
                      .frame_rate = header.frame_rate,
-                     .record_size = record_size(format_)};
+                     .record_size = record_size(format_),
+                     .white_length = static_cast<std::uint32_t>(white.size())};
   const Bytes text_bytes(reinterpret_cast<const std::uint8_t*>(texts.data()), texts.size());
   written.checksum = checksum_of(written, text_bytes);
 
@@ -259,6 +308,25 @@ void RecordingWriter::give_up() {
                                      why, count_, sure));
 }
 
+namespace {
+
+/// The texts behind the header; none where it is damaged.
+std::optional<std::string> read_texts(const InputFile& file, const FileHeader& header) {
+  const std::size_t size =
+      std::size_t{header.scan_length} + header.scanner_length + header.white_length;
+  if (header.scan_length > largest_text || header.scanner_length > largest_text ||
+      header.header_size != sizeof(header) + aligned(size) || header.header_size > file.size()) {
+    return std::nullopt;
+  }
+  std::string texts(aligned(size), '\0');
+  const std::span<std::uint8_t> bytes(reinterpret_cast<std::uint8_t*>(texts.data()), texts.size());
+  const bool whole =
+      file.read(sizeof(header), {bytes}) && header.checksum == checksum_of(header, bytes);
+  return whole ? std::optional(std::move(texts)) : std::nullopt;
+}
+
+}  // namespace
+
 RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path, no_limit) {
   read_header();
   find_end();
@@ -272,21 +340,15 @@ void RecordingReader::read_header() {
   if (!file_.read(0, {writable_bytes_of(header)}) || header.magic != magic) {
     refuse("is no recording of slipstream");
   }
-  if (header.version != version) {
-    refuse(fmt::format("is a recording of version {}; {} can be read", header.version, version));
+  if (header.version != grey_version && header.version != colour_version) {
+    refuse(fmt::format("is a recording of version {}; {} and {} can be read", header.version,
+                       grey_version, colour_version));
   }
-  const std::size_t text_size = std::size_t{header.scan_length} + header.scanner_length;
-  std::string texts;
-  if (text_size <= 2 * largest_text && header.header_size == sizeof(header) + aligned(text_size)) {
-    texts.resize(aligned(text_size));
-  }
-  const std::span<std::uint8_t> text_bytes(reinterpret_cast<std::uint8_t*>(texts.data()),
-                                           texts.size());
-  if (header.header_size != sizeof(header) + texts.size() ||
-      !file_.read(sizeof(header), {text_bytes}) ||
-      header.checksum != checksum_of(header, text_bytes)) {
-    refuse("its header is damaged");
-  }
+  header_.in_colour = header.version == colour_version;
+  if (header.channels != (header_.in_colour ? channels : 0)) refuse("its header is damaged");
+  const std::optional<std::string> stored = read_texts(file_, header);
+  if (!stored) refuse("its header is damaged");
+  const std::string& texts = *stored;
   if (std::uint64_t{header.width} * header.height > largest_picture) {
     refuse(fmt::format("frames of {}x{} pixels; at most {} are read", header.width, header.height,
                        largest_picture));
@@ -299,7 +361,15 @@ void RecordingReader::read_header() {
   } catch (const Error& error) {
     refuse(error.what());
   }
-  if (header.record_size != record_size(header_.format)) refuse("its header is damaged");
+  const std::uint64_t white_length = header_.in_colour ? channels * byte_count(header_.format) : 0;
+  if (header.record_size != record_size(header_.format) ||
+      (header.white_length != 0 && header.white_length != white_length)) {
+    refuse("its header is damaged");
+  }
+  header_.white =
+      white_from(std::string_view(texts).substr(
+                     std::size_t{header.scan_length} + header.scanner_length, header.white_length),
+                 header_.format);
   if (header.scan_length > 0) {
     header_.sequence =
         scan_files_from(texts.substr(0, header.scan_length), path_.string(), {}).sequence;

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "slipstream/capture/frame.h"
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/io/file.h"
 #include "slipstream/strategy/sequence.h"
@@ -19,9 +20,13 @@ namespace slipstream {
 /// What a recording says of all its frames. The file's layout, byte by byte, is in docs/files.md.
 struct RecordingHeader {
   FrameFormat format;
-  double frame_rate = 0;               ///< frames per second asked of the camera; 0 where not known
+  double frame_rate = 0;  ///< pictures per second asked of the camera; 0 where not known
   std::optional<Sequence> sequence{};  ///< that the frames show; nothing where not said
   std::optional<Scanner> scanner{};    ///< of the camera that takes them; nothing where not known
+  /// Three frames are the channels of a picture in colour, as they were taken: frames 3 n to
+  /// 3 n + 2 those of picture n, see colour_channels.h.
+  bool in_colour = false;
+  FrameSet white{};  ///< in colour: the channels of a white picture, see unmixed; none without one
 };
 
 /// Whether there is a file of that name that begins as a recording does.

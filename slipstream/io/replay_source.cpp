@@ -53,7 +53,8 @@ void ReplaySource::open_recording(const fs::path& path) {
 
 void ReplaySource::open_folder(const fs::path& folder) {
   const ScanFiles files = scan_files_in(folder, settings_.scan);
-  const Scan scan = load_scan(files);
+  header_.in_colour = is_in_colour(files);
+  const Scan scan = header_.in_colour ? load_as_taken(files, header_.white) : load_scan(files);
   frames_ = frames_of(scan.frames, folder.string());
   count_ = frames_.size();
   paced_ = settings_.rate.value_or(0) > 0;
@@ -124,7 +125,8 @@ bool ReplaySource::read_ahead() {
 steady_clock::time_point ReplaySource::due() const {
   if (!ahead_is_whole_) return started_;  // nobody knows when
   if (settings_.rate) {
-    const std::chrono::duration<double> since(static_cast<double>(next_ - 1) / *settings_.rate);
+    const std::uint64_t taken = (next_ - 1) / (header_.in_colour ? 3 : 1);  // before, at once
+    const std::chrono::duration<double> since(static_cast<double>(taken) / *settings_.rate);
     return started_ + std::chrono::duration_cast<steady_clock::duration>(since);
   }
   return started_ + (ahead_.stamp.host_time - first_host_time_);

@@ -17,9 +17,9 @@ namespace slipstream {
 
 /// How fast recorded frames come, and whether they come again.
 struct ReplaySettings {
-  /// Frames per second; 0: as fast as they are asked for; none: at the times of the recording. A
-  /// scan folder has no times, nor have frames recorded from memory at more than 5,000 per second:
-  /// they are read as fast as they are asked for.
+  /// Frames per second, in colour pictures; 0: as fast as they are asked for; none: at the times of
+  /// the recording. A scan folder has no times, nor have frames recorded from memory at more than
+  /// 5,000 per second: they are read as fast as they are asked for.
   std::optional<double> rate;
   bool loop = false;   ///< begins again at the end
   ScanChanges scan{};  ///< over what a scan folder says
@@ -27,7 +27,8 @@ struct ReplaySettings {
 
 /// The frames of a recording or of a scan folder, as if a camera took them now. What the recording
 /// lacks is a gap in the sequence, as it was then. Looped, the sequence goes on without a gap: each
-/// round is of whole cycles, so that the pattern of each frame can be counted as before.
+/// round is of whole cycles, so that the pattern of each frame can be counted as before. Pictures
+/// in colour come as their channels, as RecordingHeader has them, from a scan folder too.
 class ReplaySource : public FrameSource {
  public:
   /// Throws Error where `path` is neither a recording nor a scan folder, has no frame that can be

@@ -26,6 +26,9 @@ namespace {
 
 FrameSet recorded_frames(const ScanFiles& files) {
   const RecordingReader& recording = *files.recording;
+  if (recording.header().in_colour) {
+    require_in_colour(files.sequence, files.path.string());
+  }
   if (const int bits = recording.header().format.bits; bits != files.bits) {
     throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is of pictures",
                             files.path.string(), bits, files.bits));
@@ -59,13 +62,11 @@ FrameSet in_order(FrameSet frames, const ScanFiles& files) {
 }
 
 /// One cycle, whole.
-void save_recording(const fs::path& path, const FrameViews& frames, Sequence sequence,
-                    const std::optional<Scanner>& scanner) {
+void save_recording(const fs::path& path, const FrameViews& frames, RecordingHeader header) {
   const std::vector<Frame> cycle = frames_of(frames, path.string());
-  sequence.marker = false;
-  RecordingWriter writer(
-      path, {.format = cycle.front().format(), .sequence = sequence, .scanner = scanner},
-      OutputFile::Writing::at_once);
+  header.format = cycle.front().format();
+  header.sequence->marker = false;
+  RecordingWriter writer(path, header, OutputFile::Writing::at_once);
   for (const Frame& frame : cycle) writer.append(frame);
   writer.finish();
 }
@@ -78,52 +79,70 @@ std::vector<fs::path> frame_names(const fs::path& folder, const FrameViews& fram
   return names;
 }
 
-/// Whether the files are pictures in colour, each of three frames.
-bool is_in_colour(const ScanFiles& files) {
-  return !files.recording &&
-         3 * static_cast<int>(files.frames.size()) == frame_count(files.sequence);
+FrameSet white_of(const ScanFiles& files) {
+  if (files.recording) return files.recording->header().white;
+  return files.white ? read_colour_frames({*files.white}) : FrameSet();
 }
 
-/// The frames as they were taken; those of pictures in colour taken apart by how their channels
-/// mix, where it is known.
-Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixture) {
-  Scan scan{.order = files.order, .sequence = files.sequence};
+/// The frames as they were taken.
+Scan taken_scan(const ScanFiles& files) {
+  Scan scan{.sequence = files.sequence};
   if (files.recording) {
-    scan.frames = in_order(recorded_frames(files), files);
+    scan.frames = recorded_frames(files);
     scan.sequence.marker = false;  // no frame of the cycle is one
     return scan;
   }
-  const int wanted = frame_count(files.sequence);
   if (is_in_colour(files)) {
     scan.frames = read_colour_frames(files.frames, files.bits);
-    if (mixture) {
-      const FrameSet white = files.white ? read_colour_frames({*files.white}) : FrameSet();
-      scan.frames = unmixed(scan.frames, *mixture, white);
-      if (!files.white) {
-        scan.warnings.emplace_back(
-            "pictures in colour without a white one: only surfaces of one grey come out right");
-      }
-    } else {
-      scan.warnings.emplace_back(
-          "pictures in colour, and nothing is known of how their channels mix; slipstream "
-          "calibrate "
-          "colour measures it");
-    }
-    scan.frames = in_order(std::move(scan.frames), files);
     return scan;
   }
-  if (static_cast<int>(files.frames.size()) != wanted) {
+  if (const int wanted = frame_count(files.sequence);
+      static_cast<int>(files.frames.size()) != wanted) {
     throw Error(fmt::format("{}: {} frames, but {} with these steps and exposures takes {}",
                             files.path.string(), files.frames.size(),
                             files.sequence.strategy.name(), wanted));
   }
   LoadedFrames loaded = read_frames(files.frames, files.bits);
-  scan.frames = in_order(std::move(loaded.frames), files);
+  scan.frames = std::move(loaded.frames);
   scan.warnings = std::move(loaded.warnings);
   return scan;
 }
 
+/// The frames in pattern order; those of pictures in colour taken apart by how their channels mix,
+/// where it is known.
+Scan read_scan(const ScanFiles& files, const std::optional<ColourMixture>& mixture) {
+  Scan scan = taken_scan(files);
+  if (is_in_colour(files)) {
+    const FrameSet white = white_of(files);
+    if (mixture) scan.frames = unmixed(scan.frames, *mixture, white);
+    const std::string doubt = doubt_about_colours(mixture.has_value(), white.count() != 0);
+    if (!doubt.empty()) scan.warnings.push_back(doubt);
+  }
+  scan.order = files.order;
+  scan.frames = in_order(std::move(scan.frames), files);
+  return scan;
+}
+
+std::optional<Scanner> scanner_of(const ScanFiles& files) {
+  if (files.recording && files.scanner == files.path) return files.recording->header().scanner;
+  if (files.scanner) return read_scanner(*files.scanner);
+  return std::nullopt;
+}
+
+/// Adds the scanner, which must fit the frames.
+void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& files) {
+  if (!scanner) return;
+  scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
+                           files.sequence.projector);
+  scan.sequence.projector = scan.scanner->projector.size;
+}
+
 }  // namespace
+
+bool is_in_colour(const ScanFiles& files) {
+  if (files.recording) return files.recording->header().in_colour;
+  return 3 * static_cast<int>(files.frames.size()) == frame_count(files.sequence);
+}
 
 Scan load_frames(const ScanFiles& files) {
   std::optional<ColourMixture> mixture;
@@ -134,15 +153,22 @@ Scan load_frames(const ScanFiles& files) {
 }
 
 Scan load_scan(const ScanFiles& files) {
-  std::optional<Scanner> scanner;
-  if (files.recording && files.scanner == files.path) scanner = files.recording->header().scanner;
-  if (files.scanner && !scanner) scanner = read_scanner(*files.scanner);
+  std::optional<Scanner> scanner = scanner_of(files);
   Scan scan = merged(read_scan(files, scanner ? scanner->photometry.colour_mixture : std::nullopt));
-  if (scanner) {
-    scan.scanner = completed(*std::move(scanner), files.scanner->string(), scan.frames.size(),
-                             files.sequence.projector);
-    scan.sequence.projector = scan.scanner->projector.size;
+  add_scanner(scan, std::move(scanner), files);
+  return scan;
+}
+
+Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
+  if (!files.order.empty()) {
+    throw Error(
+        fmt::format("{}: --order is of scans in grey; the channels of a picture in colour "
+                    "were taken at once",
+                    files.path.string()));
   }
+  Scan scan = taken_scan(files);
+  white = white_of(files);
+  add_scanner(scan, scanner_of(files), files);
   return scan;
 }
 
@@ -168,14 +194,17 @@ Scan load_scan(const fs::path& path, const ScanChanges& changes) {
 
 ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequence& sequence,
                     const std::optional<Scanner>& scanner,
-                    const std::optional<fs::path>& scanner_file, bool in_colour) {
+                    const std::optional<fs::path>& scanner_file, bool in_colour,
+                    const FrameSet& white) {
   require_as_taken(sequence.strategy);
+  if (in_colour) require_in_colour(sequence, path.string());
   if (lower_case_extension(path) == ".slip") {
-    if (in_colour) {
-      throw Error(
-          fmt::format("{}: a recording holds no pictures in colour; give a folder", path.string()));
-    }
-    save_recording(path, frames, sequence, scanner_file ? read_scanner(*scanner_file) : scanner);
+    save_recording(path, frames,
+                   {.format = {},
+                    .sequence = sequence,
+                    .scanner = scanner_file ? read_scanner(*scanner_file) : scanner,
+                    .in_colour = in_colour,
+                    .white = white});
     return scan_files_in(path);
   }
   make_folder(path);
@@ -188,6 +217,10 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   if (in_colour) {
     files.frames.resize(files.frames.size() / 3);
     write_colour_frames(files.frames, frames);
+    if (white.count() != 0) {
+      files.white = path / "white.png";
+      write_colour_frames({*files.white}, white);
+    }
   } else {
     write_frames(files.frames, frames);
   }

@@ -17,10 +17,17 @@ namespace slipstream {
 /// the strategy's or its order is none of so many.
 Scan load_frames(const ScanFiles& files);
 
+/// Whether they are pictures in colour, each of three frames.
+bool is_in_colour(const ScanFiles& files);
+
 /// What one camera took: frames, sequence and the scanner that `files` names, completed by what
 /// else is known and checked against it. Throws Error where anything of it cannot be read or does
 /// not fit together; a scan without scanner is no error.
 Scan load_scan(const ScanFiles& files);
+
+/// The same of pictures in colour, neither taken apart nor merged, and the channels of the white
+/// one where there is one. Throws Error as well where an order is asked for.
+Scan load_as_taken(const ScanFiles& files, FrameSet& white);
 
 /// Adds what a further camera took of the same patterns at the same time. Throws Error as well
 /// where it was told of others.
@@ -32,13 +39,13 @@ Scan load_scan(const std::filesystem::path& path, const ScanChanges& changes = {
 /// Writes a scan into a folder, which is made: its frames as frame_00.png and so on, .tiff where
 /// they are not quantised, scan.yaml, and scanner.yaml where the scanner is known, or
 /// `scanner_file` in its place, which is there already; or, where the path ends in .slip, as a
-/// recording of one cycle. `in_colour`: three frames to a picture, see colour_channels.h. Returns
-/// what that says. Throws Error for a recording of unquantised frames or in colour, and
-/// as require_as_taken, before anything is written.
+/// recording of one cycle. `in_colour`: three frames to a picture, see colour_channels.h, and those
+/// of a white one where there is one. Returns what that says. Throws Error for a recording of
+/// unquantised frames, and as require_as_taken, before anything is written.
 ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
-                    bool in_colour = false);
+                    bool in_colour = false, const FrameSet& white = {});
 
 /// The path, with -2, -3 and so on before the ending where it is there already.
 std::filesystem::path free_path(const std::filesystem::path& path);

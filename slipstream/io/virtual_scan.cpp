@@ -13,14 +13,9 @@ namespace fs = std::filesystem;
 
 ScanFiles save_virtual_scan(const fs::path& path, const Sequence& sequence,
                             const VirtualWorld& world, const VirtualScan& taken) {
-  ScanFiles files =
-      save_scan(path, taken.frames, sequence, as_calibrated(world), std::nullopt, taken.in_colour);
+  ScanFiles files = save_scan(path, taken.frames, sequence, as_calibrated(world), std::nullopt,
+                              taken.in_colour, taken.white);
   if (is_recording(path)) return files;
-  if (taken.in_colour) {
-    files.white = path / "white.png";
-    write_colour_frames({*files.white}, taken.white);
-    write_scan_files(path / "scan.yaml", files);
-  }
   const fs::path truth = path / "truth";
   make_folder(truth);
   write_map(truth / "depth.tiff", taken.depth);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "slipstream/image/colour.h"
 #include "slipstream/image/image.h"
 #include "slipstream/pattern/pattern_set.h"
 
@@ -13,5 +14,8 @@ Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern);
 
 /// All patterns of a set, so rendered.
 std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size projector);
+
+/// Three of its patterns, from `first` on, as red, green and blue of one picture.
+Image<Colour> picture_in_colour(const PatternSet& set, int first, Size projector);
 
 }  // namespace slipstream

@@ -1,5 +1,8 @@
 #include "slipstream/project/monitor_sink.h"
 
+#include <array>
+#include <type_traits>
+
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
@@ -24,17 +27,24 @@ uniform int height;
 out vec4 pixel;
 void main() {
   ivec2 place = ivec2(gl_FragCoord.xy);
-  float level = texelFetch(pattern, ivec2(place.x, height - 1 - place.y), 0).r;
-  pixel = vec4(vec3(level), 1.0);
+  pixel = texelFetch(pattern, ivec2(place.x, height - 1 - place.y), 0);
 }
 )";
 
-opengl::Resource texture_of(const Image<std::uint8_t>& pattern) {
+/// A grey one has one channel, which is read as three.
+template <class Pixel>
+opengl::Resource texture_of(const Image<Pixel>& pattern) {
+  constexpr bool is_grey = std::is_same_v<Pixel, std::uint8_t>;
+  static_assert(is_grey || sizeof(Pixel) == 3);
   opengl::Resource texture = opengl::make_texture();
   glBindTexture(GL_TEXTURE_2D, texture.number());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_R8, pattern.width(), pattern.height(), 0, GL_RED,
-               GL_UNSIGNED_BYTE, pattern.begin());
+  glTexImage2D(GL_TEXTURE_2D, 0, is_grey ? GL_R8 : GL_RGB8, pattern.width(), pattern.height(), 0,
+               is_grey ? GL_RED : GL_RGB, GL_UNSIGNED_BYTE, pattern.begin());
+  if (is_grey) {
+    constexpr std::array<GLint, 4> everywhere{GL_RED, GL_RED, GL_RED, GL_ONE};
+    glTexParameteriv(GL_TEXTURE_2D, GL_TEXTURE_SWIZZLE_RGBA, everywhere.data());
+  }
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
   return texture;
@@ -71,10 +81,19 @@ MonitorSink::MonitorSink(const opengl::WindowSystem& system, int monitor)
 }
 
 void MonitorSink::load(std::vector<Image<std::uint8_t>> patterns) {
+  load_all(patterns);
+}
+
+void MonitorSink::load_in_colour(std::vector<Image<Colour>> pictures) {
+  load_all(pictures);
+}
+
+template <class Pixel>
+void MonitorSink::load_all(const std::vector<Image<Pixel>>& patterns) {
   require_patterns(patterns, size_, fmt::format("monitor {}", monitor_));
   window_.make_current();
   textures_.clear();
-  for (const Image<std::uint8_t>& pattern : patterns) textures_.push_back(texture_of(pattern));
+  for (const Image<Pixel>& pattern : patterns) textures_.push_back(texture_of(pattern));
 }
 
 void MonitorSink::show(std::size_t n) {

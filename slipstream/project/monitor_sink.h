@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "slipstream/capture/pattern_sink.h"
+#include "slipstream/image/colour.h"
 #include "slipstream/opengl/resource.h"
 #include "slipstream/opengl/shader_program.h"
 #include "slipstream/opengl/window.h"
@@ -24,6 +25,8 @@ class MonitorSink : public PatternSink {
 
   [[nodiscard]] std::optional<Size> size() const override { return size_; }
   void load(std::vector<Image<std::uint8_t>> patterns) override;
+  /// The same for pictures in colour.
+  void load_in_colour(std::vector<Image<Colour>> pictures);
   /// Shows pattern n from the monitor's next refresh on, and returns once it has begun, where the
   /// driver waits for it.
   void show(std::size_t n) override;
@@ -40,6 +43,9 @@ class MonitorSink : public PatternSink {
   [[nodiscard]] bool closed() const;
 
  private:
+  template <class Pixel>
+  void load_all(const std::vector<Image<Pixel>>& patterns);
+
   int monitor_;
   double refresh_hz_;
   opengl::Window window_;

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/camera/open_camera.h"
+#include "slipstream/capture/colour_channels.h"
 #include "slipstream/capture/colour_source.h"
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
@@ -84,17 +85,11 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
   opened.sequence.marker |= request.marker;
   opened.warning = replay->warning();
   set_scanner(opened, request, header.scanner, path);
+  opened.in_colour = header.in_colour;
+  if (opened.in_colour) require_in_colour(opened.sequence, path);
+  opened.white = header.white;
   opened.frames = std::move(replay);
   return opened;
-}
-
-void take_colours_apart(NamedSource& opened) {
-  std::optional<ColourMixture> mixture;
-  if (opened.scanner) mixture = opened.scanner->photometry.colour_mixture;
-  opened.warning = mixture ? "pictures in colour: only surfaces of one grey come out right"
-                           : "pictures in colour, and nothing is known of how their channels mix; "
-                             "slipstream calibrate colour measures it";
-  opened.frames = std::make_unique<ColourSource>(std::move(opened.frames), mixture);
 }
 
 /// Of a camera, which does not say what is projected.
@@ -111,14 +106,15 @@ NamedSource open_camera_source(const std::string&, const SourceRequest& request)
   settings.cycle =
       cycle_length(opened.sequence) + (request.scans - 1) * frame_count(cycle_of(opened.sequence));
   const int patterns = values_of(settings.pixel_format);
-  if (settings.cycle % patterns != 0) {
-    throw Error(fmt::format("--pixel-format {}: {} patterns, and {} to a picture in colour",
-                            name_of(settings.pixel_format), settings.cycle, patterns));
+  opened.in_colour = patterns > 1;
+  if (opened.in_colour) {
+    require_in_colour(opened.sequence,
+                      "--pixel-format " + std::string(name_of(settings.pixel_format)));
   }
   settings.cycle /= patterns;
   opened.frames = open_camera(request.source, settings);
+  if (opened.in_colour) opened.frames = std::make_unique<ColourSource>(std::move(opened.frames));
   set_scanner(opened, request, std::nullopt, request.source);
-  if (patterns > 1) take_colours_apart(opened);
   return opened;
 }
 
@@ -142,6 +138,15 @@ std::vector<std::string_view> scheme_names() {
 }
 
 }  // namespace
+
+std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels,
+                                           const NamedSource& opened) {
+  if (!opened.in_colour || !opened.scanner || !opened.scanner->photometry.colour_mixture) {
+    return channels;
+  }
+  return std::make_unique<UnmixedSource>(std::move(channels),
+                                         *opened.scanner->photometry.colour_mixture, opened.white);
+}
 
 std::string source_forms() {
   std::vector<std::string_view> forms;
@@ -171,7 +176,15 @@ NamedSource open_source(const SourceRequest& request) {
     throw Error(
         fmt::format("--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate));
   }
-  return scheme->open(what, request);
+  NamedSource opened = scheme->open(what, request);
+  if (!opened.in_colour) return opened;
+  const bool mixed = opened.scanner && opened.scanner->photometry.colour_mixture;
+  const std::string doubt = doubt_about_colours(mixed, opened.white.count() != 0);
+  opened.warning += opened.warning.empty() || doubt.empty() ? doubt : "; " + doubt;
+  if (request.as_taken) return opened;
+  opened.frames = colours_apart(std::move(opened.frames), opened);
+  opened.in_colour = false;
+  return opened;
 }
 
 }  // namespace slipstream

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "slipstream/camera/camera_settings.h"
+#include "slipstream/capture/frame_set.h"
 #include "slipstream/capture/frame_source.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/virtual_world.h"
@@ -24,6 +25,8 @@ struct SourceRequest {
   std::optional<std::filesystem::path> scanner{};  ///< file, over the source's own
   std::optional<VirtualWorld> world{};             ///< of `virtual`, which needs one
   CameraSettings camera{};                         ///< of `aravis` and `v4l2`
+  /// Pictures in colour are given as their channels, and are not taken apart.
+  bool as_taken = false;
 };
 
 /// A source, and what is known of what it sees.
@@ -33,7 +36,14 @@ struct NamedSource {
   std::optional<Scanner> scanner{};
   std::string scanner_name{};  ///< what a message calls it
   std::string warning{};       ///< for people; empty where all is well
+  bool in_colour = false;      ///< frames are channels as they were taken: see RecordingHeader
+  FrameSet white{};            ///< of pictures in colour, as RecordingHeader has it
 };
+
+/// Of channels as they were taken, what an engine may read: taken apart by the mixture that is
+/// known and the white picture.
+std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels,
+                                           const NamedSource& opened);
 
 /// What can be asked for: "virtual, replay:PATH, aravis:NAME, v4l2:NUMBER".
 std::string source_forms();
@@ -41,8 +51,8 @@ std::string source_forms();
 /// "replay" of "replay:scan.slip".
 std::string scheme_of(const std::string& source);
 
-/// Throws Error for a source that is not known or does not fit the request, WorldError for one that
-/// does not answer.
+/// Throws Error for a source that is not known or does not fit the request, and for pictures in
+/// colour under patterns that are not three to each; WorldError for one that does not answer.
 NamedSource open_source(const SourceRequest& request);
 
 }  // namespace slipstream

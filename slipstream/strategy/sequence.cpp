@@ -111,6 +111,13 @@ std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
   return {pattern_set(along_x), pattern_set(along(sequence, Axis::y))};
 }
 
+void require_in_colour(const Sequence& sequence, const std::string& asked) {
+  if (frame_count(sequence) % 3 == 0 && !sequence.marker) return;
+  throw Error(fmt::format(
+      "{}: {} has {} frames{}; in colour three each make a picture, without a marker", asked,
+      sequence.strategy.name(), frame_count(sequence), sequence.marker ? " and a marker" : ""));
+}
+
 void require_shown(const Sequence& sequence) {
   if (sequence.projector == Size{}) return;
   for (const Axis axis : {Axis::x, Axis::y}) {

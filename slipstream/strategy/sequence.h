@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -66,6 +67,10 @@ void require_mergeable(const Sequence& sequence);
 /// The patterns along x and then those along y that a board is calibrated by, the marker, where
 /// there is one, after the last of all: whatever axis the sequence has.
 std::vector<PatternSet> along_both_axes(const Sequence& sequence);
+
+/// Throws Error, of what `asked` names, unless three patterns of the sequence each make a picture
+/// in colour.
+void require_in_colour(const Sequence& sequence, const std::string& asked);
 
 /// Throws Error where the projector's size is known and cannot show the strategy.
 void require_shown(const Sequence& sequence);

@@ -73,6 +73,49 @@ TEST_F(Convert, a_recording_to_mcap_and_back_to_clouds_as_reconstruct_makes_them
   expect_same(path("two-000001.pcd"), path("expected-000002.pcd"));
 }
 
+TEST_F(Convert, pictures_in_colour_to_a_recording_and_back_bit_for_bit) {
+  const std::vector<std::string> pictures{"frame_00.png", "frame_01.png", "white.png"};
+  run({"simulate", path("colour"), "--camera", "160x120", "--world", "ideal", "--colour", "--paint",
+       "0.5", "--strategy", "dual-frequency", "--steps", "3"});
+  run({"convert", path("colour"), "-o", path("colour.slip")});
+  run({"convert", path("colour.slip"), "-o", path("again")});
+  run({"record", "--source", "replay:" + path("colour.slip"), "-o", path("record.slip")});
+  run({"live", "--source", "replay:" + path("record.slip"), "--rate", "0", "--headless", "--record",
+       path("live.slip"), "-o", path("live.pcd")});
+  run({"capture", "--source", "replay:" + path("live.slip"), "-o", path("captured")});
+  const auto check_pictures = [&](const fs::path& folder) {
+    for (const std::string& picture : pictures) {
+      EXPECT_EQ(read_file(folder / picture), read_file(path("colour/" + picture))) << folder;
+    }
+  };
+  check_pictures(path("again"));
+  check_pictures(path("captured"));
+  for (const std::string scan : {"colour", "colour.slip", "record.slip", "live.slip", "captured"}) {
+    run({"reconstruct", path(scan), "-o", path("cloud.pcd")});
+    run({"reconstruct", path("colour"), "-o", path("expected.pcd")});
+    EXPECT_EQ(read_file(path("cloud.pcd")), read_file(path("expected.pcd"))) << scan;
+  }
+  const Cloud live = read_cloud(path("live.pcd")).cloud,
+              expected = read_cloud(path("expected.pcd")).cloud;
+  EXPECT_GT(point_count(live), 0.9 * static_cast<double>(point_count(expected)));
+
+  const auto expect_refused = [&](const std::vector<std::string>& arguments,
+                                  const std::string& named) {
+    const ProgramRun refused = run(arguments, 2);
+    EXPECT_NE(refused.err.find(named), std::string::npos) << refused.err;
+  };
+  const std::string recording = path("colour.slip");
+  expect_refused({"reconstruct", recording, "--strategy", "fourier", "-o", path("grey.pcd")},
+                 "three each make a picture");
+  expect_refused({"live", "--source", "replay:" + recording, "--strategy", "pmp", "--steps", "4",
+                  "--headless", "-o", path("grey.pcd")},
+                 "three each make a picture");
+  EXPECT_FALSE(fs::exists(path("grey.pcd")));
+  expect_refused({"convert", path("colour"), path("colour"), "-o", path("two.slip")},
+                 "white picture");
+  EXPECT_FALSE(fs::exists(path("two.slip")));
+}
+
 TEST_F(Convert, what_a_live_scan_has_published_to_its_frames_and_those_to_scan_folders_and_back) {
   const auto reconstruct = [&](const std::string& scan, const std::string& name) {
     run({"reconstruct", path(scan), "--windows", ":", "--uncertainty", "-o",

@@ -94,6 +94,17 @@ TEST_F(ViewProgram, WithoutADesktopTheWindowsSaySo) {
   EXPECT_NE(project.err.find("desktop"), std::string::npos) << project.err;
 }
 
+TEST_F(ViewProgram, ProjectsThreePatternsToAPictureInColour) {
+  const Desktop desktop;
+  if (run_program({"project", "--list"}).exit_code != 0) GTEST_SKIP() << "no desktop";
+  expect_refused({"project", "--colour", "--strategy", "pmp", "--steps", "4"}, "three each");
+  expect_refused({"project", "--colour", "--marker"}, "and a marker");
+  RunningProgram project({"project", "--colour", "--strategy", "de-bruijn"});
+  EXPECT_TRUE(project.wait_for_words("showing 1 patterns")) << project.err();
+  project.send(SIGINT);
+  EXPECT_EQ(project.wait(), 0) << project.err();
+}
+
 TEST_F(ViewProgram, AnInterruptEndsTheProjectionAndKeepsItsLog) {
   const Desktop desktop;
   if (run_program({"project", "--list"}).exit_code != 0) GTEST_SKIP() << "no desktop";

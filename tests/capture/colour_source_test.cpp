@@ -1,7 +1,11 @@
 #include "slipstream/capture/colour_source.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -50,7 +54,7 @@ class Pictures : public FrameSource {
 constexpr FrameFormat of_pictures{{3 * picture_size.width, picture_size.height}, 8};
 
 TEST(ColourSource, GivesTheChannelsOneAfterAnother) {
-  ColourSource source(std::make_unique<Pictures>(of_pictures), std::nullopt);
+  ColourSource source(std::make_unique<Pictures>(of_pictures));
   EXPECT_EQ(source.format(), (FrameFormat{picture_size, 8}));
   for (int round = 0; round < 2; ++round) {
     source.start();
@@ -74,24 +78,30 @@ TEST(ColourSource, GivesTheChannelsOneAfterAnother) {
   EXPECT_EQ(source.state(), "well");
 }
 
-TEST(ColourSource, TakesThemApart) {
-  const ColourMixture mixture{{{1, 0.2, 0.05, 3}, {0.15, 0.9, 0.2, 2}, {0.05, 0.2, 0.75, 1}}};
-  ColourSource source(std::make_unique<Pictures>(of_pictures), mixture);
-  EXPECT_EQ(source.format(), (FrameFormat{picture_size, 16}));
+constexpr ColourMixture mixture{{{1, 0.2, 0.05, 3}, {0.15, 0.9, 0.2, 2}, {0.05, 0.2, 0.75, 1}}};
+
+/// The channels of a picture, taken apart.
+FrameSet apart_of(int picture) {
   FrameSet::Images8 seen(3, Image<std::uint8_t>(picture_size));
   for (int c = 0; c < 3; ++c) {
     for (int row = 0; row < picture_size.height; ++row) {
       for (int column = 0; column < picture_size.width; ++column) {
-        seen[static_cast<std::size_t>(c)](column, row) = value(0, c, column, row);
+        seen[static_cast<std::size_t>(c)](column, row) = value(picture, c, column, row);
       }
     }
   }
-  const FrameSet apart = unmixed(FrameSet(seen), mixture);
-  source.start();
+  return unmixed(FrameSet(seen), mixture);
+}
+
+/// The next three frames of the source are those of that picture.
+void expect_apart(FrameSource& source, int picture) {
+  const FrameSet apart = apart_of(picture);
   apart.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+    std::uint64_t sequence = 3 * static_cast<std::uint64_t>(picture);
     for (const auto& one : frames) {
       Frame frame(source.format());
       ASSERT_EQ(source.next(frame, {}), Arrival::frame);
+      EXPECT_EQ(frame.stamp.sequence, sequence++);
       const auto& image = std::get<Image<std::uint16_t>>(frame.pixels);
       for (int row = 0; row < picture_size.height; ++row) {
         for (int column = 0; column < picture_size.width; ++column) {
@@ -102,11 +112,56 @@ TEST(ColourSource, TakesThemApart) {
   });
 }
 
+TEST(UnmixedSource, TakesThemApart) {
+  UnmixedSource source(std::make_unique<ColourSource>(std::make_unique<Pictures>(of_pictures)),
+                       mixture);
+  EXPECT_EQ(source.format(), (FrameFormat{picture_size, 16}));
+  for (int round = 0; round < 2; ++round) {
+    source.start();
+    expect_apart(source, 0);
+    expect_apart(source, 2);
+  }
+}
+
+/// Lacks some frames of another.
+class Lossy : public ColourSource {
+ public:
+  Lossy(std::unique_ptr<FrameSource> pictures, std::vector<std::uint64_t> lost)
+      : ColourSource(std::move(pictures)), lost_(std::move(lost)) {}
+  Arrival next(Frame& frame, std::chrono::milliseconds timeout) override {
+    const Arrival arrival = ColourSource::next(frame, timeout);
+    const bool gone = std::find(lost_.begin(), lost_.end(), frame.stamp.sequence) != lost_.end();
+    return arrival == Arrival::frame && gone ? Arrival::damaged : arrival;
+  }
+
+ private:
+  std::vector<std::uint64_t> lost_;
+};
+
+TEST(UnmixedSource, LeavesOutPicturesThatLackAChannel) {
+  // Pictures 0, 2 and 4 are frames 0 to 2, 6 to 8 and 12 to 14.
+  const std::vector<std::vector<std::uint64_t>> losses{{0}, {1}, {2}, {1, 2}, {2, 6}, {0, 8}};
+  for (const std::vector<std::uint64_t>& lost : losses) {
+    UnmixedSource source(std::make_unique<Lossy>(std::make_unique<Pictures>(of_pictures), lost),
+                         mixture);
+    source.start();
+    Frame frame;
+    std::vector<std::uint64_t> came;
+    for (Arrival arrival{}; (arrival = source.next(frame, {})) != Arrival::ended;) {
+      if (arrival == Arrival::frame) came.push_back(frame.stamp.sequence);
+    }
+    std::vector<std::uint64_t> wanted;
+    for (const std::uint64_t picture : {0U, 2U, 4U}) {
+      if (std::any_of(lost.begin(), lost.end(), [&](auto n) { return n / 3 == picture; })) continue;
+      for (std::uint64_t c = 0; c < 3; ++c) wanted.push_back(3 * picture + c);
+    }
+    EXPECT_EQ(came, wanted) << lost.front();
+  }
+}
+
 TEST(ColourSource, RefusesOtherFrames) {
-  EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{16, 4}, 8}), std::nullopt),
-               Error);
-  EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{15, 4}, 12}), std::nullopt),
-               Error);
+  EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{16, 4}, 8})), Error);
+  EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{15, 4}, 12})), Error);
 }
 
 }  // namespace

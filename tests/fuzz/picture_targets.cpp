@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "slipstream/camera/pixel_format.h"
+#include "slipstream/capture/scan_camera.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/height_file.h"
 #include "slipstream/io/image_file.h"
@@ -101,8 +102,12 @@ std::vector<Bytes> recordings() {
   for (const int bits : {8, 12}) {
     seeds.push_back(written_file("frames.recording", [&](const fs::path& path) {
       const FrameFormat format{{7, 5}, bits};
-      RecordingWriter writer(path,
-                             {.format = format, .sequence = Sequence{.strategy = DualFrequency{}}});
+      RecordingHeader header{.format = format, .sequence = Sequence{.strategy = DualFrequency{}}};
+      header.in_colour = bits == 12;
+      if (header.in_colour) {
+        header.white = frame_set_of({some_frame(7, format), some_frame(8, format), Frame(format)});
+      }
+      RecordingWriter writer(path, header);
       for (int i = 0; i < 3; ++i) writer.append(some_frame(i, format));
       writer.finish();
     }));

@@ -5,11 +5,14 @@
 #include <filesystem>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/capture/scan_camera.h"
 #include "slipstream/io/file.h"
+#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/expect_error.h"
@@ -76,6 +79,80 @@ TEST(Recording, KeepsSequenceAndScanner) {
   EXPECT_EQ(reader.header().frame_rate, 119.5);
   EXPECT_EQ(reader.header().sequence, header.sequence);
   EXPECT_EQ(reader.header().scanner, header.scanner);
+}
+
+RecordingHeader in_colour(const FrameFormat& format) {
+  std::vector<Frame> white;
+  for (int c = 0; c < 3; ++c) white.push_back(some_frame(100 + c, format));
+  return {.format = format,
+          .sequence = Sequence{.strategy = PhaseMeasuring{.steps = 3}},
+          .in_colour = true,
+          .white = frame_set_of(std::move(white))};
+}
+
+TEST(Recording, KeepsThatItIsInColourAndTheWhitePicture) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  for (const FrameFormat& format : {some_format, FrameFormat{{5, 3}, 12}}) {
+    const RecordingHeader header = in_colour(format);
+    RecordingWriter writer(path, header);
+    for (int i = 0; i < 7; ++i) writer.append(some_frame(i, format));
+    writer.finish();
+    const RecordingReader reader(path);
+    EXPECT_TRUE(reader.header().in_colour);
+    EXPECT_EQ(reader.header().sequence, header.sequence);
+    EXPECT_EQ(reader.count(), 7U);
+    expect_first_frames(reader);
+    const std::vector<Frame> white = frames_of(reader.header().white, "white");
+    ASSERT_EQ(white.size(), 3U);
+    for (int c = 0; c < 3; ++c) {
+      EXPECT_TRUE(same_pixels(white[static_cast<std::size_t>(c)], some_frame(100 + c, format)));
+    }
+  }
+  RecordingHeader without = in_colour(some_format);
+  without.white = {};
+  RecordingWriter(path, without).finish();
+  EXPECT_TRUE(RecordingReader(path).header().in_colour);
+  EXPECT_EQ(RecordingReader(path).header().white.count(), 0);
+}
+
+/// A program that knows grey ones alone reads no version but 1.
+TEST(Recording, IsOfVersion2InColourAlone) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  record(path, 1);
+  EXPECT_EQ(read_file(path)[8], 1);
+  RecordingWriter(path, in_colour(some_format)).finish();
+  std::vector<std::uint8_t> bytes = read_file(path);
+  EXPECT_EQ(bytes[8], 2);
+  for (std::size_t at = 0; at < bytes.size(); at += at < 64 ? 1 : 97) {
+    std::vector<std::uint8_t> damaged = bytes;
+    damaged[at] ^= 0x02;
+    put_bytes(path, damaged);
+    if (at < bytes.size() - 16) {
+      expect_error([&] { RecordingReader reader(path); }, {path.string()});
+    }
+  }
+  bytes[8] = 3;
+  put_bytes(path, bytes);
+  expect_error([&] { RecordingReader reader(path); }, {"of version 3", "1 and 2 can be read"});
+}
+
+TEST(Recording, RefusesColoursThatAreNone) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "frames";
+  RecordingHeader four_steps = in_colour(some_format), marked = four_steps;
+  four_steps.sequence->strategy = PhaseMeasuring{.steps = 4};
+  expect_error([&] { RecordingWriter(path, four_steps); }, {"4 frames", "three each"});
+  marked.sequence->marker = true;
+  expect_error([&] { RecordingWriter(path, marked); }, {"marker"});
+  RecordingHeader grey = in_colour(some_format);
+  grey.in_colour = false;
+  expect_error([&] { RecordingWriter(path, grey); }, {"white picture"});
+  RecordingHeader other = in_colour({{5, 3}, 12});
+  other.format = some_format;
+  expect_error([&] { RecordingWriter(path, other); }, {"5x3 with 12 bits", "21x13 with 8 bits"});
+  EXPECT_FALSE(fs::exists(path));
 }
 
 TEST(Recording, InterruptedOpensUpToItsLastWholeFrame) {

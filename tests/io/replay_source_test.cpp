@@ -9,6 +9,7 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
+#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/colour_camera.h"
@@ -197,7 +198,7 @@ TEST(ReplaySource, RefusesPicturesOf16BitsThatAreSaidToHave8) {
                {folder.path().string(), "pictures of 16 bits", "bits is 8"});
 }
 
-TEST(ReplaySource, TakesPicturesInColourApart) {
+TEST(ReplaySource, GivesTheChannelsOfPicturesInColourFromAFolderAndFromItsRecording) {
   const TemporaryFolder folder;
   Scanner scanner = example_scanner({48, 36});
   const Strategy strategy = PhaseMeasuring{.steps = 3};
@@ -205,22 +206,26 @@ TEST(ReplaySource, TakesPicturesInColourApart) {
       take_colour_scan(scanner, scene_named("board", scanner), pattern_set(strategy, Axis::x), {},
                        {.mixture = usual_mixture});
   scanner.photometry.colour_mixture = usual_mixture;
-  save_scan(folder.path(), taken.frames, {.strategy = strategy}, scanner, std::nullopt, true);
-  ReplaySource source(folder.path(), {.rate = 0});
-  EXPECT_NE(source.warning().find("without a white one"), std::string::npos);
-  const FrameSet apart = unmixed(taken.frames, usual_mixture);
-  Frame frame(source.format());
-  source.start();
-  apart.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
-    if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-      for (const auto& one : frames) {
-        ASSERT_EQ(source.next(frame, 1s), Arrival::frame);
-        const auto& replayed = std::get<Image<std::uint16_t>>(frame.pixels);
-        EXPECT_TRUE(std::equal(replayed.begin(), replayed.end(), one.row(0)));
-      }
+  for (const char* const name : {"scan", "scan.slip"}) {
+    const fs::path path = folder.path() / name;
+    save_scan(path, taken.frames, {.strategy = strategy}, scanner, std::nullopt, true, taken.white);
+    ReplaySource source(path, {.rate = 0});
+    EXPECT_TRUE(source.header().in_colour);
+    EXPECT_EQ(source.header().scanner, scanner);
+    const auto expect_same = [](const Frame& a, const Frame& b) { EXPECT_TRUE(same_pixels(a, b)); };
+    const std::vector<Frame> frames = frames_of(taken.frames, "taken"),
+                             white = frames_of(taken.white, "white"),
+                             kept = frames_of(source.header().white, "kept");
+    ASSERT_EQ(kept.size(), white.size());
+    for (std::size_t c = 0; c < white.size(); ++c) expect_same(kept[c], white[c]);
+    Frame frame(source.format());
+    source.start();
+    for (const Frame& wanted : frames) {
+      ASSERT_EQ(source.next(frame, 1s), Arrival::frame);
+      expect_same(frame, wanted);
     }
-  });
-  EXPECT_EQ(source.next(frame, 1s), Arrival::ended);
+    EXPECT_EQ(source.next(frame, 1s), Arrival::ended);
+  }
 }
 
 template <class Pixel>

@@ -10,6 +10,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/phase_measuring.h"
@@ -129,6 +130,39 @@ TEST(SavedScan, HasTheSecondCamerasScanWithIt) {
   const Sequence other{.strategy = PhaseMeasuring{.steps = 4, .frequency = 2}};
   save_scan(folder.path() / "second", frames, other, scanner);
   expect_error([&] { (void)load_scan(folder.path()); }, {"second", "another strategy"});
+}
+
+TEST(SavedScan, InColourIsTheSameFromARecording) {
+  const TemporaryFolder folder;
+  Scanner known = scanner;
+  known.photometry.colour_mixture = usual_mixture;
+  for (const Strategy& strategy :
+       {Strategy(DualFrequency{.steps = 3, .high = 16}), Strategy(DeBruijn{})}) {
+    const Sequence shown{.strategy = strategy, .projector = scanner.projector.size};
+    const VirtualScan taken =
+        take_colour_scan(scanner, scene_named("statue", scanner), pattern_set(shown), {},
+                         {.mixture = usual_mixture, .paint = 0.6});
+    for (const FrameSet& white : {FrameSet(), taken.white}) {
+      std::vector<Scan> read;
+      for (const char* const name : {"scan", "scan.slip"}) {
+        const fs::path path = folder.path() / name;
+        save_scan(path, taken.frames, shown, known, std::nullopt, true, white);
+        read.push_back(load_scan(path));
+        EXPECT_EQ(read.back().warnings.size(), white.count() == 0 ? 1U : 0U);
+        const Scan apart{.frames = unmixed(taken.frames, usual_mixture, white), .sequence = shown};
+        expect_same_frames(read.back().frames, merged(apart).frames);
+      }
+      EXPECT_EQ(read[0].scanner, read[1].scanner);
+      EXPECT_EQ(read[0].sequence, read[1].sequence);
+      fs::remove_all(folder.path() / "scan");
+    }
+    // Grey patterns were not shown, as the folder says too.
+    ScanChanges grey;
+    grey.sequence.strategy = "pmp";
+    grey.sequence.settings = {{"steps", "4"}};
+    expect_error([&] { load_scan(folder.path() / "scan.slip", grey); },
+                 {"scan.slip", "4 frames", "three each"});
+  }
 }
 
 TEST(SavedScan, IsRefusedWhereItDoesNotFitTogether) {

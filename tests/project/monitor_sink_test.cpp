@@ -74,6 +74,36 @@ TEST_F(OnAMonitor, EveryPixelHasItsGreyLevel) {
   }
 }
 
+TEST_F(OnAMonitor, EveryPixelHasItsColour) {
+  MonitorSink sink(*system_, 0);
+  const std::vector<Strategy> strategies{DeBruijn{}, DualFrequency{.steps = 3, .high = 32}};
+  for (const Strategy& strategy : strategies) {
+    const auto channels = patterns_of(strategy, Axis::x, size());
+    std::vector<Image<Colour>> pictures;
+    for (std::size_t n = 0; n < channels.size(); n += 3) {
+      pictures.push_back(
+          picture_in_colour(pattern_set(strategy, Axis::x), static_cast<int>(n), size()));
+    }
+    sink.load_in_colour(pictures);
+    for (std::size_t n = 0; n < pictures.size(); ++n) {
+      sink.draw(n);
+      const Image<Colour> shown = opengl::read_pixels(size());
+      sink.show(n);
+      for (std::size_t i = 0; i < shown.pixel_count(); ++i) {
+        const Colour wanted{channels[3 * n].begin()[i], channels[3 * n + 1].begin()[i],
+                            channels[3 * n + 2].begin()[i]};
+        ASSERT_EQ(shown.begin()[i], wanted) << i;
+      }
+    }
+  }
+  EXPECT_THROW(sink.load_in_colour({Image<Colour>({64, 48})}), Error);
+  const auto grey = patterns_of(PhaseMeasuring{}, Axis::x, size());
+  sink.load(grey);  // grey again after colours
+  sink.draw(0);
+  const Colour shown = opengl::read_pixels(size())(7, 5);
+  EXPECT_EQ(shown, (Colour{grey[0](7, 5), grey[0](7, 5), grey[0](7, 5)}));
+}
+
 TEST_F(OnAMonitor, PatternsComeInTheirOrderAndAreTold) {
   const auto patterns = patterns_of(PhaseMeasuring{.steps = 4, .frequency = 8}, Axis::x, size());
   std::vector<PatternSwap> swaps;

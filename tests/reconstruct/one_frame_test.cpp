@@ -98,7 +98,9 @@ TEST(OneFrame, HasThePhaseOfTwelveSteps) {
   EXPECT_GE(same_share, 0.999);
 }
 
-enum class Colour { none, mixed, apart, painted, whitened };
+/// Of grey surfaces mixed and taken apart; of painted ones mixed, taken apart, with a white
+/// picture.
+enum class Colour { none, mixed, apart, painted_mixed, painted, whitened };
 
 struct OneFrameScan {
   Strategy strategy;
@@ -108,10 +110,14 @@ struct OneFrameScan {
   double most_far;      ///< share of the points off by more than 1 mm
   bool painted = false;
   Colour colour = Colour::none;
+  double most_wrong = 0;  ///< share of the points a period off
 };
 
 void PrintTo(const OneFrameScan& scan, std::ostream* out) {
-  constexpr const char* in_colour[] = {"", ", in colours mixed", ", in colours taken apart",
+  constexpr const char* in_colour[] = {"",
+                                       ", in colours mixed",
+                                       ", in colours taken apart",
+                                       ", on colours mixed",
                                        ", on colours taken apart",
                                        ", on colours with a white picture"};
   *out << label_of(scan.strategy) << " of " << scan.scene << (scan.painted ? ", painted" : "")
@@ -142,11 +148,12 @@ VirtualScan scan_of(const Scanner& scanner, const Scene& scene, const PatternSet
   Photometry photometry{.ambient = 5, .noise_variance = 1.6, .bits = 8};
   photometry.physics.camera.blur = 0.6;
   if (colour == Colour::none) return take_scan(scanner, scene, patterns, photometry);
-  const bool painted = colour == Colour::painted || colour == Colour::whitened;
+  const bool painted = colour >= Colour::painted_mixed;
   VirtualScan scan =
       take_colour_scan(scanner, scene, patterns, photometry, {usual_mixture, painted ? 0.3 : 0});
   const FrameViews white = colour == Colour::whitened ? FrameViews(scan.white) : FrameViews();
-  if (colour != Colour::mixed) scan.frames = unmixed(scan.frames, usual_mixture, white);
+  if (colour != Colour::mixed && colour != Colour::painted_mixed)
+    scan.frames = unmixed(scan.frames, usual_mixture, white);
   return scan;
 }
 
@@ -182,7 +189,8 @@ DepthErrors depth_errors(const Strategy& strategy, const Scene& scene,
 class OneFrameScans : public testing::TestWithParam<OneFrameScan> {};
 
 TEST_P(OneFrameScans, AreNowhereAPeriodOff) {
-  const auto& [strategy, name, least_points, most_median, most_far, painted, colour] = GetParam();
+  const auto& [strategy, name, least_points, most_median, most_far, painted, colour, most_wrong] =
+      GetParam();
   Scene scene = scene_named(name, example_scanner({640, 480}));
   for (Body& body : scene) {
     if (painted) body.texture = veined_texture(0.3, 0.9, 20);
@@ -200,7 +208,7 @@ TEST_P(OneFrameScans, AreNowhereAPeriodOff) {
   EXPECT_GT(points / lit, least_points);
   EXPECT_LT(quantile_of(errors, 0.5), most_median);
   EXPECT_LT(far / points, most_far);
-  EXPECT_EQ(wrong, 0);
+  EXPECT_LE(wrong / points, most_wrong);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -231,6 +239,48 @@ INSTANTIATE_TEST_SUITE_P(
         OneFrameScan{CompositePattern{}, "sphere", 0, 0.2, 0.1},
         OneFrameScan{CompositePattern{}, "board", 0.7, 0.05, 0.06}));
 
+std::vector<OneFrameScan> of_two_carriers_and_paint() {
+  const Strategy one = FourierProfilometry{.frequency = 48},
+                 two = FourierProfilometry{.frequency = 48, .pi_shift = true},
+                 numbered = FourierProfilometry{.frequency = 48, .pi_shift = true, .low = 19},
+                 wide = FourierProfilometry{.frequency = 32},
+                 wide_two = FourierProfilometry{.frequency = 32, .pi_shift = true},
+                 composite = CompositePattern{};
+  return {{numbered, "board", 0.9, 0.05, 0.1},
+          {numbered, "board", 0.9, 0.3, 0.1, true},
+          {composite, "board", 0, 0.2, 0.1, true},
+          {wide, "sphere", 0.6, 0.4, 0.25, true},
+          {wide_two, "sphere", 0.7, 0.2, 0.1, true},
+          {numbered, "sphere", 0.6, 0.1, 0.05},
+          {numbered, "sphere", 0.6, 0.3, 0.1, true},
+          {composite, "sphere", 0, 0.2, 0.1, true},
+          {two, "statue", 0, 0.2, 0.1},
+          {one, "statue", 0, 0.2, 0.1, true},
+          {two, "statue", 0, 0.2, 0.1, true},
+          {numbered, "statue", 0.6, 0.5, 0.25, true},
+          {composite, "statue", 0, 0.2, 0.1, true}};
+}
+
+INSTANTIATE_TEST_SUITE_P(Rest, OneFrameScans, testing::ValuesIn(of_two_carriers_and_paint()));
+
+/// One period has no other to be off by; mixed or painted it is off by what it is.
+std::vector<OneFrameScan> of_three_steps_in_colour() {
+  const Strategy steps = PhaseMeasuring{.steps = 3, .frequency = 1};
+  constexpr double any = 1.1;
+  std::vector<OneFrameScan> scans;
+  for (const char* const scene : {"board", "sphere", "statue"}) {
+    for (const Colour colour : {Colour::mixed, Colour::painted_mixed, Colour::painted}) {
+      scans.push_back({steps, scene, 0.2, 100, any, false, colour, any});
+    }
+    scans.push_back({steps, scene, 0.6, 8, any, false, Colour::apart, 0.05});
+    scans.push_back({steps, scene, 0.6, 5, any, true, Colour::apart, 0.05});
+    scans.push_back({steps, scene, 0.5, 15, any, false, Colour::whitened, 0.12});
+  }
+  return scans;
+}
+
+INSTANTIATE_TEST_SUITE_P(InColour, OneFrameScans, testing::ValuesIn(of_three_steps_in_colour()));
+
 std::vector<OneFrameScan> by_neighbours() {
   std::vector<OneFrameScan> scans;
   for (const char* const scene : {"board", "sphere", "statue"}) {
@@ -241,6 +291,7 @@ std::vector<OneFrameScan> by_neighbours() {
     for (const Colour colour : {Colour::mixed, Colour::painted, Colour::whitened}) {
       scans.push_back({DeBruijn{}, scene, 0.6, 1.5, 0.6, false, colour});
     }
+    scans.push_back({DeBruijn{}, scene, 0.4, 1.5, 0.6, false, Colour::painted_mixed});
   }
   return scans;
 }

@@ -97,10 +97,10 @@ HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
   }
 }
 
-/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, else 1 / B_1^c.
+/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, and B_1^c.
 template <std::size_t count>
 struct CueChannels {
-  Several<count> channel, sine, per_modulation;
+  Several<count> channel, sine, modulation;
 
   HWY_INLINE CueChannels() {}
 };
@@ -117,54 +117,17 @@ HWY_INLINE Several<count> periods_of_circle(const CueStage& cue, const CueChanne
   return periods;
 }
 
-/// 1 / sqrt(of) of numbers above 0, to one unit in the last place or two.
-HWY_INLINE Floats reciprocal_root(Floats of) {
-  const FloatTag d;
-#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR
-  const Floats r = hn::ApproximateReciprocalSqrt(of);
-  const Floats half = hn::Mul(hn::Set(d, 0.5F), hn::Mul(of, r));
-  return hn::MulAdd(r, hn::NegMulAdd(half, r, hn::Set(d, 0.5F)), r);
-#else
-  return hn::Div(hn::Set(d, 1.0F), hn::Sqrt(of));
-#endif
-}
-
-/// acos(R) / pi of each in [-1, 1]: sqrt(1 - |R|) times a polynomial in |R| (minimax, 2.8e-8).
-template <std::size_t count>
-HWY_INLINE Several<count> angles_in_half_turns(const Several<count>& R) {
-  const FloatTag d;
-  const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-30F);
-  Several<count> size, sum;
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    size[k] = hn::Abs(R[k]);
-    sum[k] = hn::Set(d, 0.0008313374499234732F);
-  });
-  add_term<count>(sum, size, -0.0038208022355466194F);
-  add_term<count>(sum, size, 0.008837213193719965F);
-  add_term<count>(sum, size, -0.01566003239478257F);
-  add_term<count>(sum, size, 0.02827734117522762F);
-  add_term<count>(sum, size, -0.06830646506467819F);
-  add_term<count>(sum, size, 0.4999999720089002F);
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const Floats rest = hn::Sub(one, size[k]);
-    const Floats root = hn::Mul(rest, reciprocal_root(hn::Max(rest, least)));
-    const Floats angle = hn::Mul(root, sum[k]);
-    sum[k] = hn::IfThenElse(hn::Lt(R[k], hn::Zero(d)), hn::Sub(one, angle), angle);
-  });
-  return sum;
-}
-
 /// The same for N = 3 and 4; 0 without light.
 template <int steps, std::size_t count>
 HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLimits& limits,
                                                const CueChannels<count>& of) {
   const FloatTag d;
-  const Floats one = hn::Set(d, 1.0F);
+  const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
   Several<count> R, periods;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
         hn::MulSub(of.channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
-    const Floats ratio = hn::Mul(value, of.per_modulation[k]);
+    const Floats ratio = quotient(value, hn::Max(of.modulation[k], least));
     R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
                      one);
   });
@@ -172,13 +135,16 @@ HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLim
     const Floats half = hn::Set(d, 0.5F * cue.periods);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
   } else {
-    periods = angles_in_half_turns<count>(R);
-    const Floats all = hn::Set(d, cue.periods);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(all, periods[k]); });
+    Several<count> sine;
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      sine[k] = hn::Sqrt(hn::Max(hn::NegMulAdd(R[k], R[k], one), hn::Zero(d)));
+    });
+    periods = angles_in_turns<count>(sine, R);
+    const Floats twice = hn::Set(d, 2 * cue.periods);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(twice, periods[k]); });
   }
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const auto lit = hn::Gt(of.per_modulation[k], hn::Zero(d));
-    periods[k] = hn::IfThenElseZero(lit, periods[k]);
+    periods[k] = hn::IfThenElseZero(hn::Gt(of.modulation[k], least), periods[k]);
   });
   return periods;
 }
@@ -240,9 +206,8 @@ class CueVectors {
   template <std::size_t count>
   HWY_INLINE void decode(std::size_t i) const {
     const FloatTag d;
-    const Floats least = hn::Set(d, 1e-9F), per_scale = hn::Set(d, 1 / stage_.modulation_scale);
     const bool decoding = row_.turn != nullptr, told = row_.modulation != nullptr;
-    Several<count> U, V, square, sum, modulation;
+    Several<count> U, V, square, sum;
     CueChannels<count> cue;
     FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -253,19 +218,11 @@ class CueVectors {
       cue.sine[k] = sums.cue_sine;
       sum[k] = sums.high.sum;
       square[k] = modulation_square(stage_, sums.high);
-      modulation[k] = square[k];  // of no use where it is not asked for
-      if (casts_shade || told) {
-        modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
+      cue.modulation[k] = square[k];  // of no use where it is not asked for
+      if (!is_circle<steps> || told) {
+        cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
       }
-      if constexpr (casts_shade) {
-        cue.per_modulation[k] =
-            hn::IfThenElseZero(hn::Gt(modulation[k], least), reciprocal(modulation[k]));
-      } else if constexpr (!is_circle<steps>) {
-        const Floats root = reciprocal_root(hn::Max(square[k], least));
-        cue.per_modulation[k] =
-            hn::IfThenElseZero(hn::Gt(square[k], least), hn::Mul(root, per_scale));
-      }
-      if (told) hn::StoreU(modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
+      if (told) hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
       all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
     });
     if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
@@ -290,7 +247,7 @@ class CueVectors {
       if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
       store_flags(pixel, square[k], doubt, saturated);
       fetch_ahead(row_.mean + pixel, row_.past_cache);
-      store(shown_mean(sum[k], modulation[k], y), row_.mean + pixel, row_.past_cache);
+      store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
       if (HWY_UNLIKELY(decoding)) {
         hn::StoreU(turn[k], d, row_.turn + pixel);
         hn::StoreU(doubt, d, row_.doubt + pixel);
@@ -374,9 +331,10 @@ class CueVectors {
 template <int steps, class Pixel>
 HWY_INLINE void decode_steps(const CueWork& work, const Pixel* const* frames) {
   const CueVectors<steps, Pixel> vectors(work, frames);
-  for_each_group<few_at_once>(static_cast<std::size_t>(work.row.width),
-                              [&]<std::size_t count>(Together<count>, std::size_t i)
-                                  SLIPSTREAM_STEP { vectors.template decode<count>(i); });
+  constexpr std::size_t most = is_circle<steps> ? few_at_once : at_once;
+  for_each_group<most>(static_cast<std::size_t>(work.row.width),
+                       [&]<std::size_t count>(Together<count>, std::size_t i)
+                           SLIPSTREAM_STEP { vectors.template decode<count>(i); });
 }
 
 template <class Pixel>

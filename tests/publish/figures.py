@@ -37,6 +37,7 @@ def page(folder):
         for turn in range(3):
             with Chromium() as browser:
                 browser.look_like(1280, 800)
+                browser.value("new Promise(done => setTimeout(done, 3000))")  # until all of it has begun
                 begin = time.monotonic()
                 browser.ask("Page.navigate", url=live.address)
                 wait_for(lambda: browser.value("typeof cloud !== 'undefined' && !!cloud"))

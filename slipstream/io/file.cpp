@@ -150,9 +150,9 @@ OutputFile::OutputFile(const fs::path& path, Writing writing)
     throw WorldError(fmt::format("cannot write {}: it is no file", path.string()));
   }
   if (writing == Writing::over_time) {
-    descriptor_ = create(path.string());
+    name_ = path.string();  // before there is a file that nobody would remove
+    descriptor_ = create(name_);
     if (descriptor_ < 0 && errno != EEXIST) fail();
-    if (descriptor_ >= 0) name_ = path.string();
   }
   if (descriptor_ >= 0) return;
   name_ = temporary_name(path);

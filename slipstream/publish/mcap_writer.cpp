@@ -42,10 +42,11 @@ Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
-    : path_(path), file_(std::make_unique<OutputFile>(path, writing)) {
+    : path_(path) {
   Bytes begin(magic.begin(), magic.end()), content;
   append(content, "ros2"sv, "slipstream"sv);
   append_record(begin, header, content);
+  file_ = std::make_unique<OutputFile>(path, writing);  // last: it stays where memory fails
   put({begin});
 }
 

@@ -44,13 +44,13 @@ std::string replaced(std::string text, char mark, const fs::path& folder) {
   return at == std::string::npos ? text : text.replace(at, 1, folder.string());
 }
 
-/// The pictures and points of an MCAP file.
+/// The pictures and points of an MCAP file, in their order.
 std::string essence_of_mcap(const fs::path& path) {
   constexpr std::size_t time = 12;  // with what says how a message is coded
   std::string messages;
   try {
     const bool ended = read_mcap(path, [&](const McapMessage& message) {
-      if (message.topic != "/image" && message.topic != "/points") return;
+      if (message.encoding.empty() || message.topic == "/statistics") return;
       messages.append(message.content.begin() + time, message.content.end());
     });
     return messages + (ended ? "." : "");

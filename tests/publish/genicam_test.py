@@ -12,7 +12,7 @@ import time
 import numpy as np
 import pytest
 
-from web_test import Live, wait_for
+from web_test import PATIENCE, Live, wait_for
 
 gi = pytest.importorskip("gi", reason="python3-gi is not there")
 try:
@@ -44,7 +44,7 @@ def buffers(camera, count):
         stream.push_buffer(Aravis.Buffer.new_allocate(camera.get_payload()))
     camera.start_acquisition()
     taken = []
-    end = time.monotonic() + 120
+    end = time.monotonic() + PATIENCE
     while len(taken) < count:
         assert time.monotonic() < end, "no clouds come"
         buffer = stream.timeout_pop_buffer(1_000_000)
@@ -102,7 +102,7 @@ def test_points_are_those_of_the_pipeline(live, camera):
         in_file = points_in_file(live.words.parent / "clouds.mcap")
         return sum(cloud.tobytes() in taken for cloud in in_file) >= 5
 
-    wait_for(file_has_some, 300)
+    wait_for(file_has_some)
     code, document = live.finish()
     assert code == 0
     assert document["sinks"][1]["name"] == f"genicam:{ADDRESS}"
@@ -116,7 +116,7 @@ def test_the_tool_of_aravis_finds_and_sets_it(live):
 
     def ask(*words):
         return subprocess.run([tool, "-a", ADDRESS, *words], capture_output=True, text=True,
-                              timeout=60).stdout
+                              timeout=PATIENCE).stdout
 
     # On a busy machine an answer may come too late for the tool: it says nothing then.
     wait_for(lambda: "slipstream" in ask("values", "DeviceVendorName"))
@@ -248,7 +248,7 @@ def test_a_client_that_is_gone_makes_room_for_the_next_and_others_only_look(live
     for _ in range(3):
         client = wait_for(client_in_control)
         assert client.stdout.readline() == "runs\n"
-        other = subprocess.run(command, capture_output=True, text=True, timeout=60)
+        other = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE)
         assert other.stdout.startswith("False") and "runs" not in other.stdout
         client.send_signal(signal.SIGKILL)
         client.wait()

@@ -12,7 +12,7 @@ import subprocess
 
 import pytest
 
-from web_test import PROGRAM, SOURCES, Live, ask_for_page, say, take_message, wait_for
+from web_test import PATIENCE, PROGRAM, SOURCES, Live, ask_for_page, say, take_message, wait_for
 
 VIRTUAL = "source: virtual\nworld: ideal\ncamera: 64x48\nrate: 60\n"
 
@@ -25,7 +25,7 @@ class Service(Live):
         self.words = folder / "words"
         self.ear = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         self.ear.bind(str(folder / "ear"))
-        self.ear.settimeout(300)
+        self.ear.settimeout(PATIENCE)
         self.process = subprocess.Popen(
             words or [PROGRAM, "serve", "rig.yaml"], cwd=folder, stdout=self.words.open("w"),
             stderr=subprocess.STDOUT, env=dict(os.environ, NOTIFY_SOCKET=str(folder / "ear")))
@@ -85,7 +85,7 @@ def test_a_mistake_is_one_line_that_says_where_and_what_would_be_right(tmp_path,
     sink = "" if "publish" in text else "publish: web:0\n"
     (tmp_path / "rig.yaml").write_text(VIRTUAL + text + "\n" + sink)
     done = subprocess.run([PROGRAM, "serve", "rig.yaml"], cwd=tmp_path, capture_output=True,
-                          text=True, timeout=300)
+                          text=True, timeout=PATIENCE)
     assert done.returncode in (1, 2) and done.stderr.count("\n") == 1, done.stderr
     assert done.stderr.startswith(f"slipstream: rig.yaml: line {line}: "), done.stderr
     assert words in done.stderr
@@ -102,7 +102,7 @@ def test_so_is_a_file_that_says_too_little(tmp_path, rig, words):
     if rig is not None:
         (tmp_path / "rig.yaml").write_text(rig)
     done = subprocess.run([PROGRAM, "serve", "rig.yaml"], cwd=tmp_path, capture_output=True,
-                          text=True, timeout=300)
+                          text=True, timeout=PATIENCE)
     assert done.returncode in (1, 2) and done.stderr.count("\n") == 1, done.stderr
     assert words in done.stderr
 
@@ -115,7 +115,7 @@ def test_it_is_ready_when_it_answers_and_ends_whole_by_sigterm(tmp_path):
         assert service.change("min-modulation=200")[0] == 400
         wait_for(lambda: service.statistics()["clouds"] > 20)
         service.process.send_signal(signal.SIGTERM)
-        assert service.process.wait(60) == 0, service.words.read_text()
+        assert service.process.wait(PATIENCE) == 0, service.words.read_text()
     assert (tmp_path / "clouds.mcap").read_bytes().endswith(b"\x89MCAP0\r\n")
     assert subprocess.run([PROGRAM, "check", tmp_path / "frames.slip"]).returncode == 0
     assert not [*tmp_path.glob("*.part*")]
@@ -158,7 +158,7 @@ def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
             service.process.send_signal(signal.SIGHUP)
             service.wait_until_ready()
         service.process.send_signal(signal.SIGTERM)
-        assert service.process.wait(60) == 0
+        assert service.process.wait(PATIENCE) == 0
         assert "clouds.mcap is there already; clouds-2.mcap is written" in service.words.read_text()
     (tmp_path / "ear").unlink()
     before = {path: path.read_bytes() for path in tmp_path.glob("*.*") if path.suffix != ".yaml"}
@@ -167,7 +167,7 @@ def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
         for copy in ("", "-2", "-3")}
     with Service(tmp_path, rig).wait_until_ready() as service:
         service.process.send_signal(signal.SIGTERM)
-        assert service.process.wait(60) == 0
+        assert service.process.wait(PATIENCE) == 0
     assert (tmp_path / "clouds-4.mcap").exists() and (tmp_path / "frames-4.slip").exists()
     assert all(path.read_bytes() == content for path, content in before.items())
 
@@ -198,7 +198,7 @@ def test_it_goes_on_with_the_old_file_where_the_new_one_is_no_good(tmp_path, bad
         service.wait_until_ready()
         assert service.settings()["min-modulation"]["value"] != "33"
         service.process.send_signal(signal.SIGTERM)
-        assert service.process.wait(60) == 0
+        assert service.process.wait(PATIENCE) == 0
 
 
 def test_a_sink_that_failed_is_told(tmp_path):

@@ -6,7 +6,7 @@ import subprocess
 import pytest
 
 from serve_test import Service
-from web_test import PROGRAM, wait_for
+from web_test import PATIENCE, PROGRAM, wait_for
 
 
 def test_it_goes_on_when_the_camera_goes_away(tmp_path):
@@ -47,7 +47,7 @@ def test_it_goes_on_when_the_camera_goes_away(tmp_path):
             wait_for(lambda: service.statistics()["clouds"] > before + 5)
             assert rate_is_30(), "it is set so again"
             service.process.send_signal(signal.SIGTERM)
-            assert service.process.wait(60) == 0
+            assert service.process.wait(PATIENCE) == 0
             assert "STATUS=camera" in service.ear.recv(1000).decode()
     finally:
         served.kill()

@@ -197,11 +197,11 @@ TEST(Mcap, ends_with_the_chunk_before_where_the_disk_is_full) {
   const auto path = folder.path() / "clouds.mcap";
   const auto sink = open_sink("mcap:" + path.string(), {.camera = camera()});
   std::uint64_t clouds = 0;
-  while (clouds < 100) sink->put(any_cloud(clouds++));
+  while (clouds < 100) sink->put(any_cloud(clouds++), false);
   const auto bytes = std::filesystem::file_size(path);
   const auto fill = [&] {
     const SmallDisk disk(bytes);
-    while (clouds < 1000) sink->put(any_cloud(clouds++));
+    while (clouds < 1000) sink->put(any_cloud(clouds++), false);
   };
   EXPECT_THROW(fill(), WorldError);
   sink->finish();  // of what is over

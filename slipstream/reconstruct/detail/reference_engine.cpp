@@ -158,9 +158,19 @@ BasicCloud<double> ReferenceEngine::triangulated(const Image<double>& coordinate
   return cloud;
 }
 
+double ReferenceEngine::change_along_ray(const Eigen::Vector3d& point) const {
+  constexpr double step = 1e-6;  // where y is a straight line of the distance
+  const auto& [scanner, sequence, settings] = setup_;
+  const auto y = [&](double distance) {
+    const Eigen::Vector2d pixel =
+        project(scanner.projector, in_projector_frame(scanner, distance * point));
+    return coordinate_along(sequence.axis, pixel, scanner.projector.size);
+  };
+  return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
+}
+
 Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
                                          double full_scale) const {
-  constexpr double step = 1e-6;  // of y: 1e-3 mm in depth, where the point is a straight line of it
   const double grey_level = full_scale / 255;
   const double at_half = cue_settings(setup_).noise_variance;
   const double by_light = setup_.scanner.photometry.noise_gain;
@@ -185,9 +195,8 @@ Uncertainty ReferenceEngine::uncertainty(const Cloud& cloud, const Maps& maps,
       const double sigma_y = by_noise
                                  ? gain * std::sqrt(unit_variance * noise_variance) / modulation
                                  : std::sqrt(unit_variance);
-      const Eigen::Vector3d sigma_point =
-          (triangulate_(column, row, y + step) - triangulate_(column, row, y - step)).cwiseAbs() *
-          (sigma_y / (2 * step));
+      const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
+      const Eigen::Vector3d sigma_point = point.cwiseAbs() * (sigma_y / change_along_ray(point));
       sigma.coordinate(column, row) = static_cast<float>(sigma_y);
       sigma.x(column, row) = static_cast<float>(sigma_point.x());
       sigma.y(column, row) = static_cast<float>(sigma_point.y());

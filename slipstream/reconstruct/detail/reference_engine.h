@@ -53,6 +53,9 @@ class ReferenceEngine {
   [[nodiscard]] BasicCloud<double> triangulated(const Image<double>& coordinates,
                                                 Image<Validity> validity) const;
   [[nodiscard]] Validity validity_of(double coordinate, const Eigen::Vector3d& point) const;
+  /// How much y changes where a pixel's point goes twice as far along its ray, were it to go on as
+  /// it does there: the projector's lens is asked forwards, and no point solved for.
+  [[nodiscard]] double change_along_ray(const Eigen::Vector3d& point) const;
 
   EngineSetup setup_;
   Triangulator triangulate_;

@@ -48,7 +48,7 @@ class JoinedRecording {
     writer_->append(frame);
   }
   std::uint64_t finish() {
-    if (!writer_) throw Error("no frame came that could be written");
+    if (!writer_ || writer_->count() == 0) throw Error("no frame came that could be written");
     writer_->finish();
     return writer_->count();
   }

@@ -27,6 +27,7 @@
 #include "slipstream/cycle/window_frames.h"
 #include "slipstream/error/error.h"
 #include "slipstream/io/cloud_file.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/publish/named_sink.h"
@@ -413,7 +414,7 @@ void live(const LiveFlags& flags, Output& output) {
   for (const SinkStatistics& sink : publisher.statistics()) {
     if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
   }
-  if (!flags.record.empty()) output.object("files")["recording"] = flags.record;
+  if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
 }
 
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {

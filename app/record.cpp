@@ -75,6 +75,9 @@ void record(const RecordFlags& flags, Output& output) {
 
   const SourceCounters counters = source.counters();
   const Recorder::Counts counts = recorder.counts();
+  if (counts.written == 0) {
+    throw WorldError(fmt::format("{}: no frame came that could be recorded", flags.file));
+  }
   const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
   output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
              text_of(source.format().size), rate);

@@ -52,8 +52,8 @@ class RecordingWriter {
   /// the error says how many frames are sure to be on the disk. With none, or written at once, what
   /// was there before stays.
   void append(const Frame& frame);
-  /// Marks the end and closes the file. Throws WorldError where that fails, and where no frame
-  /// came: what was there before stays.
+  /// Marks the end and closes the file; where no frame came, what was there before stays. Throws
+  /// WorldError where that fails.
   void finish();
   /// Frames in the file.
   [[nodiscard]] std::uint64_t count() const { return count_; }

@@ -152,10 +152,7 @@ void McapWriter::end_chunk() {
 
 void McapWriter::finish() {
   if (!file_) return;  // what failed was told
-  if (statistics_.messages == 0) {
-    std::exchange(file_, nullptr)->discard();
-    throw WorldError(fmt::format("{}: no cloud came that could be written", path_.string()));
-  }
+  if (statistics_.messages == 0) return std::exchange(file_, nullptr)->discard();
   end_chunk();
   Bytes end, content, offsets;
   append(content, std::uint32_t{0});  // no checksum of all before

@@ -111,7 +111,9 @@ TEST(Recording, KeepsThatItIsInColourAndTheWhitePicture) {
   }
   RecordingHeader without = in_colour(some_format);
   without.white = {};
-  RecordingWriter(path, without).finish();
+  RecordingWriter writer(path, without);
+  writer.append(some_frame(0));
+  writer.finish();
   EXPECT_TRUE(RecordingReader(path).header().in_colour);
   EXPECT_EQ(RecordingReader(path).header().white.count(), 0);
 }
@@ -122,16 +124,19 @@ TEST(Recording, IsOfVersion2InColourAlone) {
   const fs::path path = folder.path() / "frames";
   record(path, 1);
   EXPECT_EQ(read_file(path)[8], 1);
-  RecordingWriter(path, in_colour(some_format)).finish();
+  RecordingWriter writer(path, in_colour(some_format));
+  writer.append(some_frame(0));
+  writer.finish();
   std::vector<std::uint8_t> bytes = read_file(path);
   EXPECT_EQ(bytes[8], 2);
-  for (std::size_t at = 0; at < bytes.size(); at += at < 64 ? 1 : 97) {
+  const std::size_t header = bytes[12] | std::size_t{bytes[13]} << 8U;
+  ASSERT_GT(header, 64U);
+  ASSERT_LT(header, bytes.size());
+  for (std::size_t at = 0; at < header; at += at < 64 ? 1 : 97) {
     std::vector<std::uint8_t> damaged = bytes;
     damaged[at] ^= 0x02;
     put_bytes(path, damaged);
-    if (at < bytes.size() - 16) {
-      expect_error([&] { RecordingReader reader(path); }, {path.string()});
-    }
+    expect_error([&] { RecordingReader reader(path); }, {path.string()});
   }
   bytes[8] = 3;
   put_bytes(path, bytes);
@@ -289,10 +294,10 @@ TEST(Recording, OldOneStaysUntilTheNewOneIsWhole) {
 TEST(Recording, WithoutAFrameTheOldOneStays) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frames";
-  EXPECT_THROW(RecordingWriter(path, {.format = some_format}).finish(), WorldError);
+  RecordingWriter(path, {.format = some_format}).finish();
   EXPECT_EQ(entries_in(folder.path()), 0);
   record(path, 3);
-  EXPECT_THROW(RecordingWriter(path, {.format = some_format}).finish(), WorldError);
+  RecordingWriter(path, {.format = some_format}).finish();
   { const RecordingWriter abandoned(path, {.format = some_format}); }
   EXPECT_EQ(RecordingReader(path).count(), 3U);
   EXPECT_EQ(entries_in(folder.path()), 1);

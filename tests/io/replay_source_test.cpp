@@ -170,7 +170,8 @@ TEST(ReplaySource, RefusesWhatCannotBeReplayed) {
   const TemporaryFolder folder;
   const fs::path path = folder.path() / "frames";
   expect_error([&] { ReplaySource(path, {}); }, {"no such file"});
-  record(path, {});
+  record(path, {0});
+  fs::resize_file(path, fs::file_size(path) - 100);
   expect_error([&] { ReplaySource(path, {}); }, {"no whole frame"});
   expect_error([&] { ReplaySource(path, {.rate = -3}); }, {"-3"});
   expect_error([&] { ReplaySource(folder.path(), {}); }, {"no pictures"});

@@ -157,6 +157,7 @@ def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
             assert service.statistics()["sinks"][1]["name"] == f"mcap:{name}"
             service.process.send_signal(signal.SIGHUP)
             service.wait_until_ready()
+        wait_for(lambda: service.statistics()["clouds"] > 20)
         service.process.send_signal(signal.SIGTERM)
         assert service.process.wait(PATIENCE) == 0
         assert "clouds.mcap is there already; clouds-2.mcap is written" in service.words.read_text()
@@ -166,6 +167,7 @@ def test_what_was_written_before_a_reload_or_a_restart_stays(tmp_path):
         f"{stem}{copy}{ending}" for stem, ending in (("clouds", ".mcap"), ("frames", ".slip"))
         for copy in ("", "-2", "-3")}
     with Service(tmp_path, rig).wait_until_ready() as service:
+        wait_for(lambda: service.statistics()["clouds"] > 20)
         service.process.send_signal(signal.SIGTERM)
         assert service.process.wait(PATIENCE) == 0
     assert (tmp_path / "clouds-4.mcap").exists() and (tmp_path / "frames-4.slip").exists()

@@ -42,7 +42,8 @@ class McapWriter {
               std::string_view content);
   /// Ends the chunk where it is full: what is written together is best read together.
   void end_message_group();
-  /// Writes the end and gives the file its name; where no message came, what was there before stays.
+  /// Writes the end and gives the file its name; where no message came, what was there before
+  /// stays.
   void finish();
 
  private:

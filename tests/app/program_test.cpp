@@ -166,9 +166,7 @@ TEST_F(Program, MultiplexesTheCueIntoTheSameFrames) {
       2, {"share", "0.25"});
 }
 
-// Rows of bench compute what other tests do: a suite of its own, that sanitized builds leave out.
-using BenchProgram = Program;
-
+using BenchProgram = Program;  // not in sanitized builds: other tests do what rows compute
 TEST_F(BenchProgram, TimesEveryRow) {
   const ProgramRun run = run_program({"bench", "--quick", "--json"});
   ASSERT_EQ(run.exit_code, 0) << run.err;

@@ -53,8 +53,8 @@ class ReferenceEngine {
   [[nodiscard]] BasicCloud<double> triangulated(const Image<double>& coordinates,
                                                 Image<Validity> validity) const;
   [[nodiscard]] Validity validity_of(double coordinate, const Eigen::Vector3d& point) const;
-  /// How much y changes where a pixel's point goes twice as far along its ray, were it to go on as
-  /// it does there: the projector's lens is asked forwards, and no point solved for.
+  /// |dy / d ln z| of a point along its pixel's ray: how much the projector coordinate changes for
+  /// a change of z relative to it. The projector's lens is asked forwards, and no point solved for.
   [[nodiscard]] double change_along_ray(const Eigen::Vector3d& point) const;
 
   EngineSetup setup_;

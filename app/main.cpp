@@ -30,6 +30,13 @@ namespace {
 constexpr int failure_of_the_world = 1;
 constexpr int bad_input = 2;
 
+#ifdef SLIPSTREAM_ALL_COMMANDS
+constexpr std::string_view in_whole_program = "";
+#else
+constexpr std::string_view in_whole_program =
+    " (./dev demo built the first commands only; ./dev build makes the whole program)";
+#endif
+
 /// Flags that every subcommand has.
 struct SharedFlags {
   bool json = false;  ///< seen by main
@@ -94,8 +101,8 @@ std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
                                  [](const std::string& word) { return word.starts_with("-"); });
   const auto commands = command->get_subcommands(all);
   if (!commands.empty() && !words.empty() && !words.front().starts_with("-")) {
-    return fmt::format("there is no command '{}'{}", words.front(),
-                       did_you_mean(words.front(), names_of(commands)));
+    return fmt::format("there is no command '{}'{}{}", words.front(),
+                       did_you_mean(words.front(), names_of(commands)), in_whole_program);
   }
   if (flag == words.end()) return error.what();
   const std::string name = flag->substr(0, flag->find('='));
@@ -125,17 +132,23 @@ struct ProgramCommand {
 
 /// In the order of --help.
 constexpr ProgramCommand program_commands[] = {
-    {"demo", add_demo},           {"patterns", add_patterns}, {"simulate", add_simulate},
-    {"calibrate", add_calibrate}, {"design", add_design},     {"reconstruct", add_reconstruct},
-    {"batch", add_batch},         {"check", add_check},       {"measure", add_measure},
-    {"convert", add_convert},     {"unwrap", add_unwrap},     {"height", add_height},
-    {"verify", add_verify},       {"compare", add_compare},   {"assist", add_assist},
-    {"live", add_live},           {"serve", nullptr},
+    {"demo", add_demo},         {"patterns", add_patterns},
+    {"design", add_design},     {"reconstruct", add_reconstruct},
+    {"check", add_check},       {"measure", add_measure},
+#ifdef SLIPSTREAM_ALL_COMMANDS
+    {"simulate", add_simulate}, {"calibrate", add_calibrate},
+    {"batch", add_batch},       {"convert", add_convert},
+    {"unwrap", add_unwrap},     {"height", add_height},
+    {"verify", add_verify},     {"compare", add_compare},
+    {"assist", add_assist},     {"live", add_live},
+    {"serve", nullptr},
 #ifdef SLIPSTREAM_VIEW
-    {"project", add_project},     {"view", add_view},
+    {"project", add_project},   {"view", add_view},
 #endif
-    {"capture", add_capture},     {"record", add_record},     {"camera", add_camera},
-    {"reproduce", add_reproduce}, {"bench", add_bench},       {"gpu", add_gpu},
+    {"capture", add_capture},   {"record", add_record},
+    {"camera", add_camera},     {"reproduce", add_reproduce},
+    {"bench", add_bench},       {"gpu", add_gpu},
+#endif
 };
 
 /// Only the one that the arguments begin with, as all of them take milliseconds to add; all where
@@ -152,11 +165,13 @@ void add_commands(CLI::App& program, Command& chosen, const RigSaid& rig,
       !has_rig && std::any_of(std::begin(program_commands), std::end(program_commands), is_first);
   for (const ProgramCommand& command : program_commands) {
     if (alone && !is_first(command)) continue;
+#ifdef SLIPSTREAM_ALL_COMMANDS
     if (command.add == nullptr) {
       add_serve(program, chosen, rig);
-    } else {
-      command.add(program, chosen);
+      continue;
     }
+#endif
+    command.add(program, chosen);
   }
 }
 

@@ -34,6 +34,14 @@ target_compile_features(slipstream_precompiled PRIVATE cxx_std_20)
 target_link_libraries(slipstream_precompiled PRIVATE Eigen3::Eigen fmt::fmt slipstream_warnings)
 target_precompile_headers(slipstream_precompiled PRIVATE ${slipstream_precompiled_headers})
 
+# Several sources are compiled as one: what they all read is read once. No two sources of a target
+# may give one name to two things of their own. -DCMAKE_UNITY_BUILD=OFF compiles each alone.
+function(slipstream_unity target batch)
+  if(NOT DEFINED CMAKE_UNITY_BUILD)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE ${batch})
+  endif()
+endfunction()
+
 function(slipstream_room room)
   cmake_parse_arguments(PARSE_ARGV 1 arg "PRIVATE_HEADERS" "" "USES;LINKS;HIDES;LEAVES_OUT")
   set(target slipstream_${room})
@@ -55,6 +63,7 @@ function(slipstream_room room)
 
   if(sources)
     add_library(${target} ${sources})
+    slipstream_unity(${target} 10)
     set(scope PUBLIC)
     target_link_libraries(${target} PRIVATE ${arg_HIDES} $<BUILD_INTERFACE:slipstream_warnings>)
     # They hold for one set of options only: those of Aravis have -pthread.

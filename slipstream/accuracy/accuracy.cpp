@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -12,6 +11,7 @@
 #include "slipstream/cloud/measure.h"
 #include "slipstream/cloud/spheres.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/image/quantile.h"
 
 namespace slipstream {
@@ -20,8 +20,6 @@ namespace {
 using Points = std::vector<MeasuredPoint>;
 
 constexpr double left_out = 0.003;
-constexpr double degree = std::numbers::pi / 180;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// The width of the narrowest range that holds a share of the values, which rise.
 double narrowest_range(const std::vector<double>& values, double share) {

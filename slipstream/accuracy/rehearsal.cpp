@@ -4,13 +4,13 @@
 #include <cmath>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -19,8 +19,6 @@ namespace slipstream {
 namespace {
 
 using Vector = Eigen::Vector3d;
-
-constexpr double degree = std::numbers::pi / 180;
 
 bool is_in_picture(const Lens& lens, const Vector& point) {
   if (!(point.z() > 0)) return false;

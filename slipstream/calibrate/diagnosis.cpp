@@ -9,12 +9,11 @@
 #include <fmt/format.h>
 
 #include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// Of the scans of all poses along both axes that were measured.
 std::vector<FringeSigns> measured_scans(const std::vector<BoardView>& views) {

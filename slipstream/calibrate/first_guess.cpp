@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 
 #include "slipstream/calibrate/quiet_opencv.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 namespace {
@@ -153,7 +153,6 @@ BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3
   cv::Mat inliers;
   const QuietOpenCv quiet;
   cv::findHomography(board, projector, inliers, cv::RANSAC, reach);
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const bool agrees = !inliers.empty() && inliers.at<std::uint8_t>(static_cast<int>(k)) != 0;
     if (!agrees) view.projector[corners[k]] = {nan, nan};

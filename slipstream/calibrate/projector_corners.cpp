@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/noise/robust.h"
 
@@ -16,8 +17,6 @@ namespace {
 
 using Vector8 = Eigen::Matrix<double, 8, 1>;
 using Matrix8 = Eigen::Matrix<double, 8, 8>;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// A camera pixel about a corner and the projector pixel that lights it.
 struct Sample {

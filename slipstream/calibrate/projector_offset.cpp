@@ -1,14 +1,14 @@
 #include "slipstream/calibrate/projector_offset.h"
 
 #include <cmath>
-#include <limits>
+
+#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 
 ProjectorOffset projector_offset(const BoardView& view, const Scanner& scanner,
                                  const Eigen::Isometry3d& start,
                                  const std::vector<Eigen::Vector3d>& places) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   BoardView by_camera = view;
   for (Eigen::Vector2d& pixel : by_camera.projector) pixel = {nan, nan};
   const BundleState seen = bundle_adjusted({by_camera}, {scanner, {start}, places}, places,

@@ -1,20 +1,17 @@
 #include "slipstream/calibrate/report.h"
 
 #include <algorithm>
-#include <limits>
-#include <numbers>
 
 #include <fmt/format.h>
 
 #include "slipstream/calibrate/residual_plots.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/page.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// The cells of a table's row that say how a board was measured.
 std::vector<std::string> cells(const std::optional<BoardQuality>& quality) {
@@ -235,7 +232,6 @@ BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses) {
     scale.add(pose->scale_error * pose->scale_error);
     distances.add(pose->distance_error * pose->distance_error);
   }
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   if (flatness.count == 0) return {nan, nan, nan};
   return {flatness.rms(), scale.rms(), distances.rms()};
 }

@@ -1,7 +1,6 @@
 #include "slipstream/calibrate/verification.h"
 
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -11,11 +10,10 @@
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/orientation.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 // What a board is measured to that a good calibration has not seen, and as much again.
 constexpr double largest_epipolar = 0.5;       // projector pixels

@@ -12,7 +12,7 @@
 namespace slipstream {
 namespace {
 
-constexpr int buffer_count = 32;
+constexpr int aravis_buffer_count = 32;
 /// Of the socket. Below a few frames' worth the kernel drops packets while the thread that fetches
 /// them has to wait for a core.
 constexpr int socket_buffer_bytes = 4 << 20;
@@ -174,7 +174,7 @@ void AravisConnection::start() {
   if (error) fail(error);
   // Before there are buffers: until then no packet is looked into.
   if (ARV_IS_GV_STREAM(stream_.get())) limit_stream(payload);
-  for (int i = 0; i < buffer_count; ++i) {
+  for (int i = 0; i < aravis_buffer_count; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
   }
   arv_camera_start_acquisition(camera_.get(), error.out());

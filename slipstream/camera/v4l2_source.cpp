@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 namespace {
 
-constexpr unsigned buffer_count = 8;
+constexpr unsigned v4l2_buffer_count = 8;
 
 /// A layout of pixels that is read here.
 struct PixelLayout {
@@ -147,7 +147,7 @@ class V4l2Source::Stream {
 
   void start() {
     auto request = cleared<v4l2_requestbuffers>();
-    request.count = buffer_count;
+    request.count = v4l2_buffer_count;
     request.memory = V4L2_MEMORY_MMAP;
     require(VIDIOC_REQBUFS, &request, "buffers");
     for (std::uint32_t i = 0; i < request.count; ++i) {

@@ -18,12 +18,10 @@
 namespace slipstream {
 namespace {
 
-constexpr int channels = 3;
-
 Eigen::Matrix3d colours_of(const ColourMixture& mixture) {
   Eigen::Matrix3d colours;
-  for (int c = 0; c < channels; ++c) {
-    for (int p = 0; p < channels; ++p) {
+  for (int c = 0; c < colour_channels; ++c) {
+    for (int p = 0; p < colour_channels; ++p) {
       colours(c, p) = mixture[static_cast<std::size_t>(c)][static_cast<std::size_t>(p)];
     }
   }
@@ -36,9 +34,9 @@ std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
   const Size size = frames.front().size();
   const auto gain = [&](int column, int row) {
     double most = 0;
-    for (std::size_t n = channels; n < frames.size(); ++n) {
+    for (std::size_t n = colour_channels; n < frames.size(); ++n) {
       most = std::max(most, static_cast<double>(frames[n](column, row)) -
-                                static_cast<double>(frames[n % channels](column, row)));
+                                static_cast<double>(frames[n % colour_channels](column, row)));
     }
     return most;
   };
@@ -76,15 +74,16 @@ void require_valid(const ColourMixture& mixture) {
   if (!dark_known || !colours.allFinite() || !(condition <= worst)) {
     throw Error(
         "colour_mixture: the projector's red, green and blue cannot be told apart by the camera's "
-        "channels");
+        "colour_channels");
   }
 }
 
 ColourMixture measured_mixture(const FrameViews& pictures) {
-  constexpr int wanted = 4 * channels;
+  constexpr int wanted = 4 * colour_channels;
   if (pictures.count() != wanted) {
-    throw Error(fmt::format("{} frames given; black, red, green and blue are {} of three channels",
-                            pictures.count(), wanted));
+    throw Error(
+        fmt::format("{} frames given; black, red, green and blue are {} of three colour_channels",
+                    pictures.count(), wanted));
   }
   const Image<std::uint8_t> saturated = saturation_mask(pictures);
   const auto clipped = std::count(saturated.begin(), saturated.end(), 1);
@@ -95,16 +94,16 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
       [&](const auto& frames) { return lit_means(frames, pictures.full_scale() / 255); });
   ColourMixture mixture{};
   double diagonal = 0;
-  for (std::size_t c = 0; c < channels; ++c) {
-    for (std::size_t p = 0; p < channels; ++p) {
-      mixture[c][p] = means[channels * (p + 1) + c] - means[c];
+  for (std::size_t c = 0; c < colour_channels; ++c) {
+    for (std::size_t p = 0; p < colour_channels; ++p) {
+      mixture[c][p] = means[colour_channels * (p + 1) + c] - means[c];
     }
-    mixture[c][channels] = means[c];
-    diagonal += mixture[c][c] / channels;
+    mixture[c][colour_channels] = means[c];
+    diagonal += mixture[c][c] / colour_channels;
   }
   if (!(diagonal > 1)) throw Error("the pictures hold no light of the projector's three colours");
   for (auto& row : mixture) {
-    for (std::size_t p = 0; p < channels; ++p) row[p] /= diagonal;
+    for (std::size_t p = 0; p < colour_channels; ++p) row[p] /= diagonal;
   }
   require_valid(mixture);
   return mixture;
@@ -148,7 +147,8 @@ class Whitening {
   }
 
   static Eigen::Vector3f dark_of(const ColourMixture& mixture) {
-    return Eigen::Vector3d(mixture[0][channels], mixture[1][channels], mixture[2][channels])
+    return Eigen::Vector3d(mixture[0][colour_channels], mixture[1][colour_channels],
+                           mixture[2][colour_channels])
         .cast<float>();
   }
 
@@ -161,11 +161,12 @@ class Whitening {
 }  // namespace
 
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const FrameViews& white) {
-  if (frames.count() % channels != 0) {
-    throw Error(fmt::format("{} frames are no pictures of three channels each", frames.count()));
+  if (frames.count() % colour_channels != 0) {
+    throw Error(
+        fmt::format("{} frames are no pictures of three colour_channels each", frames.count()));
   }
-  if (white.count() != 0 && (white.count() != channels || white.size() != frames.size())) {
-    throw Error("the white picture is not one of three channels of the frames' size");
+  if (white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size())) {
+    throw Error("the white picture is not one of three colour_channels of the frames' size");
   }
   require_valid(mixture);
   constexpr float levels = 257, brightest = 65535;  // of 16 bits
@@ -176,9 +177,9 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
   const Size size = frames.size();
   FrameSet::Images16 alone(static_cast<std::size_t>(frames.count()), Image<std::uint16_t>(size));
   frames.visit([&](const auto& views) {
-    for (std::size_t n = 0; n < views.size(); n += channels) {
+    for (std::size_t n = 0; n < views.size(); n += colour_channels) {
       const Image<std::uint8_t> saturated =
-          saturation_mask(frames.part(static_cast<int>(n), channels));
+          saturation_mask(frames.part(static_cast<int>(n), colour_channels));
       for_each_row(size.height, [&](int row) {
         for (int column = 0; column < size.width; ++column) {
           const Eigen::Vector3f seen(static_cast<float>(views[n](column, row)),
@@ -189,7 +190,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
           const Eigen::Vector3f light =
               (inverse * white_gain.cwiseProduct(grey * seen - dark)).array() + dark.mean();
           const bool is_saturated = saturated(column, row) != 0 || whitening.saturated(column, row);
-          for (std::size_t p = 0; p < channels; ++p) {
+          for (std::size_t p = 0; p < colour_channels; ++p) {
             const float level = levels * light(static_cast<Eigen::Index>(p)) + 0.5F;
             alone[n + p](column, row) = static_cast<std::uint16_t>(
                 is_saturated        ? brightest
@@ -205,7 +206,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
 
 std::string doubt_about_colours(bool mixture_known, bool white_known) {
   if (!mixture_known) {
-    return "pictures in colour, and nothing is known of how their channels mix; slipstream "
+    return "pictures in colour, and nothing is known of how their colour_channels mix; slipstream "
            "calibrate colour measures it";
   }
   return white_known

@@ -10,6 +10,8 @@ namespace slipstream {
 // A picture in colour is three frames that were taken at once: its red, its green and its blue
 // channel, in that order. A projector in colour shows three patterns at once likewise.
 
+inline constexpr int colour_channels = 3;  ///< frames to a picture in colour
+
 /// Of a white surface under no light of the projector, under its red, green and blue alone: frames
 /// of three channels each, one after another. By the means of the pixels that some colour lights
 /// with a tenth of the brightest or more. Throws Error for other than twelve frames, for saturated

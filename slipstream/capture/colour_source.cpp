@@ -13,14 +13,12 @@
 namespace slipstream {
 namespace {
 
-constexpr int channels = 3;
-
 FrameFormat format_of(const FrameSource& pictures) {
   const FrameFormat format = pictures.format();
-  if (format.bits != 8 || format.size.width % channels != 0) {
+  if (format.bits != 8 || format.size.width % colour_channels != 0) {
     throw Error("pictures in colour have three values of 8 bits a pixel");
   }
-  return {{format.size.width / channels, format.size.height}, 8};
+  return {{format.size.width / colour_channels, format.size.height}, 8};
 }
 
 }  // namespace
@@ -29,15 +27,15 @@ ColourSource::ColourSource(std::unique_ptr<FrameSource> pictures)
     : pictures_(std::move(pictures)),
       format_(format_of(*pictures_)),
       picture_(pictures_->format()),
-      given_(channels) {}
+      given_(colour_channels) {}
 
 void ColourSource::start() {
-  given_ = channels;
+  given_ = colour_channels;
   pictures_->start();
 }
 
 Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
-  if (given_ == channels) {
+  if (given_ == colour_channels) {
     const Arrival arrival = pictures_->next(picture_, timeout);
     if (arrival != Arrival::frame) return arrival;
     given_ = 0;
@@ -46,12 +44,13 @@ Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   const std::uint8_t* value = std::get<Image<std::uint8_t>>(picture_.pixels).begin() + given_;
   for (std::uint8_t& pixel : std::get<Image<std::uint8_t>>(frame.pixels)) {
     pixel = *value;
-    value += channels;
+    value += colour_channels;
   }
   frame.stamp = picture_.stamp;
-  frame.stamp.sequence = channels * frame.stamp.sequence + static_cast<std::uint64_t>(given_);
+  frame.stamp.sequence =
+      colour_channels * frame.stamp.sequence + static_cast<std::uint64_t>(given_);
   if (std::optional<int>& pattern = frame.stamp.pattern_index) {
-    *pattern = channels * *pattern + given_;
+    *pattern = colour_channels * *pattern + given_;
   }
   ++given_;
   return Arrival::frame;
@@ -59,8 +58,8 @@ Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
 
 SourceCounters ColourSource::counters() const {
   SourceCounters counters = pictures_->counters();
-  counters.delivered *= channels;
-  counters.lost *= channels;
+  counters.delivered *= colour_channels;
+  counters.lost *= colour_channels;
   return counters;
 }
 
@@ -84,9 +83,9 @@ Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
     if (arrival != Arrival::frame) return arrival;
     const std::uint64_t number = seen.stamp.sequence;
     if (!seen_.empty() && number != seen_.back().stamp.sequence + 1) seen_.clear();
-    if (number % channels != seen_.size()) continue;  // its first one is missing
+    if (number % colour_channels != seen_.size()) continue;  // its first one is missing
     seen_.push_back(std::move(seen));
-    if (seen_.size() < channels) continue;
+    if (seen_.size() < colour_channels) continue;
     stamps_.clear();
     for (const Frame& channel : seen_) stamps_.push_back(channel.stamp);
     apart_ = unmixed(frame_set_of(std::exchange(seen_, {})), mixture_, white_);

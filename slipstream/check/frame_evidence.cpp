@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
+
+#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 namespace {
 
 using Complex = std::complex<double>;
 using Place = ScanSamples::Place;
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 Complex turned(double periods) {
   return std::polar(1.0, two_pi * periods);

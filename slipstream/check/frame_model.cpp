@@ -8,14 +8,13 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/gamma/correction.h"
 #include "slipstream/image/quantile.h"
 #include "slipstream/phase/equations.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 double dot(const std::vector<double>& weights, const float* levels, const FrameOrder& order) {
   double sum = 0;

@@ -14,16 +14,16 @@
 namespace slipstream {
 namespace {
 
-constexpr int nodes = 16;
+constexpr int fitted_nodes = 16;
 constexpr int largest_degree = 8;
 constexpr double lens_tolerance = 4e-7;  ///< of the field
 constexpr double edge_tolerance = 1e-4;  ///< of the field: it only decides what lies outside
 
-using Samples = Eigen::Matrix<double, nodes, nodes>;  ///< rows: p, columns: q
-using NodeSamples = Eigen::Matrix<double, nodes, 1>;
+using StripeSamples = Eigen::Matrix<double, fitted_nodes, fitted_nodes>;  ///< rows: p, columns: q
+using NodeSamples = Eigen::Matrix<double, fitted_nodes, 1>;
 
 double node(int i) {
-  return std::cos(std::numbers::pi * (i + 0.5) / nodes);
+  return std::cos(std::numbers::pi * (i + 0.5) / fitted_nodes);
 }
 
 /// The projector's picture as the kernel sees it: coordinate along the axis and across it, both in
@@ -98,27 +98,27 @@ class ProjectorPlane {
   Eigen::Matrix3d inverse_intrinsic_;
 };
 
-/// From values at the nodes to coefficients of Chebyshev polynomials.
-Eigen::Matrix<double, nodes, nodes> chebyshev_transform() {
-  Eigen::Matrix<double, nodes, nodes> transform;
-  for (int k = 0; k < nodes; ++k) {
-    for (int i = 0; i < nodes; ++i) {
-      transform(k, i) =
-          (k == 0 ? 1.0 : 2.0) / nodes * std::cos(std::numbers::pi * k * (i + 0.5) / nodes);
+/// From values at the fitted_nodes to coefficients of Chebyshev polynomials.
+Eigen::Matrix<double, fitted_nodes, fitted_nodes> chebyshev_transform() {
+  Eigen::Matrix<double, fitted_nodes, fitted_nodes> transform;
+  for (int k = 0; k < fitted_nodes; ++k) {
+    for (int i = 0; i < fitted_nodes; ++i) {
+      transform(k, i) = (k == 0 ? 1.0 : 2.0) / fitted_nodes *
+                        std::cos(std::numbers::pi * k * (i + 0.5) / fitted_nodes);
     }
   }
   return transform;
 }
 
 /// The polynomial of least degree that leaves out no more than the tolerance.
-std::optional<PlanePolynomial> fitted(const Samples& samples, double tolerance) {
+std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double tolerance) {
   if (!samples.allFinite()) return std::nullopt;
   const auto transform = chebyshev_transform();
-  Samples spectrum = transform * samples * transform.transpose();
+  StripeSamples spectrum = transform * samples * transform.transpose();
   int degree = largest_degree + 1;
   double left_out = 0;
-  for (int i = 0; i < nodes; ++i) {
-    for (int j = 0; j < nodes; ++j) {
+  for (int i = 0; i < fitted_nodes; ++i) {
+    for (int j = 0; j < fitted_nodes; ++j) {
       if (i + j >= degree) left_out += std::abs(spectrum(i, j));
     }
   }
@@ -130,13 +130,13 @@ std::optional<PlanePolynomial> fitted(const Samples& samples, double tolerance) 
     left_out = next;
   }
   --degree;  // now the largest that is kept; -1 where all is within the tolerance
-  for (int i = 0; i < nodes; ++i) {
-    for (int j = 0; j < nodes; ++j) {
+  for (int i = 0; i < fitted_nodes; ++i) {
+    for (int j = 0; j < fitted_nodes; ++j) {
       if (i + j > degree) spectrum(i, j) = 0;
     }
   }
-  const auto T = chebyshev_coefficients<nodes>();
-  const Samples monomials = T.transpose() * spectrum * T;
+  const auto T = chebyshev_coefficients<fitted_nodes>();
+  const StripeSamples monomials = T.transpose() * spectrum * T;
   PlanePolynomial polynomial{std::max(degree, 0), {}};
   for (int i = 0; i <= polynomial.degree; ++i) {
     for (int j = 0; i + j <= polynomial.degree; ++j) {
@@ -152,9 +152,9 @@ std::optional<std::array<double, StripeGeometry::edge_terms>> fitted_edge(
   if (!samples.allFinite()) return std::nullopt;
   constexpr int terms = StripeGeometry::edge_terms;
   NodeSamples spectrum = chebyshev_transform() * samples;
-  if (spectrum.tail<nodes - terms>().lpNorm<1>() > edge_tolerance) return std::nullopt;
-  spectrum.tail<nodes - terms>().setZero();
-  const NodeSamples monomials = chebyshev_coefficients<nodes>().transpose() * spectrum;
+  if (spectrum.tail<fitted_nodes - terms>().lpNorm<1>() > edge_tolerance) return std::nullopt;
+  spectrum.tail<fitted_nodes - terms>().setZero();
+  const NodeSamples monomials = chebyshev_coefficients<fitted_nodes>().transpose() * spectrum;
   std::array<double, terms> edge{};
   std::copy_n(monomials.data(), terms, edge.begin());
   return edge;
@@ -242,7 +242,7 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
     return w.y() + plane.slope_through(w) * (y - w.x());
   };
   NodeSamples y, low, high;
-  for (int i = 0; i < nodes; ++i) {
+  for (int i = 0; i < fitted_nodes; ++i) {
     y(i) = geometry.unit_coordinate.inverse(node(i));
     low(i) = place(y(i), -margin);
     high(i) = place(y(i), 1 + margin);
@@ -259,9 +259,9 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
   set_place(geometry, plane, unit_place);
   if (scanner.projector.distortion.is_zero()) return geometry;
 
-  Samples added;
-  for (int i = 0; i < nodes; ++i) {
-    for (int j = 0; j < nodes; ++j) {
+  StripeSamples added;
+  for (int i = 0; i < fitted_nodes; ++i) {
+    for (int j = 0; j < fitted_nodes; ++j) {
       added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
     }
   }

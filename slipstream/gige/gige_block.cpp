@@ -11,7 +11,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 enum class Content : std::uint32_t { leader = 1, trailer = 2, picture = 3, part = 7 };
 
-constexpr std::uint16_t success = 0, unavailable = 0x800c;
+constexpr std::uint16_t block_complete = 0, unavailable = 0x800c;
 constexpr std::uint32_t image_payload = 1, multipart_payload = 10;
 
 template <class... Numbers>
@@ -36,7 +36,7 @@ void begin(Bytes& packet, std::uint16_t status, bool long_numbers, std::uint64_t
 
 void begin(Bytes& packet, const GigeBlock& block, Content content, std::size_t place) {
   const std::size_t parts = content == Content::leader ? block.parts.size() : 0;
-  begin(packet, success, block.is_multipart, block.number, content, place, parts);
+  begin(packet, block_complete, block.is_multipart, block.number, content, place, parts);
 }
 
 /// In each packet, after what precedes them.

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 namespace {
 
 const cv::Scalar background(46, 42, 40);
-const cv::Scalar ink(225, 225, 225);
+const cv::Scalar page_ink(225, 225, 225);
 constexpr int smallest_height = 240;  // of a page
 
 /// Values to colours, pixels that are not finite to the background.
@@ -72,14 +72,14 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
   };
   for (int y = 0; y < ramp.height(); ++y) std::fill_n(ramp.row(y), bar_width, value_at(y));
   coloured(ramp, range, colours).copyTo(page(cv::Rect(left, top, bar_width, bottom - top)));
-  draw_text(page, unit, {left, top - 14}, 0.5, ink);
+  draw_text(page, unit, {left, top - 14}, 0.5, page_ink);
 
   for (const double mark : marks_between(range.low, range.high, 8)) {
     const double share = (mark - range.low) / (range.high - range.low);
     const int y = top + static_cast<int>(std::lround(share * (bottom - top - 1)));
     const int right = left + bar_width;
-    cv::line(page, {right, y}, {right + 5, y}, ink);
-    draw_text(page, fmt::format("{:g}", mark), {right + 9, y + 4}, 0.42, ink);
+    cv::line(page, {right, y}, {right + 5, y}, page_ink);
+    draw_text(page, fmt::format("{:g}", mark), {right + 9, y + 4}, 0.42, page_ink);
   }
   return page;
 }

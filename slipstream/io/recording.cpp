@@ -25,7 +25,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "recordings are little-endian; this machine is not");
 
-constexpr std::array<char, 8> magic{'S', 'L', 'I', 'P', 'F', 'R', 'M', 'S'};
+constexpr std::array<char, 8> recording_magic{'S', 'L', 'I', 'P', 'F', 'R', 'M', 'S'};
 constexpr std::array<char, 4> end_mark{'E', 'N', 'D', '.'};
 /// Of frames that are grey, and of those of pictures in colour, which who reads the first alone
 /// must not take for grey.
@@ -37,7 +37,7 @@ constexpr std::uint64_t alignment = 64;
 constexpr std::uint64_t searched_bytes = 4 * OutputFile::most_unsynced;
 
 struct FileHeader {
-  std::array<char, 8> magic{};
+  std::array<char, 8> recording_magic{};
   std::uint32_t version = 0;
   std::uint32_t header_size = 0;  ///< where the first record begins
   std::uint32_t width = 0;
@@ -202,10 +202,10 @@ void require_valid(const RecordingHeader& header) {
 }  // namespace
 
 bool is_recording(const fs::path& path) {
-  std::array<char, magic.size()> begin{};
+  std::array<char, recording_magic.size()> begin{};
   std::error_code unknown;
   return fs::is_regular_file(path, unknown) &&
-         InputFile(path, no_limit).read(0, {writable_bytes_of(begin)}) && begin == magic;
+         InputFile(path, no_limit).read(0, {writable_bytes_of(begin)}) && begin == recording_magic;
 }
 
 RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header,
@@ -221,7 +221,7 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
   const std::string white = pixels_of(header.white);
   const std::string texts = texts_of(scan, scanner, white);
   header_size_ = sizeof(FileHeader) + texts.size();
-  FileHeader written{.magic = magic,
+  FileHeader written{.recording_magic = recording_magic,
                      .version = header.in_colour ? colour_version : grey_version,
                      .header_size = static_cast<std::uint32_t>(header_size_),
                      .width = static_cast<std::uint32_t>(format_.size.width),
@@ -334,7 +334,7 @@ void RecordingReader::read_header() {
     throw Error(fmt::format("{}: {}", path_.string(), why));
   };
   FileHeader header;
-  if (!file_.read(0, {writable_bytes_of(header)}) || header.magic != magic) {
+  if (!file_.read(0, {writable_bytes_of(header)}) || header.recording_magic != recording_magic) {
     refuse("is no recording of slipstream");
   }
   if (header.version != grey_version && header.version != colour_version) {

@@ -11,7 +11,7 @@ constexpr ScanSamples::Effort few{
     .most_looked = 384, .fewest_looked = 48, .lit_wanted = 32, .all_places = false};
 
 /// While something stays amiss it is looked into whole so often: it may have become something else.
-constexpr std::chrono::milliseconds look_again{500};
+constexpr std::chrono::milliseconds next_look{500};
 
 }  // namespace
 
@@ -57,7 +57,7 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
       findings_.clear();  // what was seen has gone
       return {};
     }
-    if (raised == suspected_ && now - checked_ < look_again) return findings_;
+    if (raised == suspected_ && now - checked_ < next_look) return findings_;
   } else {
     harmless_ = harmless_.of(raised);
     if (!first && harmless_ == raised) return {};

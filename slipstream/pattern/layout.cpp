@@ -18,14 +18,14 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double rounding = 1e-9;
+constexpr double layout_rounding = 1e-9;
 
 double sum_of(const std::vector<double>& weights) {
   return std::accumulate(weights.begin(), weights.end(), 0.0);
 }
 
 bool is_near(double a, double b) {
-  return std::abs(a - b) <= rounding;
+  return std::abs(a - b) <= layout_rounding;
 }
 
 void require_monotonic(const std::function<double(double)>& reference) {
@@ -114,7 +114,7 @@ void require_code(const Layout& layout, std::string_view name) {
   if (!layout.code) throw Error(fmt::format("{}: no code to unwrap by", name));
   require_valid(*layout.code, layout.frames, name);
   const double f = measuring_band(layout).periods;
-  if (layout.unwrapping == Unwrapping::code && layout.code->stripes < f - rounding) {
+  if (layout.unwrapping == Unwrapping::code && layout.code->stripes < f - layout_rounding) {
     throw Error(fmt::format("{}: a code of {} stripes is too short for {} periods", name,
                             layout.code->stripes, f));
   }

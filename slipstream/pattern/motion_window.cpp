@@ -65,11 +65,11 @@ struct CycleSum {
   Phasor turn;
 };
 
-CycleSum sum_of(const Band& band) {
+CycleSum cycle_sum(const Band& band) {
   return CycleSum(phasors(band.cosine, band.sine));
 }
 
-CycleSum sum_of(const std::vector<double>& weights) {
+CycleSum cycle_sum(const std::vector<double>& weights) {
   return CycleSum(phasors(weights, std::vector<double>(weights.size())));
 }
 
@@ -101,7 +101,7 @@ std::vector<double> parts_of(const Weights& weights, double (*part)(const Phasor
 }
 
 Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int first) {
-  const Weights window = window_of(sum_of(band), moving, extra, first);
+  const Weights window = window_of(cycle_sum(band), moving, extra, first);
   Band made = band;
   for (std::vector<double>* const weights : {&made.cosine, &made.sine}) {
     std::rotate(weights->begin(), weights->begin() + first, weights->end());
@@ -109,7 +109,7 @@ Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int fir
   made.cycle = step_run(made);
   made.cosine = parts_of(window, std::real);
   made.sine = parts_of(window, std::imag);
-  made.mean = parts_of(window_of(sum_of(band.mean), moving, extra, first), std::real);
+  made.mean = parts_of(window_of(cycle_sum(band.mean), moving, extra, first), std::real);
   return made;
 }
 
@@ -121,19 +121,19 @@ Layout motion_window(const Layout& cycle, int extra, int first) {
   }
   const bool composed = !measuring_band(cycle).mirrored.empty();
   if (composed || cycle.code || !cycle.single_frames.empty()) refuse_motion();
-  const CycleSum moving = sum_of(measuring_band(cycle));
+  const CycleSum moving = cycle_sum(measuring_band(cycle));
   Layout window = cycle;
   window.frames += extra;
   for (Band& band : window.bands) band = band_in_motion(band, moving, extra, first);
   if (window.cue) {
     window.cue->weights =
-        parts_of(window_of(sum_of(cycle.cue->weights), moving, extra, first), std::real);
+        parts_of(window_of(cycle_sum(cycle.cue->weights), moving, extra, first), std::real);
   }
   return window;
 }
 
 double motion_ripple(const Layout& cycle, int extra, double speed) {
-  const Weights steps = sum_of(measuring_band(cycle)).weights;
+  const Weights steps = cycle_sum(measuring_band(cycle)).weights;
   const Band band = measuring_band(motion_window(cycle, extra));
   // Frame n is Re(conj(s_n) exp(i n speed)) up to scale, s_n its step.
   Phasor fringe = 0, image = 0;

@@ -76,10 +76,10 @@ std::vector<PhaseSum> beats(const Layout& layout) {
   return sums;
 }
 
-constexpr double rounding = 1e-9;
+constexpr double chain_rounding = 1e-9;
 
 bool is_whole(double ratio) {
-  return std::abs(ratio - std::round(ratio)) <= rounding;
+  return std::abs(ratio - std::round(ratio)) <= chain_rounding;
 }
 
 /// Of all chains from at most one period to the measuring band that whose worst step is surest;
@@ -98,16 +98,16 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> s
   };
   std::vector<Way> ways(sums.size());
   for (std::size_t fine = 0; fine < sums.size(); ++fine) {
-    const bool begins = circle_of ? sums[fine].periods <= *circle_of + rounding
-                                  : sums[fine].periods <= 1 + rounding;
+    const bool begins = circle_of ? sums[fine].periods <= *circle_of + chain_rounding
+                                  : sums[fine].periods <= 1 + chain_rounding;
     if (begins) ways[fine] = {infinity, fine, 0};
     for (std::size_t coarse = 0; coarse < fine; ++coarse) {
       if (ways[coarse].surest == 0 || ways[fine].surest == infinity) continue;
       const double surest = std::min(ways[coarse].surest, margin(layout, sums[coarse], sums[fine]));
       const Way way{surest, coarse, ways[coarse].steps + 1};
       const bool shorter =
-          way.surest > ways[fine].surest - rounding && way.steps < ways[fine].steps;
-      if (way.surest > ways[fine].surest + rounding || shorter) ways[fine] = way;
+          way.surest > ways[fine].surest - chain_rounding && way.steps < ways[fine].steps;
+      if (way.surest > ways[fine].surest + chain_rounding || shorter) ways[fine] = way;
     }
   }
   std::vector<PhaseSum> chain;
@@ -142,11 +142,12 @@ std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   const std::vector<PhaseSum> sums = beats(layout);
   std::vector<PhaseSum> any = surest_chain(layout, sums, std::nullopt), circle;
   for (const PhaseSum& first : sums) {
-    if (first.periods > 1 + rounding) break;
+    if (first.periods > 1 + chain_rounding) break;
     std::vector<PhaseSum> chain = surest_chain(layout, sums, first.periods);
     if (chain.empty()) continue;
     const double sure = worst_step(layout, chain);
-    if (circle.empty() || sure > worst_step(layout, circle) + rounding) circle = std::move(chain);
+    if (circle.empty() || sure > worst_step(layout, circle) + chain_rounding)
+      circle = std::move(chain);
   }
   const bool good =
       !circle.empty() && worst_step(layout, circle) >= worth * worst_step(layout, any);

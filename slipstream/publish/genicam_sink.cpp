@@ -43,7 +43,7 @@ constexpr double slowest = 50e6, fastest = 400e6, spread = 0.5;
 constexpr auto most_behind = 500us;
 constexpr std::chrono::duration<double> longest_block = 1s;
 constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
-constexpr auto between_looks = 200ms;
+constexpr auto between_checks = 200ms;
 constexpr std::uint32_t depth = 2;  // of the coordinates
 
 std::uint32_t bits_of(double number) {
@@ -175,12 +175,12 @@ class GenicamSink final : public CloudSink {
 };
 
 void GenicamSink::serve(const std::stop_token& stop) {
-  auto looked = steady_clock::now() - between_looks;
+  auto looked = steady_clock::now() - between_checks;
   std::unique_lock at_the_start(mutex_);
   refresh();
   at_the_start.unlock();
   while (!stop.stop_requested()) {
-    if (run_.settings && steady_clock::now() - looked >= between_looks) {
+    if (run_.settings && steady_clock::now() - looked >= between_checks) {
       look_at_settings();
       looked = steady_clock::now();
     }

@@ -20,7 +20,7 @@ constexpr std::array counts{
 /// Samples of each metric, together as the form wants them.
 using Metrics = std::map<std::string, std::string>;
 
-std::string escaped(const std::string& label) {
+std::string escaped_label(const std::string& label) {
   std::string text;
   for (const char c : label) {
     if (c == '\\' || c == '"') text += '\\';
@@ -49,7 +49,7 @@ void add(const json& value, const std::string& name, const std::string& labels, 
       const bool named = one.is_object();
       add(one, name,
           fmt::format("{{{}=\"{}\"}}", named ? "name" : "index",
-                      named ? escaped(one["name"].get<std::string>()) : std::to_string(i)),
+                      named ? escaped_label(one["name"].get<std::string>()) : std::to_string(i)),
           metrics);
     }
   } else if (value.is_number()) {

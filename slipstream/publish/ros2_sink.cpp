@@ -30,7 +30,7 @@ namespace slipstream {
 namespace {
 using namespace std::chrono_literals;
 
-constexpr auto between_looks = DDS_MSECS(200);
+constexpr auto between_requests = DDS_MSECS(200);
 constexpr std::size_t most_news = 64;
 
 std::string variable(const char* name) {
@@ -274,7 +274,7 @@ class Ros2Sink final : public CloudSink {
   void serve() {
     let_others_go_first();
     try {
-      while (!stopping_ && dds_waitset_wait(waiting_, nullptr, 0, between_looks) >= 0) {
+      while (!stopping_ && dds_waitset_wait(waiting_, nullptr, 0, between_requests) >= 0) {
         for (Service& service : services_) service.answer_requests(stopping_);
         if (run_.settings) tell_changes();
       }

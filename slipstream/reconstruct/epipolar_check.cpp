@@ -18,7 +18,7 @@
 namespace slipstream {
 namespace {
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
 constexpr double least_limit = 0.5;  // projector pixels: what calibration may be off
 
 EngineSetup along_other_axis(EngineSetup setup, const Scan& other) {
@@ -53,7 +53,7 @@ std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Imag
     Validity& pixel = cloud.validity.begin()[i];
     if (pixel != Validity::valid || (doubtful.begin()[i] == 0 && !all)) continue;
     pixel = Validity::doubtful_order;
-    cloud.x.begin()[i] = cloud.y.begin()[i] = cloud.z.begin()[i] = nan;
+    cloud.x.begin()[i] = cloud.y.begin()[i] = cloud.z.begin()[i] = no_number;
   }
   return all ? points : doubted;
 }
@@ -107,7 +107,7 @@ EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& 
   };
   const auto [width, height] = setup.scanner.projector.size;
   const Size size = cloud.size();
-  Image<float> off(size, nan), sigma(size);
+  Image<float> off(size, no_number), sigma(size);
   for_each_row(size.height, [&](int row) {
     for (int column = 0; column < size.width; ++column) {
       const double B = maps.modulation(column, row), other_B = other_maps.modulation(column, row);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/phase/modulation_mask.h"
 #include "slipstream/reconstruct/detail/epipolar_line.h"
@@ -20,9 +20,6 @@
 
 namespace slipstream {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double two_pi = 2 * std::numbers::pi;
 
 Image<Phasor> phasors(const Image<double>& modulation, const Image<double>& phase) {
   Image<Phasor> result(phase.size());

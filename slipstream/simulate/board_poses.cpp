@@ -2,19 +2,17 @@
 
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <utility>
 #include <variant>
 
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180;
 
 bool in_picture(const Lens& lens, const Eigen::Vector3d& point) {
   constexpr double margin = 0.01;  // of the picture

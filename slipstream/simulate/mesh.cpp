@@ -12,11 +12,11 @@
 namespace slipstream {
 namespace {
 
-using Box = Eigen::AlignedBox3d;
+using Bounds = Eigen::AlignedBox3d;
 using BoxTree = Eigen::KdBVH<double, 3, int>;
 
-Box box_around(const Mesh& mesh, const std::array<int, 3>& triangle) {
-  Box box;
+Bounds box_around(const Mesh& mesh, const std::array<int, 3>& triangle) {
+  Bounds box;
   for (const int corner : triangle) box.extend(mesh.vertices[static_cast<std::size_t>(corner)]);
   return box;
 }
@@ -27,7 +27,7 @@ class NearestHit {
   NearestHit(const Mesh& mesh, const Ray& ray)
       : mesh_(mesh), ray_(ray), inverse_(ray.direction.cwiseInverse()) {}
 
-  bool intersectVolume(const Box& box) const {
+  bool intersectVolume(const Bounds& box) const {
     const Eigen::Array3d a = (box.min() - ray_.origin).array() * inverse_.array();
     const Eigen::Array3d b = (box.max() - ray_.origin).array() * inverse_.array();
     const double enter = a.min(b).maxCoeff();
@@ -96,7 +96,7 @@ void append_surface(Mesh& mesh, int rows, int columns,
 MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
   if (mesh_.triangles.empty()) throw Error("the mesh has no triangle");
   std::vector<int> indices;
-  std::vector<Box> boxes;
+  std::vector<Bounds> boxes;
   for (const std::array<int, 3>& triangle : mesh_.triangles) {
     for (const int corner : triangle) {
       if (corner < 0 || static_cast<std::size_t>(corner) >= mesh_.vertices.size()) {

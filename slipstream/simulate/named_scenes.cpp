@@ -13,14 +13,13 @@
 
 #include "slipstream/error/did_you_mean.h"
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/simulate/statue.h"
 
 namespace slipstream {
 namespace {
 
 using Vector = Eigen::Vector3d;
-
-constexpr double degree = std::numbers::pi / 180;
 
 /// What a device sees whole at that distance.
 double visible_extent(const Lens& lens, double distance) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <numeric>
 #include <optional>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/simulate/counted_random.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -16,7 +16,6 @@ namespace {
 
 using Vector = Eigen::Vector3d;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double shutter_rolls = 0.9;  // from the first row to the last, frames
 
 /// How far from the middle of a picture, 1 in its corners, squared.

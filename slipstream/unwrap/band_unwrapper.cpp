@@ -4,15 +4,13 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 #include <utility>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// In [0, 2 pi).
 double phase_of(const PhaseSum& sum, std::span<const double> phases) {

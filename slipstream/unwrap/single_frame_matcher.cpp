@@ -5,19 +5,15 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
-#include <numbers>
 
 #include <Eigen/Dense>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/pattern/sinusoid.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
-namespace {
-
-constexpr double two_pi = 2 * std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 SingleFrameMatcher::SingleFrameMatcher(const Layout& layout, int projector_length)
     : waves_(static_cast<std::size_t>(layout.frames)),

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
@@ -96,7 +97,7 @@ class SurfaceByBands {
         ratio_(layout.bands[1].periods / periods_) {}
 
   std::optional<int> operator()(const Surface& surface) const {
-    constexpr double two_pi = 2 * std::numbers::pi, least_agreement = 0.9, decided = 2;
+    constexpr double least_agreement = 0.9, decided = 2;
     int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
     std::complex<double> sum;
     surface.for_each([&](int column, int row, int order) {

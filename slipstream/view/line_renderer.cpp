@@ -10,7 +10,7 @@
 namespace slipstream::view {
 namespace {
 
-constexpr const char* vertex_shader = R"(#version 330 core
+constexpr const char* line_vertex_shader = R"(#version 330 core
 layout(location = 0) in vec3 point;
 layout(location = 1) in vec4 colour;
 uniform mat4 clip;
@@ -55,7 +55,7 @@ void main() {
 }
 )";
 
-constexpr const char* fragment_shader = R"(#version 330 core
+constexpr const char* line_fragment_shader = R"(#version 330 core
 in vec4 line_colour;
 noperspective in float across;
 uniform float width;
@@ -85,7 +85,9 @@ std::vector<Vertex> vertices_of(const std::vector<Line>& lines) {
 }  // namespace
 
 LineRenderer::LineRenderer()
-    : program_({.vertex = vertex_shader, .geometry = geometry_shader, .fragment = fragment_shader}),
+    : program_({.vertex = line_vertex_shader,
+                .geometry = geometry_shader,
+                .fragment = line_fragment_shader}),
       vertex_array_(opengl::make_vertex_array()),
       buffer_(opengl::make_buffer()) {
   glBindVertexArray(vertex_array_.number());

@@ -9,7 +9,7 @@ namespace slipstream::view {
 namespace {
 
 // Comparisons are written so that NaN fails them.
-constexpr const char* vertex_shader = R"(#version 330 core
+constexpr const char* point_vertex_shader = R"(#version 330 core
 layout(location = 0) in float x;
 layout(location = 1) in float y;
 layout(location = 2) in float z;
@@ -45,7 +45,7 @@ void main() {
 }
 )";
 
-constexpr const char* fragment_shader = R"(#version 330 core
+constexpr const char* point_fragment_shader = R"(#version 330 core
 flat in vec3 colour;
 out vec4 pixel;
 void main() { pixel = vec4(colour, 1.0); }
@@ -58,7 +58,7 @@ std::array<float, 3> as_array(const glm::vec3& vector) {
 }  // namespace
 
 PointRenderer::PointRenderer()
-    : program_({.vertex = vertex_shader, .fragment = fragment_shader}),
+    : program_({.vertex = point_vertex_shader, .fragment = point_fragment_shader}),
       vertex_array_(opengl::make_vertex_array()) {
   for (opengl::Resource& buffer : buffers_) buffer = opengl::make_buffer();
   const ColourMap map = depth_colours();

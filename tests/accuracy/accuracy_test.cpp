@@ -16,8 +16,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::accuracy_test {
 
 using Eigen::Vector3d;
 
@@ -198,5 +197,4 @@ TEST(AccuracyReport, IsAPageBesideItsPictures) {
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "report/sphere.png"));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::accuracy_test

@@ -11,8 +11,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::artefacts_test {
 
 class ArtefactsFile : public TemporaryFolder {
  public:
@@ -78,5 +77,4 @@ RC_GTEST_PROP(Artefacts, AreReadOrRefusedOfAnyText, ()) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::artefacts_test

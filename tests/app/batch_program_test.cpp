@@ -13,9 +13,8 @@
 #include "tests/app/program.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
+namespace slipstream::batch_program_test {
 namespace fs = std::filesystem;
-namespace {
 
 /// A recording of 200 windows of a tiny camera and a list of it and two folders.
 class BatchProgram : public testing::Test {
@@ -25,7 +24,7 @@ class BatchProgram : public testing::Test {
                    "--steps", "3", "--frames", "600", "--rate", "0", "-o", path("a.slip")}),
               0);
     for (const char* name : {"x", "y"}) {
-      ASSERT_EQ(run({"simulate", path(name), "--camera", "96x72", "--strategy", "pmp"}), 0);
+      copy_simulated_scan({"--camera", "96x72", "--strategy", "pmp"}, path(name));
     }
     write_file(path("list.txt"), "a.slip\t:\nx\n\ny\n");
     for (const char* name : {"one", "many"}) make_folder(path(name));
@@ -285,5 +284,4 @@ TEST(Manifest, TornAtAnyByteItIsItsWholeLines) {
                {"cloud.ply", "is no manifest"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::batch_program_test

@@ -16,8 +16,7 @@
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::calibrate_program_test {
 namespace fs = std::filesystem;
 
 void expect_bad_input(const ProgramRun& run, const std::vector<std::string>& parts) {
@@ -317,5 +316,4 @@ TEST(SimulateBoardsProgram, RefusesTheFlagsOfAScene) {
   EXPECT_FALSE(fs::exists(folder));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::calibrate_program_test

@@ -10,8 +10,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::check_program_test {
 namespace fs = std::filesystem;
 
 bool says(const std::string& text, const std::string& words) {
@@ -21,10 +20,7 @@ bool says(const std::string& text, const std::string& words) {
 /// A folder with a virtual scan of six frames, three of each band, in scan/.
 class CheckProgram : public testing::Test {
  protected:
-  void SetUp() override {
-    const ProgramRun run = run_program({"simulate", path("scan"), "--camera", "160x120"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
+  void SetUp() override { copy_simulated_scan({"--camera", "160x120"}, path("scan")); }
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
   [[nodiscard]] std::string frame(int n) const {
@@ -216,5 +212,4 @@ TEST_F(CheckProgram, ARecordingOfOtherPatternsIsKeptWithAWarning) {
   EXPECT_TRUE(fs::exists(claimed));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::check_program_test

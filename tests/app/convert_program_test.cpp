@@ -12,8 +12,7 @@
 #include "slipstream/io/stored_cloud.h"
 #include "tests/app/program.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::convert_program_test {
 namespace fs = std::filesystem;
 
 class Convert : public testing::Test {
@@ -176,5 +175,4 @@ TEST_F(Convert, refuses_in_one_line_and_leaves_nothing_half_done) {
   EXPECT_FALSE(fs::exists(path("b-000000.ply")));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::convert_program_test

@@ -14,8 +14,7 @@
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::gamma_program_test {
 
 class GammaProgram : public testing::Test {
  protected:
@@ -230,5 +229,4 @@ TEST_F(GammaProgram, RefusesBadInput) {
   EXPECT_FALSE(std::filesystem::exists(path("s.xml")));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::gamma_program_test

@@ -9,8 +9,7 @@
 #include "slipstream/io/image_file.h"
 #include "tests/app/program.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::height_program_test {
 
 class HeightProgram : public testing::Test {
  protected:
@@ -99,5 +98,4 @@ TEST_F(HeightProgram, TakesPhaseMapsAndRefusesWhatIsWrong) {
   refused(run_program({"height", map, "--calibration", path("heights.npy"), "-o", no}), "5x4");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::height_program_test

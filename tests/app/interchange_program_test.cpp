@@ -11,8 +11,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::interchange_program_test {
 namespace fs = std::filesystem;
 
 std::string replaced(std::string text, const std::string& what, const std::string& by) {
@@ -112,5 +111,4 @@ INSTANTIATE_TEST_SUITE_P(
         {"record", "--source", "replay:IN", "--rate", "0", "-o", "OUT.slip"},
     }));
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::interchange_program_test

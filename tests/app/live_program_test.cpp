@@ -12,8 +12,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::live_program_test {
 namespace fs = std::filesystem;
 
 const std::vector<std::string> small{"live",       "--source", "virtual",   "--camera", "64x48",
@@ -205,5 +204,4 @@ TEST(LiveProgram, refuses_what_cannot_be) {
   expect_refused(with(small, {"--frequency", "5"}), "frequency");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::live_program_test

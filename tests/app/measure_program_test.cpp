@@ -9,8 +9,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::measure_program_test {
 
 class MeasureProgram : public testing::Test {
  protected:
@@ -87,5 +86,4 @@ TEST_F(MeasureProgram, ReconstructWritesMeshesByTheirEnding) {
                  "use .ply, .stl, .obj, .glb");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::measure_program_test

@@ -8,8 +8,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::noise_program_test {
 
 class NoiseProgram : public testing::Test {
  protected:
@@ -148,5 +147,4 @@ TEST_F(NoiseProgram, ProposesPatterns) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::noise_program_test

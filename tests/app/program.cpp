@@ -3,6 +3,9 @@
 #include <chrono>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -86,6 +89,19 @@ ProgramRun run_program(const std::vector<std::string>& arguments, long largest_f
   RunningProgram program(arguments, largest_file);
   const int exit_code = program.wait();
   return {exit_code, program.out(), program.err()};
+}
+
+void copy_simulated_scan(const std::vector<std::string>& flags, const fs::path& folder) {
+  static std::map<std::vector<std::string>, std::unique_ptr<TemporaryFolder>> made;
+  std::unique_ptr<TemporaryFolder>& kept = made[flags];
+  if (!kept) {
+    kept = std::make_unique<TemporaryFolder>();
+    std::vector<std::string> arguments{"simulate", kept->path() / "scan"};
+    arguments.insert(arguments.end(), flags.begin(), flags.end());
+    const ProgramRun run = run_program(arguments);
+    if (run.exit_code != 0) throw std::runtime_error(run.err);
+  }
+  fs::copy(kept->path() / "scan", folder, fs::copy_options::recursive);
 }
 
 bool wait_until(const std::function<bool()>& come) {

@@ -49,6 +49,11 @@ struct ProgramRun {
 
 ProgramRun run_program(const std::vector<std::string>& arguments, long largest_file = -1);
 
+/// Fills `folder` with what `simulate` makes with these flags, which it makes once for all tests of
+/// a process.
+void copy_simulated_scan(const std::vector<std::string>& flags,
+                         const std::filesystem::path& folder);
+
 /// Waits for it, a minute at most. Returns whether it came.
 bool wait_until(const std::function<bool()>& come);
 

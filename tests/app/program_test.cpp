@@ -17,18 +17,13 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
+namespace slipstream::program_test {
 namespace fs = std::filesystem;
 
-namespace {
-
-/// A folder with a small virtual scan in scan/, made anew for each test.
+/// A folder with a small virtual scan in scan/, another for each test.
 class Program : public testing::Test {
  protected:
-  void SetUp() override {
-    const ProgramRun run = run_program({"simulate", path("scan"), "--camera", "96x72"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
+  void SetUp() override { copy_simulated_scan({"--camera", "96x72"}, path("scan")); }
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path() / name; }
 
@@ -348,17 +343,6 @@ TEST_F(Program, MissingFrame) {
   expect_refused(reconstruct(), 2, {"frame_03.png", "no such file"});
 }
 
-TEST_F(Program, FrameOfAnotherSize) {
-  write_image(path("scan/frame_02.png"), Image<std::uint8_t>({48, 72}));
-  expect_refused(reconstruct(), 2, {"frame_02.png", "48x72", "96x72"});
-}
-
-TEST_F(Program, TruncatedFrame) {
-  const std::string whole = contents(path("scan/frame_01.png"));
-  write_file(path("scan/frame_01.png"), std::string_view(whole).substr(0, whole.size() - 100));
-  expect_refused(reconstruct(), 2, {"frame_01.png", "truncated"});
-}
-
 TEST_F(Program, FramesThatAreNotOfTheCamera) {
   const std::string other = path("other");
   ASSERT_EQ(run_program({"simulate", other, "--camera", "64x48"}).exit_code, 0);
@@ -366,23 +350,9 @@ TEST_F(Program, FramesThatAreNotOfTheCamera) {
                  {"scanner.yaml", "64x48", "96x72"});
 }
 
-TEST_F(Program, WrongFrameCount) {
-  expect_refused(reconstruct({"--steps", "4"}), 2, {"6 frames", "takes 8"});
-}
-
-TEST_F(Program, UnknownKeyInScanYaml) {
-  replace_in("scan/scan.yaml", "bits:", "bitts:");
-  expect_refused(reconstruct(), 2, {"scan.yaml", "bitts", "bits"});
-}
-
 TEST_F(Program, ValueOutOfRangeInScanYaml) {
   replace_in("scan/scan.yaml", "high: 16", "high: -16");
   expect_refused(reconstruct(), 2, {"scan.yaml", "-16", "positive"});
-}
-
-TEST_F(Program, ScannerWithoutAMatrix) {
-  replace_in("scan/scanner.yaml", "projector_matrix", "projektor_matrix");
-  expect_refused(reconstruct(), 2, {"scanner.yaml", "projector_matrix"});
 }
 
 TEST_F(Program, ScannerWithNan) {
@@ -496,5 +466,4 @@ TEST_F(Program, BadFlags) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::program_test

@@ -11,8 +11,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::rig_program_test {
 namespace fs = std::filesystem;
 
 class Rig : public testing::Test {
@@ -171,5 +170,4 @@ TEST(Errors, AreInTheDocumentToo) {
       << document["error"];
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::rig_program_test

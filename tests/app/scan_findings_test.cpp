@@ -6,8 +6,7 @@
 #include "app/finding_output.h"
 #include "slipstream/error/error.h"
 
-namespace slipstream::app {
-namespace {
+namespace slipstream::app::scan_findings_test {
 
 const Finding dim{.what = "the frames are dim"};
 const Finding rotated{.gravity = Gravity::wrong,
@@ -99,5 +98,4 @@ TEST(LiveFindings, EachIsToldOnceWhenItBeginsAndWhenItEnds) {
   EXPECT_TRUE(listed[1]["end"].is_null());
 }
 
-}  // namespace
-}  // namespace slipstream::app
+}  // namespace slipstream::app::scan_findings_test

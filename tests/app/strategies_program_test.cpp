@@ -13,8 +13,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::strategies_program_test {
 
 std::vector<std::string> every_name() {
   std::vector<std::string> names;
@@ -144,5 +143,4 @@ TEST_P(StrategiesRefused, WithWhatWouldBeRight) {
 INSTANTIATE_TEST_SUITE_P(Registry, StrategiesRefused, testing::Values("multi-frequency"),
                          [](const auto& info) { return without_hyphens(info.param); });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::strategies_program_test

@@ -9,8 +9,7 @@
 #include "tests/app/program.h"
 #include "tests/spatial/known_phase.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::unwrap_program_test {
 
 class UnwrapProgram : public testing::Test {
  protected:
@@ -83,5 +82,4 @@ TEST_F(UnwrapProgram, RefusesWhatIsWrong) {
   refused({wrapped, "-o", phase, "--anchor", "1", "1", "1", "--coarse", wrapped}, "excludes");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::unwrap_program_test

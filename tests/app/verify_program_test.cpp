@@ -10,8 +10,7 @@
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::verify_program_test {
 
 class VerifyProgram : public testing::Test {
  protected:
@@ -75,5 +74,4 @@ TEST_F(VerifyProgram, RefusesWhatItCannotVerify) {
   expect_refused({"verify", path("copies.yaml"), "-o", report}, "copies");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::verify_program_test

@@ -13,8 +13,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/opengl/desktop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::view_program_test {
 
 class ViewProgram : public testing::Test {
  protected:
@@ -115,5 +114,4 @@ TEST_F(ViewProgram, AnInterruptEndsTheProjectionAndKeepsItsLog) {
   EXPECT_EQ(contents(path("log.csv")).substr(0, 21), "swap,pattern,seconds\n");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::view_program_test

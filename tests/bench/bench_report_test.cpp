@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::bench_report_test {
 
 TimedRow row(std::string name, int steps, double milliseconds, int width = 640, int threads = 1) {
   return {{.name = std::move(name),
@@ -62,5 +61,4 @@ TEST(BenchReport, HoldsTheGpuBesideTheFusedPass) {
   EXPECT_EQ(text.find("fused-cloud"), std::string::npos) << text;
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::bench_report_test

@@ -11,8 +11,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/phase_measuring.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::published_test {
 
 class Published : public testing::TestWithParam<int> {};
 
@@ -59,5 +58,4 @@ TEST_P(Published, LoopsGiveThePointsOfTheReferenceEngine) {
 
 INSTANTIATE_TEST_SUITE_P(Steps, Published, testing::Values(3, 4, 6));
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::published_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::timing_test {
 
 TEST(Timed, CountsEveryRunOfEveryRow) {
   int runs = 0;
@@ -16,5 +15,4 @@ TEST(Timed, CountsEveryRunOfEveryRow) {
   EXPECT_LE(timings[0].timing.median, timings[0].timing.upper_quartile);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::timing_test

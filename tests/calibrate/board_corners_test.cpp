@@ -10,8 +10,7 @@
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::board_corners_test {
 
 constexpr int side = 20;  // pixels, of a spacing
 
@@ -159,5 +158,4 @@ TEST(BoardCorners, MeanAndMaximumAreOverAllFrames) {
   expect_error([&] { (void)fringe_free_pictures(x, other); }, {"2x1", "3x1"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::board_corners_test

@@ -10,8 +10,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::bundle_adjustment_test {
 
 const CalibrationBoard board{.columns = 7, .rows = 5, .spacing = 20};
 
@@ -102,5 +101,4 @@ TEST(BoardQuality, OfAnExactScannerIsPerfectAndOfAWrongOneIsNot) {
   EXPECT_GT(board_quality(boards.views[1], bent, places)->flatness, 0.01);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::bundle_adjustment_test

@@ -4,8 +4,7 @@
 
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::calibration_board_test {
 
 TEST(CalibrationBoard, PlacesAreWhereItIsPrinted) {
   const auto chess = printed_places({.columns = 4, .rows = 3, .spacing = 5});
@@ -50,5 +49,4 @@ TEST(CalibrationBoard, ThatCannotBeIsToldInOneLine) {
       {"markers", "1000"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::calibration_board_test

@@ -15,8 +15,7 @@
 #include "tests/calibrate/virtual_views.h"
 #include "tests/own_strategies.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::doctor_test {
 
 struct BrokenCase {
   std::string name;
@@ -368,5 +367,4 @@ TEST(UncorrectedGamma, IsNotToldOnceItIsCorrected) {
   EXPECT_FALSE(names(told, "gamma")) << text_of(told);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::doctor_test

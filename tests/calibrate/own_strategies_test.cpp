@@ -11,8 +11,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::own_strategies_test {
 
 TEST(BoardCapture, TakesStrategiesOfOnesOwn) {
   const Scanner scanner = example_scanner({640, 480});
@@ -53,5 +52,4 @@ TEST(BoardCapture, TakesStrategiesOfOnesOwn) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::own_strategies_test

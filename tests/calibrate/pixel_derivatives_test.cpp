@@ -7,8 +7,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::pixel_derivatives_test {
 
 /// Central differences of `value`, a function of some numbers, at `numbers`.
 template <std::size_t Count, class Value>
@@ -63,5 +62,4 @@ TEST(PixelDerivatives, OfALensAreThoseOfDifferences) {
                }));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pixel_derivatives_test

@@ -17,8 +17,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pose_guide_test {
 namespace fs = std::filesystem;
 
 const CalibrationBoard board{.columns = 7, .rows = 5, .spacing = 22};
@@ -222,5 +221,4 @@ TEST(GuidedPoses, LeavesAFolderAloneThatHoldsSomething) {
                {"poses", "not empty"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pose_guide_test

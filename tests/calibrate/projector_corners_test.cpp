@@ -8,8 +8,7 @@
 
 #include "slipstream/capture/frame_set.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::projector_corners_test {
 
 const Size size{120, 100};
 
@@ -104,5 +103,4 @@ TEST(ProjectorCorners, EachScanIsMeasuredByItsOwnFullScale) {
       projector_map(of_16_bits, along_y, of_8_bits, along_x, {400, 200}, 5).weight(0, 0), 400);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::projector_corners_test

@@ -17,8 +17,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::random_rigs_test {
 
 class Chance {
  public:
@@ -168,5 +167,4 @@ TEST(RandomRigs, AreOffByAsMuchAsTheirStandardDeviationsSay) {
   EXPECT_LT(errors.all.rms_in_deviations(), many ? 1.25 : 1.6);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::random_rigs_test

@@ -4,8 +4,7 @@
 
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ruler_test {
 
 const CalibrationBoard chessboard{.columns = 13, .rows = 9, .spacing = 10};
 
@@ -37,5 +36,4 @@ TEST(Ruler, LengthsThatCannotBeAreAnError) {
   expect_error([] { (void)findings_of_ruler(chessboard, {0, 80}); }, {"0x80", "above 0"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ruler_test

@@ -17,8 +17,7 @@
 #include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::skull_boards_test {
 namespace fs = std::filesystem;
 
 BoardCapture capture(const fs::path& folder, const CalibrationBoard& board, Size projector) {
@@ -97,5 +96,4 @@ TEST(SkullBoards, AreCalibratedAtLeastAsWellAsPublished) {
   EXPECT_LT(difference, 0.4);  // of about 150 mm; the published scale is off by 0.3 %
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::skull_boards_test

@@ -9,8 +9,7 @@
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::verification_test {
 
 constexpr double degree = std::numbers::pi / 180;
 const CalibrationBoard board{.columns = 9, .rows = 6, .spacing = 20};
@@ -86,5 +85,4 @@ TEST(Verification, WithoutABoardIsAnError) {
   expect_error([] { (void)verify_scanner({}, board, example_scanner()); }, {"no pose"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::verification_test

@@ -15,8 +15,7 @@
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::camera_program_test {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
@@ -147,5 +146,4 @@ TEST_F(CameraProgram, RefusesBadFlags) {
   expect_refused({"camera", "serve", "--camera", "32x24", "--address", "nowhere"}, 2, "nowhere");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::camera_program_test

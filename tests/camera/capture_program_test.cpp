@@ -16,8 +16,7 @@
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::capture_program_test {
 namespace fs = std::filesystem;
 
 using Arguments = std::vector<std::string>;
@@ -169,5 +168,4 @@ TEST_F(CaptureProgram, PatternsHaveAMarkerThatIsNoFrame) {
   EXPECT_NE(contents(in_folder("patterns/scan.yaml")).find("marker: true"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::capture_program_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::frame_count_test {
 
 TEST(FrameCount, GoesOnWhereNumbersOf16BitsBeginAgain) {
   FrameCount count(4);
@@ -75,5 +74,4 @@ TEST(FrameCount, NoticesACameraThatBeginsAnewBelowItsFirstNumber) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::frame_count_test

@@ -4,8 +4,7 @@
 #include "slipstream/gige/gige_block.h"
 #include "tests/camera/gvcp_packets.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::gige_protocol_test {
 using namespace std::chrono_literals;
 
 const sockaddr_in client = address_of(loopback, 5000), other = address_of(loopback, 5001);
@@ -151,5 +150,4 @@ TEST_F(GigeControlTest, NoPacketWritesBesideWhatClientsMayOrEnlargesAnAnswer) {
   EXPECT_EQ(ask(command(read_memory, {0x10000, 512})), description);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::gige_protocol_test

@@ -15,8 +15,7 @@
 #include "tests/camera/gvcp_packets.h"
 #include "tests/io/recorded_frames.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::hostile_network_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
@@ -192,5 +191,4 @@ TEST_F(HostileNetwork, PacketsAgainEarlyLateAndTooLongGiveNoWrongFrame) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::hostile_network_test

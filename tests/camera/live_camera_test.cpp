@@ -14,8 +14,7 @@
 #include "slipstream/live/live_pipeline.h"
 #include "tests/camera/offline.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::live_camera_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
@@ -83,5 +82,4 @@ TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {
   EXPECT_EQ(wrong, 0U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::live_camera_test

@@ -7,8 +7,7 @@
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::open_camera_test {
 
 TEST(OpenCamera, RefusesNamesThatNameNone) {
   expect_error([] { open_camera("tape:1", {}); }, {"tape:1", "aravis:NAME, v4l2:NUMBER"});
@@ -32,5 +31,4 @@ TEST(ListCameras, NamesThemAsTheyAreOpened) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::open_camera_test

@@ -7,8 +7,7 @@
 
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pixel_format_test {
 
 /// The layout of each format said a second time, pixel by pixel, the slow way.
 std::vector<std::uint8_t> packed(PixelFormat format, const std::vector<std::uint16_t>& pixels) {
@@ -72,5 +71,4 @@ TEST(PixelFormat, OtherNamesAreRefused) {
   expect_error([] { (void)pixel_format_named("BGR8"); }, {"BGR8", "Mono12p", "RGB8"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pixel_format_test

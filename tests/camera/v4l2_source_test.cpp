@@ -13,8 +13,7 @@
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::v4l2_source_test {
 using namespace std::chrono_literals;
 
 /// A camera with a V4L2 driver, made up: what it can do, and what it was told.
@@ -380,5 +379,4 @@ TEST(V4l2Cameras, AreListedWithoutFailure) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::v4l2_source_test

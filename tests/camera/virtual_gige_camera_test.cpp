@@ -26,8 +26,7 @@ void arv_enable_interface(const char* name);
 void arv_disable_interface(const char* name);
 }
 
-namespace slipstream {
-namespace {
+namespace slipstream::virtual_gige_camera_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
@@ -399,5 +398,4 @@ TEST(GenICamCamera, SaysWhatItCannotDo) {
   expect_error([] { (void)open_genicam_camera(address, {.cycle = 0}); }, {"0 patterns"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::virtual_gige_camera_test

@@ -12,8 +12,7 @@
 #include "slipstream/capture/colour_channels.h"
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::colour_source_test {
 
 constexpr Size picture_size{5, 4};
 
@@ -164,5 +163,4 @@ TEST(ColourSource, RefusesOtherFrames) {
   EXPECT_THROW(ColourSource(std::make_unique<Pictures>(FrameFormat{{15, 4}, 12})), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::colour_source_test

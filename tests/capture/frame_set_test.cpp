@@ -6,8 +6,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::frame_set_test {
 
 TEST(FrameSet, RefusesFramesOfDifferentSizes) {
   FrameSet::Images8 images;
@@ -70,5 +69,4 @@ TEST(FrameSet, RefusesWhatIsNoOrder) {
   EXPECT_EQ(reordered(frames, {0, 1, 2}).count(), 3);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::frame_set_test

@@ -8,8 +8,7 @@
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::frame_views_test {
 
 template <class Pixel>
 Frames<Pixel> views_of(const std::vector<Image<Pixel>>& images) {
@@ -76,5 +75,4 @@ TEST(FrameViews, AreWeighedAndAskedForTheirEnds) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::frame_views_test

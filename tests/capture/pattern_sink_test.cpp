@@ -4,8 +4,7 @@
 
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pattern_sink_test {
 
 using Picture = Image<std::uint8_t>;
 
@@ -28,5 +27,4 @@ TEST(RequirePatterns, SaysWhatDoesNotFit) {
       {"the patterns are 4x6, but the first is 6x4"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pattern_sink_test

@@ -7,8 +7,7 @@
 #include "slipstream/capture/frame.h"
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pool_test {
 
 TEST(Pool, gives_each_value_to_one_taker_and_again_after_the_last_share) {
   Pool<int> pool(2, [made = 0]() mutable { return ++made; });
@@ -60,5 +59,4 @@ TEST(Frame, has_the_pixels_of_its_format) {
   EXPECT_THROW(Frame({{5, 3}, 17}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pool_test

@@ -7,8 +7,7 @@
 #include "slipstream/capture/shown_scans.h"
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::scan_camera_test {
 
 using namespace std::chrono_literals;
 
@@ -116,5 +115,4 @@ TEST(ShownScans, NeedsPatterns) {
   EXPECT_THROW(ShownScans(rig, rig, {}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::scan_camera_test

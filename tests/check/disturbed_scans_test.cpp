@@ -8,8 +8,7 @@
 #include "tests/check/mistakes.h"
 #include "tests/check/random_scans.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::disturbed_scans_test {
 
 /// What goes wrong while a scan is taken, for one of so many frames.
 std::vector<Mistake> disturbances(const Scan& scan, int frame) {
@@ -103,5 +102,4 @@ TEST(DisturbedScans, ShowHardlyAWrongPointWithoutAFinding) {
   EXPECT_LE(1000 * all.wrong, all.points);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::disturbed_scans_test

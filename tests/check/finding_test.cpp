@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::finding_test {
 
 TEST(Finding, IsOneLineForPeople) {
   const Finding finding{.what = "the bands disagree about the phase",
@@ -25,5 +24,4 @@ TEST(Finding, RefusesWhereOneIsWrong) {
   EXPECT_TRUE(any_wrong(wrong));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::finding_test

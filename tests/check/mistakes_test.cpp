@@ -15,8 +15,7 @@
 #include "tests/geometry/random_scanner.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::mistakes_test {
 
 namespace fs = std::filesystem;
 
@@ -288,5 +287,4 @@ TEST(Mistakes, AreNamed) {
   fmt::print("{} mistakes, without a trace: {}\n", told.mistakes, fmt::join(told.silent, "; "));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::mistakes_test

@@ -10,8 +10,7 @@
 #include "tests/every_strategy.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::right_scans_test {
 
 namespace fs = std::filesystem;
 
@@ -139,5 +138,4 @@ TEST(RealScans, AreLeftInPeace) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::right_scans_test

@@ -17,8 +17,7 @@
 #include "tests/clean/made_up_cloud.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::clean_scans_test {
 
 const CleanSettings raw = CleanSettings::none();
 
@@ -141,5 +140,4 @@ TEST(CleanScans, TheSkullsSpecksGoAndItsFaceStays) {
   EXPECT_LE(lost, 0.002 * face);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::clean_scans_test

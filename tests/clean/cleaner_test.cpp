@@ -15,8 +15,7 @@
 #include "slipstream/kernels/vector_target.h"
 #include "tests/clean/made_up_cloud.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::cleaner_test {
 
 constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 
@@ -206,5 +205,4 @@ TEST(Cleaner, RefusesSettingsOutOfRange) {
   EXPECT_THROW(Cleaner({.smoothing = 11}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::cleaner_test

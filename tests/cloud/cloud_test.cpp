@@ -6,8 +6,7 @@
 
 #include "slipstream/cloud/normals.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::cloud_test {
 
 /// A plane through (0, 0, 500) seen by a pinhole camera.
 Cloud plane(const Size size, double slope_x, double slope_y) {
@@ -77,5 +76,4 @@ TEST(SurfaceNormals, DoNotReachAcrossADepthEdgeOffTheAxis) {
   EXPECT_NEAR(normals.z(20, 10), -1, 1e-5);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::cloud_test

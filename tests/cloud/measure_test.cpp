@@ -15,8 +15,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/dual_frequency.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::measure_test {
 
 using Points = std::vector<MeasuredPoint>;
 using Eigen::Vector3d;
@@ -192,5 +191,4 @@ TEST(VirtualSphere, HasItsRadius) {
   EXPECT_NEAR(sphere.residuals.rms / sphere.residuals.noise.value(), 1, 0.1);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::measure_test

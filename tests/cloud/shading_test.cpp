@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::shading_test {
 
 /// A plane before a camera whose focal length is 200 pixels, as noisy in depth as is asked for, mm.
 Cloud sloping(float slope, float noise = 0) {
@@ -60,5 +59,4 @@ TEST(Shading, IsInBetweenWhereTheSlopeIsNotKnown) {
   EXPECT_FLOAT_EQ(shading(cloud)(10, 10), 0.82F);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::shading_test

@@ -11,8 +11,7 @@
 #include "tests/accuracy/cast_cloud.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::spheres_test {
 
 using Eigen::Vector3d;
 
@@ -77,5 +76,4 @@ TEST(IsOnCap, AsksTheRayAndNotTheDistance) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::spheres_test

@@ -3,8 +3,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::surface_test {
 
 /// A sheet across the view, 500 mm away; from column `edge` on 560 mm.
 Cloud sheet(Size size, int edge) {
@@ -83,5 +82,4 @@ TEST(Surface, PlacesEachVertexInThePicture) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::surface_test

@@ -10,8 +10,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::comparison_test {
 
 std::vector<Sequence> all_sequences(const Scanner& scanner) {
   std::vector<Sequence> sequences;
@@ -89,5 +88,4 @@ TEST(Comparison, CountsWhatIsOffEverySurface) {
   EXPECT_NEAR(errors.normalised_rms, 1, 1e-3);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::comparison_test

@@ -10,8 +10,7 @@
 #include "tests/live/virtual_loop.h"
 #include "tests/own_strategies.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pattern_windows_test {
 
 /// A frame of the loop as it comes to the windows.
 struct Shown {
@@ -312,5 +311,4 @@ TEST(PatternWindows, nothing_is_told_from_the_dark) {
   EXPECT_EQ(outcome.resynchronisations, 0U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pattern_windows_test

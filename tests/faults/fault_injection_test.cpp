@@ -31,8 +31,7 @@
 #include "tests/faults/faulted_program.h"
 
 #ifdef SLIPSTREAM_FAULT_LIBRARY
-namespace slipstream {
-namespace {
+namespace slipstream::fault_injection_test {
 namespace fs = std::filesystem;
 
 /// As FaultCall.
@@ -310,6 +309,5 @@ TEST_P(FaultInjection, EndsAsPromised) {
 INSTANTIATE_TEST_SUITE_P(Command, FaultInjection, testing::ValuesIn(cases),
                          [](const auto& info) { return info.param.name; });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::fault_injection_test
 #endif

@@ -12,16 +12,12 @@
 #include "slipstream/io/recording.h"
 #include "tests/app/program.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::hostile_input_test {
 namespace fs = std::filesystem;
 
 class HostileInput : public testing::Test {
  protected:
-  void SetUp() override {
-    const ProgramRun run = run_program({"simulate", path("scan"), "--camera", "64x48"});
-    ASSERT_EQ(run.exit_code, 0) << run.err;
-  }
+  void SetUp() override { copy_simulated_scan({"--camera", "64x48"}, path("scan")); }
 
   [[nodiscard]] std::string path(const std::string& name) const {
     return (folder_.path() / name).string();
@@ -210,5 +206,4 @@ TEST_F(HostileInput, NumbersThatAreNone) {
   EXPECT_FALSE(fs::exists(path("other")));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::hostile_input_test

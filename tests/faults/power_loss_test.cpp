@@ -15,8 +15,7 @@
 #include "tests/io/recorded_frames.h"
 
 #ifdef SLIPSTREAM_FAULT_LIBRARY
-namespace slipstream {
-namespace {
+namespace slipstream::power_loss_test {
 namespace fs = std::filesystem;
 
 /// More bytes than a recording leaves unsynced.
@@ -142,6 +141,5 @@ TEST_F(PowerLoss, OfADiskThatFailsNoFrameIsClaimed) {
   EXPECT_NE(program_.err().find(".part"), std::string::npos) << program_.err();
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::power_loss_test
 #endif

@@ -163,9 +163,10 @@ void locate(std::span<const std::uint8_t> input) {
   }
 }
 
-const bool known = add_fuzz_target({"alignment", [] { return noise(200); }, align_frames}) &&
-                   add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4}) &&
-                   add_fuzz_target({"locate", [] { return noise(400); }, locate, 4});
+const bool knows_frame_targets =
+    add_fuzz_target({"alignment", [] { return noise(200); }, align_frames}) &&
+    add_fuzz_target({"decoder", [] { return noise(1000); }, compare_engines, 4}) &&
+    add_fuzz_target({"locate", [] { return noise(400); }, locate, 4});
 
 }  // namespace
 }  // namespace slipstream

@@ -8,8 +8,7 @@
 #include "slipstream/io/file.h"
 #include "tests/fuzz/target.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::fuzz_test {
 namespace fs = std::filesystem;
 
 /// 2000, or as many as SLIPSTREAM_FUZZ_INPUTS says; others by SLIPSTREAM_FUZZ_SEED.
@@ -72,5 +71,4 @@ INSTANTIATE_TEST_SUITE_P(Target, Fuzz, testing::ValuesIn(names()), [](const auto
   return name;
 });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::fuzz_test

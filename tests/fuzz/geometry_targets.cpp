@@ -76,11 +76,11 @@ bool add_mesh_target(const std::string& ending, const std::vector<std::string>& 
 const std::string triangle =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nvn 0 0 1\ng part\nf 1 2 3\nf -3//1 -2//1 -1//1\n";
 
-const bool known = add_cloud_target(".ply", {ascii_ply}) && add_cloud_target(".pcd", {ascii_pcd}) &&
-                   add_cloud_target(".xyz", {"0 0 500\n1 0 501\n"}) &&
-                   add_cloud_target(".stl", {}) && add_cloud_target(".obj", {triangle}) &&
-                   add_cloud_target(".glb", {}) && add_mesh_target(".ply", {ascii_mesh}) &&
-                   add_mesh_target(".obj", {triangle});
+const bool knows_geometry_targets =
+    add_cloud_target(".ply", {ascii_ply}) && add_cloud_target(".pcd", {ascii_pcd}) &&
+    add_cloud_target(".xyz", {"0 0 500\n1 0 501\n"}) && add_cloud_target(".stl", {}) &&
+    add_cloud_target(".obj", {triangle}) && add_cloud_target(".glb", {}) &&
+    add_mesh_target(".ply", {ascii_mesh}) && add_mesh_target(".obj", {triangle});
 
 }  // namespace
 }  // namespace slipstream

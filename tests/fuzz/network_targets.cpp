@@ -136,8 +136,8 @@ std::vector<Bytes> drivers() {
   return {Bytes(400, 0x10), Bytes(400, 0x80)};
 }
 
-const bool known = add_fuzz_target({"gvcp", conversations, answer_packets}) &&
-                   add_fuzz_target({"v4l2", drivers, hear_driver});
+const bool knows_network_targets = add_fuzz_target({"gvcp", conversations, answer_packets}) &&
+                                   add_fuzz_target({"v4l2", drivers, hear_driver});
 
 }  // namespace
 }  // namespace slipstream

@@ -137,7 +137,7 @@ void unpack_pixels(std::span<const std::uint8_t> input) {
   }
 }
 
-const bool known =
+const bool knows_picture_targets =
     add_picture_target(".png") && add_picture_target(".pgm") && add_picture_target(".bmp") &&
     add_picture_target(".tiff") &&
     add_fuzz_target(

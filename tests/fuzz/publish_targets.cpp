@@ -119,7 +119,7 @@ void read_file_of_messages(std::span<const std::uint8_t> input) {
   });
 }
 
-const bool known =
+const bool knows_publish_targets =
     add_fuzz_target({"message", clouds, read_messages}) &&
     add_fuzz_target({"mcap", files, read_file_of_messages}) &&
     add_fuzz_target({"mcap.repaired", files, [](std::span<const std::uint8_t> input) {

@@ -112,7 +112,7 @@ std::vector<Bytes> stream_packets() {
   return seeds;
 }
 
-const bool known = add_fuzz_target({"gvsp", stream_packets, filter_packets});
+const bool knows_stream_targets = add_fuzz_target({"gvsp", stream_packets, filter_packets});
 
 }  // namespace
 }  // namespace slipstream

@@ -11,8 +11,7 @@
 #include "slipstream/gamma/precompensation.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::alternatives_test {
 
 using std::numbers::pi;
 
@@ -49,5 +48,4 @@ TEST(DoubleThreeStep, CancelsTheLargestPartOfTheError) {
   EXPECT_GT(rms, rms_phase_error(PowerLaw{2.2}, 6));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::alternatives_test

@@ -23,8 +23,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::any_response_test {
 
 struct Projector {
   std::string name;
@@ -291,5 +290,4 @@ TEST(UniformLevels, AreFittedByTheSimplestResponseThatLeavesNoise) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::any_response_test

@@ -17,8 +17,7 @@
 #include "slipstream/unwrap/decoder.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::captures_gamma_test {
 namespace fs = std::filesystem;
 
 constexpr double pi = std::numbers::pi;
@@ -169,5 +168,4 @@ TEST(CapturesGamma, ThreeStepsOfTwoPreGammasAreCorrectedByOneResponse) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::captures_gamma_test

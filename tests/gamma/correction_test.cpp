@@ -10,8 +10,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/gamma/distortion.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::correction_test {
 
 using std::numbers::pi;
 
@@ -94,5 +93,4 @@ TEST(PhaseCorrection, RefusesWhatItDoesNotModel) {
   EXPECT_THROW((void)phase_correction(PowerLaw{2}, 2), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::correction_test

@@ -11,8 +11,7 @@
 #include "slipstream/gamma/correction.h"
 #include "slipstream/gamma/measurement.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::distortion_test {
 
 using std::numbers::pi;
 
@@ -95,5 +94,4 @@ TEST(MeasuredHarmonics, SayWhenGammaIsBelow1) {
   EXPECT_LT(measured.B_2(), 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::distortion_test

@@ -7,8 +7,7 @@
 
 #include "slipstream/gamma/distortion.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::harmonics_test {
 
 using std::numbers::pi;
 
@@ -54,5 +53,4 @@ TEST(Harmonics, AddUpToTheLight) {
   });
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::harmonics_test

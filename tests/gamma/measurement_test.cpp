@@ -10,8 +10,7 @@
 #include "slipstream/error/error.h"
 #include "tools/reproduce/board_experiment.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::measurement_test {
 
 /// Traced once for all tests.
 const BoardExperiment& white_board() {
@@ -105,5 +104,4 @@ TEST(FitGamma, RefusesWhatSaysNothing) {
   EXPECT_THROW((void)fit_gamma(std::vector{0.0, 0.5, 1.0}, std::vector{1.0, 2.0, 3.0}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::measurement_test

@@ -6,8 +6,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::named_responses_test {
 
 TEST(NamedResponses, SrgbIsTheStandardsCurve) {
   const Response srgb = curve_named("srgb").value();
@@ -41,5 +40,4 @@ TEST(NamedResponses, ANameThatIsNoCurveIsToldFromOneThatIsWrong) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::named_responses_test

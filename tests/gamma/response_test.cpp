@@ -10,8 +10,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::response_test {
 
 std::vector<double> evenly_spaced(int count) {
   std::vector<double> values;
@@ -80,5 +79,4 @@ TEST(Response, RefusesWhatIsNoCurve) {
   EXPECT_THROW((void)response_curve(std::array{0.0, 0.5, 1.0}, std::array{0.0, 1.0}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::response_test

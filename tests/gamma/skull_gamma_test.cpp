@@ -14,8 +14,7 @@
 #include "slipstream/unwrap/decoder.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::skull_gamma_test {
 namespace fs = std::filesystem;
 
 constexpr int projector_columns = 1824;
@@ -68,5 +67,4 @@ TEST(SkullGamma, BlindCorrectionDoesNoHarm) {
   EXPECT_LE(after, 1.02 * before);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::skull_gamma_test

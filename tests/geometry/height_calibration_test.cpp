@@ -11,8 +11,7 @@
 #include "slipstream/error/error.h"
 #include "tests/geometry/random_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::height_calibration_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr Size camera{8, 6};
@@ -121,5 +120,4 @@ TEST(HeightCalibration, RefusesWhatIsNone) {
   EXPECT_THROW((void)fit_heights(planes), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::height_calibration_test

@@ -9,8 +9,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::lens_test {
 
 const std::vector<double> all_coefficients{-0.21, 0.11, 1e-3,  -2e-3, 0.03, 0.02, -0.04,
                                            0.01,  2e-3, -1e-3, 1e-3,  3e-3, 0.02, -0.03};
@@ -83,5 +82,4 @@ TEST(Lens, RefusesWhatIsNoLens) {
   EXPECT_THROW(require_valid(lens, "camera"), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::lens_test

@@ -8,8 +8,7 @@
 
 #include "tests/geometry/random_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::point_forms_test {
 
 using Matrix34 = Eigen::Matrix<double, 3, 4>;
 
@@ -112,5 +111,4 @@ TEST(PointForm1, HoldsAtAPixelWhoseRayIsParallelToTheFirstStripe) {
   EXPECT_LT(relative_difference(point_form3(coefficients, 0, 100)(0.4), exact), 1e-9);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::point_forms_test

@@ -10,8 +10,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/geometry/random_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ray_blocks_test {
 
 double coefficient(const RayBlocks::Row& row, int block, int i) {
   double sum = 0;
@@ -121,5 +120,4 @@ TEST(RayBlocks, AreNotForSmallPictures) {
   EXPECT_FALSE(ray_blocks(*geometry, *ray_table(scanner.camera)));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ray_blocks_test

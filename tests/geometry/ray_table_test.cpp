@@ -8,8 +8,7 @@
 
 #include "tests/geometry/random_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ray_table_test {
 
 double worst_miss(const Lens& camera, const RayTable& table) {
   double worst = 0;
@@ -57,5 +56,4 @@ TEST(RayTable, IsNoneWhereAPixelHasNoRay) {
   EXPECT_FALSE(ray_table(camera));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ray_table_test

@@ -8,8 +8,7 @@
 #include "slipstream/geometry/triangulator.h"
 #include "tests/geometry/random_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::stripe_geometry_test {
 
 /// Every 40th pixel and 19 coordinates of a scanner against Triangulator, which iterates.
 void expect_depths_of_triangulator(const Scanner& scanner, Axis axis) {
@@ -76,5 +75,4 @@ TEST(StripeGeometry, RefusesAScannerThatSeesNoDepth) {
   EXPECT_THROW(stripe_geometry(scanner, Axis::x, 0.02), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::stripe_geometry_test

@@ -11,8 +11,7 @@
 #include "slipstream/error/error.h"
 #include "tests/geometry/random_scanner.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::triangulator_test {
 
 class TriangulatorBy : public testing::TestWithParam<PointMethod> {};
 
@@ -81,5 +80,4 @@ TEST(Triangulator, RefusesSingularCalibrations) {
   EXPECT_NO_THROW(Triangulator(scanner, Axis::x, PointMethod::form3));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::triangulator_test

@@ -14,8 +14,7 @@
 #include "slipstream/gpu/gpu.h"
 #include "tests/app/program.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::gpu_program_test {
 
 namespace fs = std::filesystem;
 
@@ -169,5 +168,4 @@ TEST_F(ProgramOnGpu, IsValidated) {
       << wanted << " is not installed";
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::gpu_program_test

@@ -28,8 +28,7 @@
 #include "tests/own_strategies.h"
 #include "tests/reconstruct/agreement.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::gpu_test {
 
 class OnGpu : public testing::Test {
  protected:
@@ -494,5 +493,4 @@ TEST_F(OnGpu, RefusesADeviceThatIsNotThere) {
       WorldError);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::gpu_test

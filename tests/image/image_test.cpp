@@ -10,8 +10,7 @@
 
 #include "slipstream/image/parallel_rows.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::image_test {
 
 TEST(Image, StartsFilledAndAligned) {
   const Image<float> image({7, 3}, 2.5F);
@@ -66,5 +65,4 @@ TEST(ForEachRow, VisitsEveryRowOnceAndPassesOnExceptions) {
   EXPECT_THROW(for_each_row(10, [](int) { throw std::runtime_error("row"); }), std::runtime_error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::image_test

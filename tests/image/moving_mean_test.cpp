@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::moving_mean_test {
 
 /// The mean over the squares as it is defined.
 Image<float> by_definition(const Image<float>& picture, Size window) {
@@ -72,5 +71,4 @@ TEST(OddLength, IsNextToTheOneAskedFor) {
   EXPECT_EQ(odd_length(INFINITY) % 2, 1);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::moving_mean_test

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::quantile_test {
 
 TEST(Quantile, IsTheValueWithThatShareBelow) {
   std::vector<float> values{5, 1, 4, 2, 3};
@@ -29,5 +28,4 @@ TEST(FiniteValues, LeaveOutWhatIsNotANumber) {
   EXPECT_TRUE(finite_values(Image<double>()).empty());
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::quantile_test

@@ -9,9 +9,8 @@
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
+namespace slipstream::checksum_test {
 namespace fs = std::filesystem;
-namespace {
 
 TEST(Checksum, IsThatOfZlib) {
   const TemporaryFolder folder;
@@ -53,5 +52,4 @@ TEST(Checksum, OfAWindowIsThatOfItsFrames) {
             cycle_checksum(other, shown, std::nullopt, 0));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::checksum_test

@@ -17,8 +17,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::cloud_file_test {
 
 /// Three points in a picture of 3x2.
 Cloud small_cloud() {
@@ -231,5 +230,4 @@ TEST(Preview, RangeLeavesOutOutliers) {
   EXPECT_LT(range.high, 6);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::cloud_file_test

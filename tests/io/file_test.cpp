@@ -14,8 +14,7 @@
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::file_test {
 
 TEST(WriteFile, ReplacesWholeAndLeavesNothingBehind) {
   const TemporaryFolder folder;
@@ -158,5 +157,4 @@ TEST(OutputFile, FullDiskLeavesWhatWasThere) {
   EXPECT_EQ(entries_in(folder.path()), 1);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::file_test

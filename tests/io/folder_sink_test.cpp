@@ -11,8 +11,7 @@
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::folder_sink_test {
 namespace fs = std::filesystem;
 
 using Picture = Image<std::uint8_t>;
@@ -49,5 +48,4 @@ TEST(FolderSink, AFolderThatCannotBeMadeIsOfTheWorld) {
   EXPECT_EQ(sink.shown(), 0U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::folder_sink_test

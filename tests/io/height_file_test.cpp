@@ -10,8 +10,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::height_file_test {
 
 Image<HeightCurve> some_curves() {
   Image<HeightCurve> curves({4, 3});
@@ -52,5 +51,4 @@ TEST(HeightFile, RefusesOtherFiles) {
                {"heights.tiff"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::height_file_test

@@ -18,8 +18,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::image_file_test {
 
 namespace fs = std::filesystem;
 
@@ -379,5 +378,4 @@ TEST(Frames, EveryTruncationOfPixelsIsFound) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::image_file_test

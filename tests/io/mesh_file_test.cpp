@@ -11,8 +11,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::mesh_file_test {
 
 TEST(MeshFile, ReadsPlyAndObj) {
   const TemporaryFolder folder;
@@ -70,5 +69,4 @@ TEST(MeshFile, BadOnesAreNamed) {
   expect_error([&] { read_mesh(folder.path() / "mesh.stl"); }, {".stl", ".ply"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::mesh_file_test

@@ -7,8 +7,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::npy_file_test {
 
 TEST(NpyFile, KeepsFloatsAndDoubles) {
   const TemporaryFolder folder;
@@ -65,5 +64,4 @@ TEST(Levels, AreThoseOfPicturesAndMaps) {
   expect_error([&] { (void)read_levels(folder.path() / "colour.png"); }, {"colour.png", "grey"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::npy_file_test

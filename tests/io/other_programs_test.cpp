@@ -16,8 +16,7 @@
 #include "tests/io/sheet_cloud.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::other_programs_test {
 
 class OtherProgram : public testing::Test {
  protected:
@@ -109,5 +108,4 @@ TEST_F(OtherProgram, ValidatorFindsNoErrorInGltf) {
       << said();
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::other_programs_test

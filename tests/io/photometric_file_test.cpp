@@ -15,8 +15,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::photometric_file_test {
 
 TEST(PhotometricFile, StandsInAScannerFileBesideAllElse) {
   const TemporaryFolder folder;
@@ -141,5 +140,4 @@ TEST_P(ResponseInAFile, IsRefusedWhereItIsNone) {
 INSTANTIATE_TEST_SUITE_P(Endings, ResponseInAFile, testing::Values(".yaml", ".xml"),
                          [](const auto& info) { return std::string(info.param).substr(1); });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::photometric_file_test

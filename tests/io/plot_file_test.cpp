@@ -8,8 +8,7 @@
 #include "slipstream/error/error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::plot_file_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -79,5 +78,4 @@ TEST(PlotFile, RefusesWhatCannotBeShown) {
   EXPECT_EQ(entries_in(folder.path()), 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::plot_file_test

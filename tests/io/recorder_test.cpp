@@ -16,8 +16,7 @@
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::recorder_test {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
@@ -161,5 +160,4 @@ TEST(RecordedSource, RecordingsComeAndGoWhileFramesPass) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::recorder_test

@@ -20,8 +20,7 @@
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::recording_test {
 namespace fs = std::filesystem;
 
 void record(const fs::path& path, int frames, const FrameFormat& format = some_format) {
@@ -390,5 +389,4 @@ TEST(Recording, NoRoomForTheHeaderLeavesNoFile) {
   EXPECT_EQ(entries_in(folder.path()), 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::recording_test

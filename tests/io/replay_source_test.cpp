@@ -21,8 +21,7 @@
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::replay_source_test {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
@@ -292,5 +291,4 @@ TEST(ReplaySource, RepeatsAScanFolder) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::replay_source_test

@@ -10,8 +10,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::rig_file_test {
 
 TEST(RigFile, GivesSettingsOfAllHeadingsInTheirOrder) {
   const std::vector<RigSetting> settings = rig_from(
@@ -88,5 +87,4 @@ RC_GTEST_PROP(RigFile, ReadsOrRefusesAnyText, ()) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::rig_file_test

@@ -18,8 +18,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::saved_scan_test {
 namespace fs = std::filesystem;
 
 const Scanner scanner = example_scanner({48, 36});
@@ -200,5 +199,4 @@ TEST(PathNamedByTime, IsNoneThatIsThere) {
   EXPECT_NE(path_named_by_time(folder.path(), "scan", ".slip"), first);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::saved_scan_test

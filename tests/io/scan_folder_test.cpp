@@ -9,8 +9,7 @@
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::scan_folder_test {
 
 TEST(ScanFiles, ComesBackAsItWasWritten) {
   const TemporaryFolder folder;
@@ -111,5 +110,4 @@ TEST(ImagesInFolder, AreInTheOrderOfTheirNumbers) {
   expect_error([&] { images_in_folder(folder.path() / "empty"); }, {"empty", "JPEG", "lossy"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::scan_folder_test

@@ -9,8 +9,7 @@
 #include "slipstream/error/error.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::scan_list_test {
 
 TEST(ScanList, ReadsLinesAsTheyAreWritten) {
   const std::vector<ListedScans> scans = scan_list_from(
@@ -62,5 +61,4 @@ RC_GTEST_PROP(ScanList, ShardsAreAllScansOnceInTheirOrderAndOfEvenCost, ()) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::scan_list_test

@@ -16,8 +16,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::scanner_file_test {
 
 Scanner example() {
   Scanner scanner;
@@ -264,5 +263,4 @@ TEST(ScannerFile, BadOnesAreNamed) {
                  {"camera_distortion", "5"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::scanner_file_test

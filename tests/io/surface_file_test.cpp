@@ -18,8 +18,7 @@
 #include "tests/io/sheet_cloud.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::surface_file_test {
 
 /// X, Y, Z and intensity of each, by X, Y and Z.
 using Sorted = std::vector<std::array<float, 4>>;
@@ -130,5 +129,4 @@ TEST(SurfaceFiles, RefuseWhatTheyCannotHold) {
   expect_error([&] { (void)read_cloud(folder.path() / "mesh.fbx"); }, {".fbx", ".glb"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::surface_file_test

@@ -14,8 +14,7 @@
 #include "slipstream/image/image.h"
 #include "slipstream/kernels/vector_target.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ballots_test {
 
 constexpr int width = 90, height = 64, side = 16;
 constexpr double f_h = 8;
@@ -170,5 +169,4 @@ TEST_P(BallotsOn, ChooseWhatTheRulesDo) {
 INSTANTIATE_TEST_SUITE_P(EveryTarget, BallotsOn, testing::ValuesIn(vector_targets()),
                          [](const auto& target) { return target.param; });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ballots_test

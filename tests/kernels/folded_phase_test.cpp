@@ -8,8 +8,7 @@
 
 #include "slipstream/gamma/correction.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::folded_phase_test {
 
 /// The corrected phase, rad, of a measured one from 0 to T.
 double folded(const FoldedPhase& phase, double tangent, double measured) {
@@ -53,5 +52,4 @@ TEST(FoldedPhase, IsForOddCorrectionsOfThreeFourAndSixSteps) {
   EXPECT_TRUE(folded_phase(lopsided).empty());
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::folded_phase_test

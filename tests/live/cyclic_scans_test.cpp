@@ -9,8 +9,7 @@
 #include "slipstream/error/error.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::cyclic_scans_test {
 
 using namespace std::chrono_literals;
 
@@ -94,5 +93,4 @@ TEST(CyclicScans, NothingIsTakenBeforeAGlimpse) {
   EXPECT_FALSE(camera.take());
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::cyclic_scans_test

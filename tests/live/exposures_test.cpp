@@ -15,8 +15,7 @@
 #include "slipstream/simulate/virtual_camera.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::exposures_test {
 
 TEST(Exposures, LiveCloudsAreThoseOfAFolder) {
   const Scanner scanner = example_scanner({96, 72});
@@ -63,5 +62,4 @@ TEST(Exposures, OneWindowOfASourceIsInPatternOrder) {
   });
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::exposures_test

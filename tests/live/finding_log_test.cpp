@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::finding_log_test {
 
 Finding finding(const std::string& what, double value = 0) {
   return {.what = what, .evidence = {{"value", value}}};
@@ -38,5 +37,4 @@ TEST(FindingLog, ForgetsTheOldestThatHasEnded) {
   EXPECT_EQ(log.told().back().finding.what, std::to_string(3 * FindingLog::most - 1));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::finding_log_test

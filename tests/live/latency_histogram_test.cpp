@@ -4,8 +4,7 @@
 
 #include "slipstream/live/stage_meter.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::latency_histogram_test {
 using namespace std::chrono_literals;
 
 TEST(LatencyHistogram, percentiles_are_within_a_step_and_the_maximum_is_exact) {
@@ -41,5 +40,4 @@ TEST(StageMeter, rate_is_that_of_the_second_before) {
   EXPECT_DOUBLE_EQ(meter.statistics(start).rate, 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::latency_histogram_test

@@ -11,8 +11,7 @@
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::live_check_test {
 
 constexpr Size size{64, 48};
 constexpr int steps = 4;
@@ -163,5 +162,4 @@ TEST(LiveCheck, FindsNothingInGoodFrames) {
   EXPECT_TRUE(pipeline.findings().empty());
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::live_check_test

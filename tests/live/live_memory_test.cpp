@@ -8,8 +8,7 @@
 #include "tests/counted_allocations.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::live_memory_test {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
 constexpr bool sanitized = true;  // which takes memory of its own, and time
@@ -53,5 +52,4 @@ TEST(LivePipeline, takes_no_more_memory_the_longer_it_runs) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::live_memory_test

@@ -15,8 +15,7 @@
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::live_pipeline_test {
 using namespace std::chrono_literals;
 
 const Strategy four_steps = PhaseMeasuring{.steps = 4, .frequency = 1};
@@ -494,5 +493,4 @@ TEST(LivePipeline, without_a_scanner_hands_on_frames_and_findings_without_points
   EXPECT_FALSE(pipeline.findings().empty()) << "two frames are swapped";
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::live_pipeline_test

@@ -12,8 +12,7 @@
 #include "slipstream/reconstruct/engine.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::motion_test {
 using namespace std::chrono_literals;
 
 /// Largest difference of depth, mm; where only one has a point it is infinite.
@@ -68,5 +67,4 @@ TEST(LiveMotion, gives_a_cloud_for_each_frame_wherever_its_window_begins) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::motion_test

@@ -15,8 +15,7 @@
 #include "slipstream/simulate/virtual_camera.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::object_track_test {
 using namespace std::chrono_literals;
 using Vector = Eigen::Vector3d;
 
@@ -127,5 +126,4 @@ TEST(LivePipeline, follows_an_object_and_makes_a_model) {
   EXPECT_GT(pipeline.model().cloud.size().width, 1000);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::object_track_test

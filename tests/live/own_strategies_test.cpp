@@ -16,8 +16,7 @@
 #include "slipstream/reconstruct/engine.h"
 #include "tests/live/virtual_loop.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::own_strategies_test {
 using namespace std::chrono_literals;
 
 /// Every cloud of a loop of the virtual camera, and how many of them are what an engine makes of
@@ -65,5 +64,4 @@ TEST(LivePipeline, each_frame_gives_a_cloud_of_a_strategy_of_ones_own) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::own_strategies_test

@@ -9,8 +9,7 @@
 
 #include "slipstream/live/sequence_watch.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::rolling_window_test {
 
 Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {
   Pooled<Frame> frame = pool.take();
@@ -118,5 +117,4 @@ TEST(SequenceWatch, a_damaged_frame_is_lost_once) {
   EXPECT_EQ(watch.lost(), 2U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::rolling_window_test

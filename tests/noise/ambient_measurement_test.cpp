@@ -6,8 +6,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ambient_measurement_test {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};
 
@@ -36,5 +35,4 @@ TEST(AmbientMeasurement, SolvesEquation35AtBrightPixels) {
   EXPECT_THROW(ambient_estimate(ambient_map(mean, modulation, light, 1, measured)), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ambient_measurement_test

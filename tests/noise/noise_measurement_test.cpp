@@ -13,8 +13,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::noise_measurement_test {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 40};
 constexpr int runs = 10;
@@ -152,5 +151,4 @@ TEST(NoiseMeasurement, TellsNoiseThatGrowsWithTheLight) {
   EXPECT_NEAR(even.gain, 0, 5 * even.gain_error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::noise_measurement_test

@@ -10,8 +10,7 @@
 #include "slipstream/strategy/registry.h"
 #include "slipstream/unwrap/decoder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::phase_noise_test {
 
 using std::numbers::pi;
 
@@ -64,5 +63,4 @@ TEST(CoordinateVariance, IsEquation340) {
   EXPECT_NEAR(coordinate_variance(phase_variance(5, 0.6, 200, 1.55), 8), expected, 1e-15);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::phase_noise_test

@@ -13,8 +13,7 @@
 #include "slipstream/phase/equations.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::predicted_variance_test {
 
 using std::numbers::pi;
 
@@ -220,5 +219,4 @@ TEST(Reflectivity, HasTheReliableRangeThatIsPrinted) {
               (least_beta_p(0.4 + step, -7) - least_beta_p(0.4 - step, -7)) / (2 * step), 1e-4);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::predicted_variance_test

@@ -4,8 +4,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::axis_test {
 
 TEST(Axis, NamesAndLengths) {
   EXPECT_EQ(axis_named("x"), Axis::x);
@@ -16,5 +15,4 @@ TEST(Axis, NamesAndLengths) {
   EXPECT_DOUBLE_EQ(coordinate_of_pixel(456, 1824), 0.25);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::axis_test

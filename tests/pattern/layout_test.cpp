@@ -12,8 +12,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/pattern/unwrapping_chain.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::layout_test {
 
 using std::numbers::pi;
 
@@ -375,5 +374,4 @@ TEST(CueReference, FollowsTheFieldThereAndBack) {
   EXPECT_THROW(CueReference([](double) { return 0.5; }), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::layout_test

@@ -7,8 +7,7 @@
 #include "slipstream/pattern/pattern_set.h"
 #include "slipstream/pattern/sinusoid.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::one_bit_test {
 
 PatternSet binary_sinusoid(double periods, Axis axis, PatternLight light = {}) {
   return {.count = 4,
@@ -78,5 +77,4 @@ TEST(OneBit, KeepsWhatIsDarkOrBrightAlready) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::one_bit_test

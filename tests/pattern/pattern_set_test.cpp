@@ -8,8 +8,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/pattern/sinusoid.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pattern_set_test {
 
 using std::numbers::pi;
 
@@ -96,5 +95,4 @@ TEST(Pattern, RefusesWhatNoProjectorShows) {
   EXPECT_THROW(render_pattern(pmp(3, 1, Axis::x), 0, {4, 4}, 17), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pattern_set_test

@@ -9,8 +9,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::symbol_grid_test {
 
 TEST(ColouredStripes, AreKnownByFewTransitions) {
   for (int stripes = 8; stripes <= 256; ++stripes) {
@@ -75,5 +74,4 @@ TEST(SymbolGrid, ShowsLevelsEverywhere) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::symbol_grid_test

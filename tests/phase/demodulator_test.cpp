@@ -8,8 +8,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::demodulator_test {
 
 using std::numbers::pi;
 
@@ -126,5 +125,4 @@ TEST(Demodulator, RefusesAnotherNumberOfFrames) {
   EXPECT_THROW(demodulated(fringes(16), Axis::x, given), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::demodulator_test

@@ -9,8 +9,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/pattern/sinusoid.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::equations_test {
 
 using std::numbers::pi;
 
@@ -40,5 +39,4 @@ TEST(WrappedAngle, StaysInTheCircleAndOffItsEnd) {
   EXPECT_LT(wrapped_angle(-1e-9, 1), 2 * pi);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::equations_test

@@ -10,8 +10,7 @@
 
 #include "slipstream/phase/demodulator.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::neighbours_test {
 
 class Neighbours : public testing::TestWithParam<bool> {
  protected:
@@ -93,5 +92,4 @@ TEST_P(Neighbours, SayNothingOfAnythingElse) {
 
 INSTANTIATE_TEST_SUITE_P(Grids, Neighbours, testing::Bool());
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::neighbours_test

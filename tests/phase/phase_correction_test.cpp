@@ -8,8 +8,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::phase_correction_test {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
@@ -47,5 +46,4 @@ TEST(PhaseCorrection, IsRefusedWhereItIsNone) {
                Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::phase_correction_test

@@ -9,8 +9,7 @@
 #include "slipstream/capture/frame_set.h"
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::phase_decoder_test {
 
 /// Frames of random grey levels: any are possible to a decoder.
 template <class Pixel>
@@ -127,5 +126,4 @@ TEST(PhaseDecoder, RefusesACorrectionForAnotherN) {
   EXPECT_THROW(PhaseDecoder(PhaseMethod::tables, {3}, {{3, {4, {0}}}}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::phase_decoder_test

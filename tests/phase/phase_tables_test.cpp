@@ -11,8 +11,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::phase_tables_test {
 
 constexpr int full_scale = 255;
 
@@ -87,5 +86,4 @@ TEST(PhaseTables, RefuseOtherN) {
   EXPECT_EQ(closed_form(8), nullptr);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::phase_tables_test

@@ -11,8 +11,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::exposure_advice_test {
 
 ExposureAdvice advice_for(const char* scene, std::vector<double> exposures) {
   const Scanner scanner = example_scanner({320, 240});
@@ -72,5 +71,4 @@ TEST(ExposureAdvice, RefusesNeedsThatNoPixelCanHave) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::exposure_advice_test

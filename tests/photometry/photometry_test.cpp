@@ -14,8 +14,7 @@
 #include "slipstream/strategy/registry.h"
 #include "tests/io/expect_error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::photometry_test {
 
 /// Brightest where gamma is to be told, dimmer where no frame may be clipped.
 constexpr PatternLight bright{}, dim{.alpha_p = 200, .beta_p = 40};
@@ -133,5 +132,4 @@ TEST(NoiseCalibration, GivesTheVarianceByEveryEquationThatTheScansAllow) {
   expect_error([&] { (void)calibrate_noise(scans); }, {"very same frames", "--seed"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::photometry_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::plot_test {
 
 TEST(RoundAxis, SpansTheValuesWithRoundMarks) {
   const PlotAxis axis = round_axis(0.13, 6.28, 8);
@@ -31,5 +30,4 @@ TEST(DecadeAxis, SpansWholePowersOfTen) {
   EXPECT_LE(decade_axis(1e-40, 1, 10).marks.size(), 11U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::plot_test

@@ -23,8 +23,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::formats_test {
 
 /// Reads little-endian values one after the other.
 struct Reader {
@@ -342,5 +341,4 @@ slipstream_track_centre_mm{index="1"} 2
 )");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::formats_test

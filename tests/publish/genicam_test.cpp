@@ -17,8 +17,7 @@
 #include "tests/camera/gvcp_packets.h"
 #include "tests/publish/any_cloud.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::genicam_test {
 
 template <class Number>
 Number big_endian_at(std::span<const std::uint8_t> bytes, std::size_t at) {
@@ -446,5 +445,4 @@ TEST(GenicamSinkName, is_an_address_of_this_machine) {
   EXPECT_THROW(open_sink("genicam:192.0.2.1", {.camera = camera()}), WorldError);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::genicam_test

@@ -12,8 +12,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/publish/named_sink.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::publisher_test {
 
 /// Remembers what it was given, and takes nothing until it may.
 struct SlowSink : CloudSink {
@@ -131,5 +130,4 @@ TEST(RunSetting, takes_what_it_can_be_and_says_what_that_is) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::publisher_test

@@ -17,8 +17,7 @@
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ros2_parameters_test {
 using namespace std::chrono_literals;
 
 // Those of ROS 2's parameters.
@@ -228,5 +227,4 @@ TEST(Ros2, settings_are_a_nodes_parameters) {
   EXPECT_EQ(last, (Texts{"min-modulation 3: 20", "record 1: true", "strategy 4: Gray"}));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ros2_parameters_test

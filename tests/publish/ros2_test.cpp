@@ -25,8 +25,7 @@
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::ros2_test {
 using namespace std::chrono_literals;
 
 /// What publisher and test both see.
@@ -293,5 +292,4 @@ TEST(Ros2, says_why_there_is_no_network) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::ros2_test

@@ -12,8 +12,7 @@
 #include "tests/counted_allocations.h"
 #include "tests/own_strategies.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::allocation_test {
 
 const std::vector<Strategy> strategies{PhaseMeasuring{.steps = 5, .frequency = 1},
                                        DualFrequency{.steps = 3},
@@ -91,5 +90,4 @@ TEST(Engine, CopiesShareTheTables) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::allocation_test

@@ -18,8 +18,7 @@
 #include "slipstream/unwrap/decoder.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::captures_test {
 namespace fs = std::filesystem;
 
 constexpr double pi = std::numbers::pi;
@@ -167,5 +166,4 @@ INSTANTIATE_TEST_SUITE_P(Captures, WaxBowl,
                                          std::pair(std::string("32-08"), 0.995),
                                          std::pair(std::string("64-15"), 0.999)));
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::captures_test

@@ -17,8 +17,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::colour_test {
 
 /// A lamp in the room, blur and noise, as in the other codings of one frame.
 Photometry bench() {
@@ -132,5 +131,4 @@ TEST(ColourScans, AreThoseOfGreyFramesOnceTheMixtureIsKnown) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::colour_test

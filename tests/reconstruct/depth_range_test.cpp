@@ -20,8 +20,7 @@
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::depth_range_test {
 
 using ::testing::HasSubstr;
 
@@ -189,5 +188,4 @@ TEST(DepthRangeOfTheSkull, ShowsThePointsOfBothFrequencies) {
   RecordProperty("points", points);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::depth_range_test

@@ -14,8 +14,7 @@
 
 // Where noise hides the cue from a pixel and from its neighbours, there is no point.
 
-namespace slipstream {
-namespace {
+namespace slipstream::dim_texture_test {
 
 constexpr double ambient = 5, noise_variance = 1.55;
 
@@ -130,5 +129,4 @@ TEST(LeastModulation, IsWhereTheCuesPrintedVarianceHidesThePeriod) {
   EXPECT_NEAR(std::sqrt(of_five) / (2 * pi / 25), limit, 1e-9);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::dim_texture_test

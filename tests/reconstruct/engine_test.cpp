@@ -21,8 +21,7 @@
 #include "slipstream/strategy/registry.h"
 #include "tests/own_strategies.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::engine_test {
 
 constexpr double ambient = 5;
 
@@ -321,5 +320,4 @@ TEST(Reconstruct, IsTheCloudOfAnEngineMadeForTheScan) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::engine_test

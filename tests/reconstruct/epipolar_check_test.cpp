@@ -17,8 +17,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::epipolar_check_test {
 
 const Sequence both{.strategy = DualFrequency{.steps = 3, .high = 16, .low = 1}, .both_axes = true};
 
@@ -166,5 +165,4 @@ TEST(BothAxes, AreNotTakenWhereOneIsExpected) {
   EXPECT_THROW(check_epipolar(setup, scan.other_axis.front(), maps, cloud), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::epipolar_check_test

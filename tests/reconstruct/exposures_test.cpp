@@ -15,8 +15,7 @@
 #include "slipstream/simulate/virtual_world.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::exposures_test {
 
 VirtualWorld contrast_world(Size size = {320, 240}) {
   VirtualWorld world{.scanner = example_scanner(size),
@@ -195,5 +194,4 @@ TEST(Exposures, ACueReadFromTheAmbientLightTakesOne) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::exposures_test

@@ -13,8 +13,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::frame_motion_test {
 
 /// A window of eight periods, whose order nothing tells.
 Sequence window_of(int steps, int extra) {
@@ -136,5 +135,4 @@ TEST(MovedPixels, AreThoseThatEdgesPass) {
   EXPECT_LT(wrong, 20);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::frame_motion_test

@@ -15,8 +15,7 @@
 #include "tests/geometry/random_scanner.h"
 #include "tests/reconstruct/agreement.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::fused_cloud_test {
 
 class FusedCloudOn : public testing::TestWithParam<std::string> {};
 
@@ -217,5 +216,4 @@ TEST(FusedCloud, RefusesWhatDoesNotFit) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::fused_cloud_test

@@ -13,8 +13,7 @@
 #include "slipstream/unwrap/decoder.h"
 #include "tests/reconstruct/agreement.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::fused_multiplexed_test {
 
 constexpr double ambient = 5;
 
@@ -212,5 +211,4 @@ TEST(FusedMultiplexed, LeavesOtherRulesAndReferencesToTheEquations) {
   EXPECT_FALSE(fused(own, CueRule::consensus));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::fused_multiplexed_test

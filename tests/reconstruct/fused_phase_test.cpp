@@ -20,8 +20,7 @@
 #include "slipstream/strategy/registry.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::fused_phase_test {
 
 constexpr double phase_bound = 2e-6;  // rad
 
@@ -236,5 +235,4 @@ TEST_P(FusedPhase, IsCorrected) {
 INSTANTIATE_TEST_SUITE_P(VectorTarget, FusedPhase, testing::ValuesIn(vector_targets()),
                          [](const auto& info) { return info.param; });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::fused_phase_test

@@ -12,8 +12,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/dual_frequency.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::heights_test {
 
 constexpr Size camera{160, 120};
 constexpr double reference = 660;  ///< mm from the camera
@@ -82,5 +81,4 @@ TEST(Heights, AreNoneWithoutLight) {
   EXPECT_GT(finite_values(sphere.phase).size(), 1000U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::heights_test

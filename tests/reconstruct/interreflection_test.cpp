@@ -10,8 +10,7 @@
 #include "slipstream/strategy/registry.h"
 #include "tests/reconstruct/agreement.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::interreflection_test {
 
 /// Two bright walls that meet at a right angle, open to the camera, their edge upright.
 Scene corner(const Scanner& scanner) {
@@ -84,5 +83,4 @@ TEST(Interreflection, IsKeptOutOfThePhaseByACarrier) {
   EXPECT_LT(modulated.bias, plain.bias / 5);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::interreflection_test

@@ -19,8 +19,7 @@
 #include "slipstream/strategy/phase_measuring.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::motion_test {
 namespace fs = std::filesystem;
 
 /// A hand that moves, under four steps of 28.5 periods shown over and over, seen by two cameras.
@@ -123,5 +122,4 @@ TEST_F(Hand, HasItsFringeOrdersFromTheSecondCamera) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::motion_test

@@ -26,8 +26,7 @@
 #include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::one_frame_test {
 namespace fs = std::filesystem;
 
 using std::numbers::pi;
@@ -395,5 +394,4 @@ TEST(OneFrame, TakesOneExposureAndOneCycle) {
   EXPECT_THROW(require_mergeable(sequence), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::one_frame_test

@@ -18,8 +18,7 @@
 #include "tests/every_strategy.h"
 #include "tests/reconstruct/agreement.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::own_strategies_test {
 
 std::string text_of(const Strategy& strategy) {
   std::string text = strategy.name();
@@ -313,5 +312,4 @@ TEST(OwnStrategies, AreCorrectedForTheResponseWhereTheyAreRunsOfSteps) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::own_strategies_test

@@ -9,8 +9,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pcmp_scans_test {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};
 constexpr double ambient = -5;
@@ -92,5 +91,4 @@ TEST(PcmpScans, DecodeSixteenBitFrames) {
   EXPECT_EQ(counts.wrong, 0U);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pcmp_scans_test

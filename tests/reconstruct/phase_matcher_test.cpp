@@ -12,8 +12,7 @@
 #include "slipstream/strategy/gray_code.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::phase_matcher_test {
 
 constexpr Size camera{320, 240};
 
@@ -157,5 +156,4 @@ TEST(PhaseMatcher, RefusesWhatIsNoPair) {
   EXPECT_THROW(PhaseMatcher(first, second, dual)(small, small), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::phase_matcher_test

@@ -10,8 +10,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::pictures_alone_test {
 
 constexpr Size camera{96, 72};
 
@@ -89,5 +88,4 @@ TEST(PictureReport, TellsWhichPixelsAreTooDarkAndWhichSaturated) {
   EXPECT_EQ(nothing.modulation, 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::pictures_alone_test

@@ -14,8 +14,7 @@
 #include "tests/io/grey_image.h"
 #include "tests/shared_data.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::skull_test {
 
 /// How it is computed, and as what backend_for names it.
 struct Way {
@@ -107,5 +106,4 @@ INSTANTIATE_TEST_SUITE_P(Way, Skull, testing::Values(equation, closed_forms, tab
                            return name;
                          });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::skull_test

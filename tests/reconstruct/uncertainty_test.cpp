@@ -9,8 +9,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::uncertainty_test {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 40};
 constexpr Photometry photometry{.ambient = 4, .noise_variance = 1.55, .bits = 8};
@@ -90,5 +89,4 @@ TEST(Uncertainty, IsNotSaidWhereThereIsNoPoint) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::uncertainty_test

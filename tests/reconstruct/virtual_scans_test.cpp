@@ -15,8 +15,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::virtual_scans_test {
 
 struct DepthError {
   double rms = 0;
@@ -256,5 +255,4 @@ TEST(Engine, RefusesWhatCannotGiveDepth) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::virtual_scans_test

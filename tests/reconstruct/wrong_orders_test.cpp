@@ -12,8 +12,7 @@
 #include "slipstream/strategy/strategy_design.h"
 #include "slipstream/unwrap/decoder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::wrong_orders_test {
 
 constexpr double alpha = 0.5;
 
@@ -75,5 +74,4 @@ TEST(WrongOrders, AreAsManyAsPredicted) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::wrong_orders_test

@@ -8,8 +8,7 @@
 #include "slipstream/error/error.h"
 #include "tests/register/turning_object.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::object_model_test {
 
 using Vector = Eigen::Vector3d;
 
@@ -122,5 +121,4 @@ TEST(Registration, LeavesATurnOfASphereAsItIs) {
   EXPECT_LT(Eigen::AngleAxisd(model.registration().pose.linear()).angle(), 0.02);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::object_model_test

@@ -8,8 +8,7 @@
 #include "tools/reproduce/unwrapping_tables.h"
 #include "tools/reproduce/variance_ratio_tables.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::multiplexing_tables_test {
 
 class UnwrappingTable : public testing::TestWithParam<int> {};
 
@@ -72,5 +71,4 @@ TEST(ReproducedTables, RefuseStepsThatHaveNone) {
   EXPECT_THROW(variance_ratio_table(3), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::multiplexing_tables_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::report_test {
 
 const Reproduced& sample() {
   static const Reproduced reproduced{
@@ -34,5 +33,4 @@ TEST(ReproducedReport, IsTextWithoutEmptyColumns) {
   EXPECT_EQ(text.find("improved"), std::string::npos) << text;
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::report_test

@@ -7,8 +7,7 @@
 
 #include "slipstream/error/error.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::reproduction_test {
 
 TEST(Reproducibles, HaveNamesOfTheirOwn) {
   std::set<std::string> names;
@@ -62,5 +61,4 @@ TEST(Reproductions, OfTheModelAgreeWithThePrintToTwoDigits) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::reproduction_test

@@ -11,8 +11,7 @@
 #include "tools/reproduce/noisy_frames.h"
 #include "tools/reproduce/unwrapping_tables.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::rounded_frames_test {
 
 FrameSet rounded(const FrameSet& frames) {
   FrameSet::Images8 whole;
@@ -50,5 +49,4 @@ TEST(Table32, IsOfFramesInWholeGreyLevels) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::rounded_frames_test

@@ -13,8 +13,7 @@
 #include "slipstream/pattern/sinusoid.h"
 #include "slipstream/simulate/projected_light.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::binary_patterns_test {
 
 using std::numbers::pi;
 
@@ -114,5 +113,4 @@ TEST(BinaryPatterns, HalfOfTheLightSpreadsWithinASurface) {
   EXPECT_NEAR(bits(sample), (sharp + spread) / 2, 1e-9);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::binary_patterns_test

@@ -7,8 +7,7 @@
 
 #include "slipstream/simulate/projected_light.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::carrier_patterns_test {
 
 using std::numbers::pi;
 
@@ -78,5 +77,4 @@ TEST(CarrierPatterns, LoseTheModulationThatDefocusTakes) {
   }
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::carrier_patterns_test

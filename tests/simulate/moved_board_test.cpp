@@ -10,8 +10,7 @@
 #include "slipstream/strategy/registry.h"
 #include "slipstream/strategy/sequence.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::moved_board_test {
 
 VirtualWorld small_world() {
   return {.scanner = example_scanner({32, 24}), .photometry = {.bits = 8}};
@@ -52,5 +51,4 @@ TEST(MovedBoard, NeedsPosesAndCycles) {
   EXPECT_THROW(moved_board(small_world(), sheet(), poses, sets_of(), 0, ignore), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::moved_board_test

@@ -14,8 +14,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/simulate/virtual_world.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::physics_test {
 
 constexpr Size picture{96, 72};
 
@@ -247,5 +246,4 @@ TEST(Physics, TheTruthOfNoiseIsALine) {
               std::max(*truth.noise_variance - 127.5 * gain, *truth.noise_variance / 20), 1e-12);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::physics_test

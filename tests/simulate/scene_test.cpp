@@ -10,8 +10,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/statue.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::scene_test {
 
 using Vector = Eigen::Vector3d;
 
@@ -165,5 +164,4 @@ TEST(Statue, HidesPartsOfItself) {
   EXPECT_GT(chest->distance - ring->distance, 0.02);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::scene_test

@@ -11,8 +11,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::virtual_camera_test {
 using namespace std::chrono_literals;
 
 const PatternSet patterns = pattern_set(PhaseMeasuring{.steps = 4, .frequency = 1}, Axis::x);
@@ -147,5 +146,4 @@ TEST(VirtualCamera, refuses_what_is_no_camera) {
   EXPECT_THROW(frames_of({32, 24}, 1, Eigen::Vector3d::Zero(), {.bits = std::nullopt}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::virtual_camera_test

@@ -12,8 +12,7 @@
 #include "slipstream/pattern/pattern_in_8_bits.h"
 #include "slipstream/simulate/named_scenes.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::virtual_rig_test {
 using namespace std::chrono_literals;
 
 using Picture = Image<std::uint8_t>;
@@ -125,5 +124,4 @@ TEST(VirtualRig, RefusesWhatItCannotShowOrSee) {
   EXPECT_THROW(VirtualRig(scanner, scene, {.noise_variance = -1}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::virtual_rig_test

@@ -9,8 +9,7 @@
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::virtual_scanner_test {
 
 const PatternSet patterns = pattern_set(PhaseMeasuring{.steps = 3, .frequency = 1}, Axis::x,
                                         {.alpha_p = 200, .beta_p = 20});
@@ -126,5 +125,4 @@ TEST(VirtualScanner, RefusesLightAndSensorsThatCannotBe) {
   EXPECT_THROW(take_scan(no_baseline, board, patterns), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::virtual_scanner_test

@@ -18,8 +18,7 @@
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::named_source_test {
 using namespace std::chrono_literals;
 
 VirtualWorld some_world() {
@@ -113,5 +112,4 @@ TEST(OpenSource, NamesWhatThereIs) {
   expect_error([] { (void)open_source({.source = "telepathy:now"}); }, {"telepathy", "replay"});
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::named_source_test

@@ -14,8 +14,7 @@
 #include "tests/shared_data.h"
 #include "tests/spatial/known_phase.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::real_captures_test {
 
 constexpr double period = 2 * std::numbers::pi;
 
@@ -97,5 +96,4 @@ TEST(RealCaptures, ASkullBesideItsUnitFrequency) {
   EXPECT_GT(right.at("flow"), 0.9);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::real_captures_test

@@ -13,8 +13,7 @@
 #include "slipstream/spatial/detail/roughness.h"
 #include "tests/spatial/known_phase.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::spatial_unwrapping_test {
 
 constexpr double period = 2 * std::numbers::pi;
 constexpr float nothing = std::numeric_limits<float>::quiet_NaN();
@@ -197,5 +196,4 @@ TEST(SpatialUnwrapping, RefusesWhatIsWrong) {
   EXPECT_THROW(anchor_by(unwrapped, Image<float>({3, 4})), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::spatial_unwrapping_test

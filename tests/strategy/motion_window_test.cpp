@@ -12,8 +12,7 @@
 #include "slipstream/strategy/registry.h"
 #include "slipstream/strategy/strategy.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::motion_window_test {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
@@ -139,5 +138,4 @@ TEST(StrategyInMotion, ShowsTheCycleFromThatPatternOn) {
   for (int n = 0; n < 5; ++n) EXPECT_EQ(window.shape(n, 0.3), steps.shape((n + 1) % 3, 0.3));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::motion_window_test

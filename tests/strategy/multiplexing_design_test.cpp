@@ -8,8 +8,7 @@
 #include "slipstream/strategy/dual_frequency.h"
 #include "slipstream/strategy/period_coded.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::multiplexing_design_test {
 
 TEST(MultiplexingDesign, MeetsItsGoalAtTheLeastNoise) {
   for (const int steps : {3, 4, 5, 8}) {
@@ -76,5 +75,4 @@ TEST(MultiplexingDesign, RefusesWhatCannotBe) {
                Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::multiplexing_design_test

@@ -11,8 +11,7 @@
 #include "slipstream/strategy/registry.h"
 #include "slipstream/strategy/sequence.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::own_strategies_test {
 
 /// One sinusoid, of the kind that each test needs.
 struct Adjustable {
@@ -107,5 +106,4 @@ TEST(OwnStrategy, IsRefusedAProjectorThatCannotShowIt) {
   EXPECT_NO_THROW(require_shown(sequence));
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::own_strategies_test

@@ -14,8 +14,7 @@
 #include "slipstream/strategy/registry.h"
 #include "slipstream/unwrap/decoder.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::phase_channel_multiplexing_test {
 
 constexpr int length = 600;
 constexpr double ambient = -7;
@@ -154,5 +153,4 @@ TEST(PhaseChannelMultiplexing, TheCueOfThreeStepsDoesNotShadeTheTexture) {
   for (int i = 0; i < length; ++i) ASSERT_NEAR(scan.mean(i, 0), A, 1e-9);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::phase_channel_multiplexing_test

@@ -8,8 +8,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::strategy_design_test {
 
 TEST(StrategyDesign, OffersTheBestOfEachKind) {
   const std::vector<StrategyDesign> designs = strategy_designs({.frames = 10});
@@ -57,5 +56,4 @@ TEST(StrategyDesign, RefusesWhatIsOutOfRange) {
   EXPECT_THROW(strategy_designs({.most_periods = 1}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::strategy_design_test

@@ -8,8 +8,7 @@
 #include "slipstream/error/error.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::strategy_test {
 
 TEST(Strategy, IsMadeFromItsNameAndSettings) {
   const Strategy made =
@@ -93,5 +92,4 @@ TEST(ModulatedPhaseShifting, IsABaseTimesACarrierOrItsObliqueSinusoids) {
   EXPECT_EQ(highest_frequency(product), 6);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::strategy_test

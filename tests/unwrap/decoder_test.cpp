@@ -11,8 +11,7 @@
 #include "slipstream/noise/predicted_variance.h"
 #include "slipstream/strategy/registry.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::decoder_test {
 
 /// Frames of a flat thing that the camera sees at the same scale as the projector shows it: column
 /// i has coordinate `coordinate(i)`.
@@ -88,5 +87,4 @@ TEST(Decoder, SaysWhichMethodDecodes) {
   EXPECT_EQ(Decoder(tabled.layout(), 100, PhaseMethod::tables).method_for(FrameSet(images)), "lut");
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::decoder_test

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::fringe_order_consensus_test {
 
 constexpr double frequency = 16;
 constexpr double fringe = 1 / frequency;
@@ -74,5 +73,4 @@ TEST(FringeOrderConsensus, ListensToLitNeighboursOnly) {
   EXPECT_EQ(surface.count_unconfirmed(), 2) << "one of two is wrong; neither is shown as right";
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::fringe_order_consensus_test

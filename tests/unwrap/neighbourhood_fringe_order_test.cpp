@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::neighbourhood_fringe_order_test {
 
 constexpr Size size{24, 20};
 
@@ -98,5 +97,4 @@ TEST(NeighbourhoodFringeOrder, EvidenceOfItsOwnStandsAgainstTheNeighbours) {
   EXPECT_EQ(surface.count_wrong(), 1);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::neighbourhood_fringe_order_test

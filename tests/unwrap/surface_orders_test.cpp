@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace slipstream {
-namespace {
+namespace slipstream::surface_orders_test {
 
 using std::numbers::pi;
 
@@ -93,5 +92,4 @@ TEST(SurfaceOrders, LeaveOutWhatIsSmallOrNowhere) {
   EXPECT_EQ(SurfaceOrders()(Image<float>({8, 8}, 1), zero)(3, 3), 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::surface_orders_test

@@ -8,8 +8,7 @@
 #include "slipstream/image/image.h"
 #include "slipstream/phase/modulation_mask.h"
 
-namespace slipstream {
-namespace {
+namespace slipstream::temporal_unwrapping_test {
 
 using std::numbers::pi;
 
@@ -63,5 +62,4 @@ TEST(ModulationMask, KeepsTheLeastModulationAndLeavesOutNan) {
   EXPECT_EQ(mask(2, 0), 0);
 }
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::temporal_unwrapping_test

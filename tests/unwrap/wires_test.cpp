@@ -13,8 +13,7 @@
 
 // Wires before a slanted plane, without blur: thin things that the neighbours must not vote away.
 
-namespace slipstream {
-namespace {
+namespace slipstream::wires_test {
 
 constexpr Size size{240, 200};
 
@@ -131,5 +130,4 @@ INSTANTIATE_TEST_SUITE_P(Codings, OnWires,
                                               info.param.high, info.index);
                          });
 
-}  // namespace
-}  // namespace slipstream
+}  // namespace slipstream::wires_test

@@ -8,8 +8,7 @@
 #include "slipstream/view/orbit_camera.h"
 #include "tests/view/made_up_cloud.h"
 
-namespace slipstream::view {
-namespace {
+namespace slipstream::view::measuring_test {
 
 constexpr Size picture{320, 240};
 
@@ -84,5 +83,4 @@ TEST(Measured, SaysThePlaneOfARectangleAndThatItIsNoSphere) {
   EXPECT_EQ(measured.lines[0].find("No plane: "), 0U) << measured.lines[0];
 }
 
-}  // namespace
-}  // namespace slipstream::view
+}  // namespace slipstream::view::measuring_test

@@ -5,8 +5,7 @@
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
-namespace slipstream::view {
-namespace {
+namespace slipstream::view::orbit_camera_test {
 
 constexpr Size picture{640, 480};
 constexpr float tolerance = 2e-3F;
@@ -111,5 +110,4 @@ TEST(OrbitCamera, MirrorsInThePlane) {
               tolerance);
 }
 
-}  // namespace
-}  // namespace slipstream::view
+}  // namespace slipstream::view::orbit_camera_test

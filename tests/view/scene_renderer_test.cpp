@@ -14,8 +14,7 @@
 #include "slipstream/view/axes.h"
 #include "tests/view/made_up_cloud.h"
 
-namespace slipstream::view {
-namespace {
+namespace slipstream::view::scene_renderer_test {
 
 constexpr Size picture{320, 240};
 
@@ -194,5 +193,4 @@ TEST_F(SceneRendererTest, RefusesAPictureThatCannotBe) {
   EXPECT_THROW(opengl::RenderTarget({1 << 20, 10}), Error);
 }
 
-}  // namespace
-}  // namespace slipstream::view
+}  // namespace slipstream::view::scene_renderer_test

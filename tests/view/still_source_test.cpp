@@ -21,8 +21,7 @@
 #include "tests/io/temporary_folder.h"
 #include "tests/view/made_up_cloud.h"
 
-namespace slipstream::view {
-namespace {
+namespace slipstream::view::still_source_test {
 
 EngineSetup statue_setup() {
   return {.scanner = example_scanner({160, 120}),
@@ -171,5 +170,4 @@ TEST(CameraPicture, ShowsFramesOfAnyDepthAndWhereTheyAreSaturated) {
   EXPECT_TRUE(camera_picture({}, 4).empty());
 }
 
-}  // namespace
-}  // namespace slipstream::view
+}  // namespace slipstream::view::still_source_test

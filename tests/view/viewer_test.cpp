@@ -17,8 +17,7 @@
 #include "tests/opengl/desktop.h"
 #include "tests/view/made_up_cloud.h"
 
-namespace slipstream::view {
-namespace {
+namespace slipstream::view::viewer_test {
 
 /// A plate that comes nearer and nearer, a new cloud whenever it is asked for.
 class MovingPlate {
@@ -238,5 +237,4 @@ TEST(Viewer, ShowsMovingCloudsIsResizedAndClosesWhileTheyStream) {
   EXPECT_GT(bright_pixels(*last), 2000);
 }
 
-}  // namespace
-}  // namespace slipstream::view
+}  // namespace slipstream::view::viewer_test

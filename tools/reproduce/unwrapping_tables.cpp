@@ -18,7 +18,7 @@ constexpr NoisyPixels pixels{.alpha = 0.5, .beta = -7, .noise_variance = 1.55};
 constexpr int projector_length = 1140;
 
 /// The cells as printed.
-std::vector<UnwrappingCell> printed_table(int steps) {
+std::vector<UnwrappingCell> printed_unwrapping_table(int steps) {
   const auto cells = [&](std::array<double, 3> alpha_p, std::array<double, 3> c1,
                          std::array<double, 3> high, std::array<double, 9> percent) {
     std::vector<UnwrappingCell> table;
@@ -113,7 +113,7 @@ Image<double> stepped_coordinate(Size size) {
 }
 
 std::vector<UnwrappingCell> unwrapping_table(int steps, const UnwrappingTrial& trial) {
-  std::vector<UnwrappingCell> table = printed_table(steps);
+  std::vector<UnwrappingCell> table = printed_unwrapping_table(steps);
   const bool smooth = trial.surface == UnwrappingTrial::Surface::smooth;
   const Image<double> y = smooth ? smooth_coordinate(trial.size) : stepped_coordinate(trial.size);
   std::uint64_t seed = trial.seed * 1000 + static_cast<std::uint64_t>(steps) * 100;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr PatternLight light{.alpha_p = 200, .beta_p = 55};
 
-std::vector<VarianceRatioCell> printed_table(int steps) {
+std::vector<VarianceRatioCell> printed_variance_table(int steps) {
   const auto cells = [&](std::array<double, 3> c1, std::array<double, 3> high,
                          std::array<double, 9> ratios) {
     std::vector<VarianceRatioCell> table;
@@ -86,7 +86,7 @@ std::vector<double> measured_ratios(const std::vector<VarianceRatioCell>& table,
 }  // namespace
 
 std::vector<VarianceRatioCell> variance_ratio_table(int steps, const VarianceRatioTrial& trial) {
-  std::vector<VarianceRatioCell> table = printed_table(steps);
+  std::vector<VarianceRatioCell> table = printed_variance_table(steps);
   Photometry photometry;
   photometry.ambient = -7;
   photometry.noise_variance = 1.55;

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 // The numbers that glTF 2.0 gives its names.
-constexpr std::uint32_t magic = 0x46546C67, version = 2;
+constexpr std::uint32_t glb_magic = 0x46546C67, version = 2;
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 constexpr int float32 = 5126, uint32 = 5125;
 constexpr int vertex_buffer = 34962, index_buffer = 34963;
@@ -179,7 +179,7 @@ std::string glb_file(const Surface& surface) {
   constexpr std::size_t header = 12, chunk_header = 8;
   std::string file;
   const auto size_of = [](std::size_t bytes) { return static_cast<std::uint32_t>(bytes); };
-  append_numbers(file, magic, version,
+  append_numbers(file, glb_magic, version,
                  size_of(header + 2 * chunk_header + text.size() + binary.bytes.size()),
                  size_of(text.size()), json_chunk);
   file += text;
@@ -188,7 +188,7 @@ std::string glb_file(const Surface& surface) {
 }
 
 StoredPoints glb_points(std::span<const std::uint8_t> bytes) {
-  if (count_at(bytes, 0) != magic || count_at(bytes, 4) != version) {
+  if (count_at(bytes, 0) != glb_magic || count_at(bytes, 4) != version) {
     throw Error("it is no binary glTF 2.0");
   }
   constexpr std::size_t header = 12, chunk_header = 8;

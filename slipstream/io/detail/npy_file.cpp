@@ -18,8 +18,8 @@ namespace slipstream {
 namespace {
 
 using namespace std::string_view_literals;
-constexpr auto magic = "\x93NUMPY\x01\x00"sv;  // and the version, 1.0
-constexpr std::size_t preamble = magic.size() + 2;
+constexpr auto npy_magic = "\x93NUMPY\x01\x00"sv;  // and the version, 1.0
+constexpr std::size_t preamble = npy_magic.size() + 2;
 
 struct Shape {
   int rows = 0, columns = 0, type = CV_32F;
@@ -66,9 +66,9 @@ Shape shape_in(std::string_view header) {
 cv::Mat read_npy(std::span<const std::uint8_t> bytes) {
   constexpr std::size_t longest_header = 1024;
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  if (text.size() < preamble || !text.starts_with(magic))
+  if (text.size() < preamble || !text.starts_with(npy_magic))
     throw Error("not a NumPy file of version 1.0");
-  const std::size_t length = bytes[magic.size()] + 256U * bytes[magic.size() + 1];
+  const std::size_t length = bytes[npy_magic.size()] + 256U * bytes[npy_magic.size() + 1];
   if (length > longest_header || text.size() < preamble + length)
     throw Error("not a whole NumPy file");
   const Shape shape = shape_in(text.substr(preamble, length));
@@ -88,7 +88,7 @@ std::vector<std::uint8_t> npy_file_of(const cv::Mat& mat) {
                   mat.elemSize(), mat.rows, mat.cols);
   constexpr std::size_t block = 64;  // what is before the numbers fills so many bytes, or twice
   header.append(block - 1 - (preamble + header.size()) % block, ' ').push_back('\n');
-  std::string file(magic);
+  std::string file(npy_magic);
   append_numbers(file, static_cast<std::uint16_t>(header.size()));
   file += header;
   const std::size_t numbers = mat.total() * mat.elemSize();

@@ -8,14 +8,13 @@
 #include <fmt/format.h>
 
 #include "slipstream/error/error.h"
+#include "slipstream/error/numbers.h"
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/noise/predicted_variance.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Where the projector lights the point of a ray at that depth; NaN where it is behind it.
 double coordinate_at(const EngineSetup& setup, const Eigen::Vector3d& ray, double depth) {

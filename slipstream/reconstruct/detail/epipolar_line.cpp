@@ -1,12 +1,11 @@
 #include "slipstream/reconstruct/detail/epipolar_line.h"
 
 #include <array>
-#include <limits>
+
+#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Weights of the four pixels around a place `t` past the second of them: cubic convolution (Keys).
 std::array<double, 4> cubic_weights(double t) {

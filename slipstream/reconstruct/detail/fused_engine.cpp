@@ -20,11 +20,6 @@ constexpr std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-template <class Pixel>
-void prepare(Image<Pixel>& image, Size size) {
-  if (image.size() != size) image = Image<Pixel>(size, uninitialised);
-}
-
 /// Before the first and after the last pixel stands NaN, which confirms no neighbour.
 void prepare(FusedScratch::Row& row, int width) {
   prepare(row.coordinate, {width + 2 * padding, 1});

@@ -63,6 +63,12 @@ struct FusedOutput {
 /// Gives what is wanted the size of the picture; `doubtful`: the maps have doubts.
 void prepare(const FusedOutput& output, Size size, bool doubtful);
 
+/// Of `size` and with any content; an image of that size is left alone.
+template <class Pixel>
+void prepare(Image<Pixel>& image, Size size) {
+  if (image.size() != size) image = Image<Pixel>(size, uninitialised);
+}
+
 /// Points that were packed from the beginning of a row on come behind those that are there.
 void append_packed(int first_row, std::size_t count, PackedPoints& points);
 

@@ -9,11 +9,6 @@
 namespace slipstream {
 namespace {
 
-template <class Pixel>
-void prepare(Image<Pixel>& image, Size size) {
-  if (image.size() != size) image = Image<Pixel>(size, uninitialised);
-}
-
 std::array<Image<float>*, 4> values_of(PackedPoints& points) {
   return {&points.x, &points.y, &points.z, &points.intensity};
 }

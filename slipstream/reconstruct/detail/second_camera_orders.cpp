@@ -2,18 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
+#include "slipstream/error/numbers.h"
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/image/parallel_rows.h"
 #include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double two_pi = 2 * std::numbers::pi;
 
 /// How badly the two cameras' phases agree, 1 - cos of their difference, over pixels of a window.
 struct Disagreement {

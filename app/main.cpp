@@ -34,7 +34,7 @@ constexpr int bad_input = 2;
 constexpr std::string_view in_whole_program = "";
 #else
 constexpr std::string_view in_whole_program =
-    " (./dev demo built the first commands only; ./dev build makes the whole program)";
+    " (this build only turns scans into clouds; ./dev build makes the whole program)";
 #endif
 
 /// Flags that every subcommand has.

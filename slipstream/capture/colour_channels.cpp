@@ -74,16 +74,15 @@ void require_valid(const ColourMixture& mixture) {
   if (!dark_known || !colours.allFinite() || !(condition <= worst)) {
     throw Error(
         "colour_mixture: the projector's red, green and blue cannot be told apart by the camera's "
-        "colour_channels");
+        "channels");
   }
 }
 
 ColourMixture measured_mixture(const FrameViews& pictures) {
   constexpr int wanted = 4 * colour_channels;
   if (pictures.count() != wanted) {
-    throw Error(
-        fmt::format("{} frames given; black, red, green and blue are {} of three colour_channels",
-                    pictures.count(), wanted));
+    throw Error(fmt::format("{} frames given; black, red, green and blue are {} of three channels",
+                            pictures.count(), wanted));
   }
   const Image<std::uint8_t> saturated = saturation_mask(pictures);
   const auto clipped = std::count(saturated.begin(), saturated.end(), 1);
@@ -162,11 +161,10 @@ class Whitening {
 
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const FrameViews& white) {
   if (frames.count() % colour_channels != 0) {
-    throw Error(
-        fmt::format("{} frames are no pictures of three colour_channels each", frames.count()));
+    throw Error(fmt::format("{} frames are no pictures of three channels each", frames.count()));
   }
   if (white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size())) {
-    throw Error("the white picture is not one of three colour_channels of the frames' size");
+    throw Error("the white picture is not one of three channels of the frames' size");
   }
   require_valid(mixture);
   constexpr float levels = 257, brightest = 65535;  // of 16 bits
@@ -206,7 +204,7 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
 
 std::string doubt_about_colours(bool mixture_known, bool white_known) {
   if (!mixture_known) {
-    return "pictures in colour, and nothing is known of how their colour_channels mix; slipstream "
+    return "pictures in colour, and nothing is known of how their channels mix; slipstream "
            "calibrate colour measures it";
   }
   return white_known

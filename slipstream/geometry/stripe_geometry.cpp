@@ -98,7 +98,7 @@ class ProjectorPlane {
   Eigen::Matrix3d inverse_intrinsic_;
 };
 
-/// From values at the fitted_nodes to coefficients of Chebyshev polynomials.
+/// From values at the nodes to coefficients of Chebyshev polynomials.
 Eigen::Matrix<double, fitted_nodes, fitted_nodes> chebyshev_transform() {
   Eigen::Matrix<double, fitted_nodes, fitted_nodes> transform;
   for (int k = 0; k < fitted_nodes; ++k) {

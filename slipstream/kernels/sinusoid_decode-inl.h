@@ -232,7 +232,7 @@ HWY_INLINE void decode_weighted(const SinusoidStage& stage, const SinusoidLimits
 template <class Pixel>
 HWY_INLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
                               const Pixel* const* frames, const SinusoidRow& row) {
-  // A copy that stays in registers: what is written cannot change it.
+  // A local copy stays in registers: no store can alias it.
   const SinusoidRow local = row;
   switch (stage.cosines.empty() ? stage.steps : 0) {
     case 3:

@@ -14,7 +14,7 @@
 namespace slipstream {
 namespace {
 
-constexpr int largest_step = 65534;
+constexpr int most_levels = 65534;
 
 int thinned(int pixels, int step) {
   return (pixels + step - 1) / step;
@@ -81,7 +81,7 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const auto nearest = static_cast<float>(range.nearest);
   constexpr double finest = 1e-6;  // of the depth, which a float tells
   const auto step = static_cast<float>(
-      std::max({(range.farthest - range.nearest) / largest_step, finest * range.farthest,
+      std::max({(range.farthest - range.nearest) / most_levels, finest * range.farthest,
                 double{std::numeric_limits<float>::min()}}));
   const DepthScale numbers{step, nearest - step};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);

@@ -153,7 +153,7 @@ constexpr ProgramCommand program_commands[] = {
 
 /// Only the one that the arguments begin with, as all of them take milliseconds to add; all where
 /// that is none, or a rig file is read, which may hold settings of any.
-void add_commands(CLI::App& program, Command& chosen, const RigSaid& rig,
+void add_commands(CLI::App& program, Command& chosen, [[maybe_unused]] const RigSaid& rig,
                   std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const bool has_rig =

@@ -9,9 +9,9 @@
 #include "app/commands.h"
 #include "app/scan_input.h"
 #include "app/source_flags.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/live/exposure_series.h"
-#include "slipstream/photometry/exposure_advice.h"
+#include "slipstream/response/exposure_advice.h"
 
 namespace slipstream::app {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "app/commands.h"
 #include "app/progress.h"
-#include "slipstream/gpu/gpu.h"
+#include "slipstream/reconstruct/gpu.h"
 #include "tools/bench/bench_report.h"
 #include "tools/bench/bench_rows.h"
 

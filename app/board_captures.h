@@ -11,7 +11,7 @@
 #include "app/output.h"
 #include "app/scan_flags.h"
 #include "slipstream/calibrate/pose_captures.h"
-#include "slipstream/gamma/response.h"
+#include "slipstream/codes/response.h"
 
 namespace slipstream::app {
 

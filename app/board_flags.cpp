@@ -4,8 +4,8 @@
 
 #include "app/flag_group.h"
 #include "app/scan_flags.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
 
 namespace slipstream::app {
 

@@ -5,10 +5,10 @@
 
 #include "app/calibration_files.h"
 #include "app/commands.h"
+#include "slipstream/decode/reflectivity.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/plot_file.h"
-#include "slipstream/noise/reflectivity.h"
-#include "slipstream/photometry/ambient_calibration.h"
+#include "slipstream/response/ambient_calibration.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

@@ -6,8 +6,8 @@
 #include "app/board_flags.h"
 #include "app/commands.h"
 #include "app/scan_flags.h"
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/image_file.h"
 
 namespace slipstream::app {

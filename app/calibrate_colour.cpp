@@ -8,10 +8,10 @@
 
 #include "app/calibration_files.h"
 #include "app/commands.h"
-#include "slipstream/capture/colour_channels.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/primaries.h"
+#include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/pattern/primaries.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

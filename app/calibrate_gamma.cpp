@@ -7,11 +7,11 @@
 #include "app/calibration_files.h"
 #include "app/commands.h"
 #include "app/scan_flags.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/plot_file.h"
 #include "slipstream/io/uniform_pictures.h"
-#include "slipstream/photometry/gamma_calibration.h"
+#include "slipstream/response/gamma_calibration.h"
 
 namespace slipstream::app {
 namespace {

@@ -10,10 +10,10 @@
 
 #include "app/commands.h"
 #include "app/finding_output.h"
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/calibrate/ruler.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 

@@ -5,8 +5,8 @@
 
 #include "app/calibration_files.h"
 #include "app/commands.h"
-#include "slipstream/error/error.h"
-#include "slipstream/photometry/noise_calibration.h"
+#include "slipstream/base/error.h"
+#include "slipstream/response/noise_calibration.h"
 
 namespace slipstream::app {
 namespace {

@@ -7,8 +7,8 @@
 #include "app/board_captures.h"
 #include "app/commands.h"
 #include "app/finding_output.h"
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/verification.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {

@@ -7,7 +7,7 @@
 #include "app/flag_group.h"
 #include "app/progress.h"
 #include "app/scan_findings.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/saved_scan.h"
 

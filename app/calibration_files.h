@@ -9,10 +9,10 @@
 
 #include "app/output.h"
 #include "app/scan_flags.h"
-#include "slipstream/gamma/measurement.h"
+#include "slipstream/geometry/scan.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/plot/plot.h"
-#include "slipstream/scan/scan.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/response/measurement.h"
 
 namespace slipstream::app {
 

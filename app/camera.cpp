@@ -1,5 +1,5 @@
 #include "app/commands.h"
-#include "slipstream/camera/open_camera.h"
+#include "slipstream/devices/open_camera.h"
 
 namespace slipstream::app {
 namespace {

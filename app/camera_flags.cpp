@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/rectangle.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/rectangle.h"
 
 namespace slipstream::app {
 

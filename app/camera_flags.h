@@ -5,7 +5,7 @@
 
 #include <CLI/App.hpp>
 
-#include "slipstream/camera/camera_settings.h"
+#include "slipstream/devices/camera_settings.h"
 
 namespace slipstream::app {
 

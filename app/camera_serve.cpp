@@ -14,8 +14,8 @@
 #include "app/simulate_boards.h"
 #include "app/stop_signal.h"
 #include "app/virtual_flags.h"
-#include "slipstream/camera/virtual_gige_camera.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/devices/virtual_gige_camera.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/board_poses.h"
 #include "slipstream/simulate/moved_board.h"
@@ -123,7 +123,8 @@ void add_camera_serve(CLI::App& camera, Command& chosen) {
   command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
   command.add_file("--scanner", flags.scene.scanner,
                    "scanner file to imitate; an example where not given");
-  command.add_scanner_output("--write-scanner", flags.write_scanner, "scanner file to write, to reconstruct with");
+  command.add_scanner_output("--write-scanner", flags.write_scanner,
+                             "scanner file to write, to reconstruct with");
   add_virtual_flags(command.app, flags.scene);
   add_board_flags(command.app, flags.board);
   add_pattern_flags(command.app, flags.scan);

@@ -16,16 +16,16 @@
 #include "app/scan_findings.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/guided_poses.h"
 #include "slipstream/calibrate/pose_drawing.h"
-#include "slipstream/capture/colour_channels.h"
-#include "slipstream/capture/shown_scans.h"
-#include "slipstream/error/error.h"
+#include "slipstream/codes/pattern_in_8_bits.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/colour_channels.h"
+#include "slipstream/frames/shown_scans.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/live/cyclic_scans.h"
-#include "slipstream/pattern/pattern_in_8_bits.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "slipstream/project/monitor_sink.h"
+#include "slipstream/devices/monitor_sink.h"
 
 namespace slipstream::app {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "slipstream/capture/pattern_sink.h"
+#include "slipstream/frames/pattern_sink.h"
 #include "slipstream/view/guide_window.h"
 
 namespace slipstream::app {

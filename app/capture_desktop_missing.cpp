@@ -1,6 +1,6 @@
 // In place of capture_desktop.cpp, in builds without windows.
 #include "app/capture_desktop.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::app {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::app {
 namespace {

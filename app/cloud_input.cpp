@@ -4,7 +4,7 @@
 
 #include "app/finding_output.h"
 #include "app/stopwatch.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "app/live_settings.h"
-#include "slipstream/cycle/window_frames.h"
+#include "slipstream/frames/window_frames.h"
 
 namespace slipstream::app {
 

@@ -7,11 +7,11 @@
 #include "app/commands.h"
 #include "app/progress.h"
 #include "app/virtual_flags.h"
-#include "slipstream/compare/comparison.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/plot_file.h"
 #include "slipstream/io/preview.h"
-#include "slipstream/strategy/registry.h"
+#include "slipstream/simulate/comparison.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

@@ -10,7 +10,7 @@
 #include "app/cloud_input.h"
 #include "app/commands.h"
 #include "app/convert_frames.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"

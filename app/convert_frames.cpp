@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"

@@ -6,14 +6,14 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/motion_window.h"
+#include "slipstream/codes/multiplexing_design.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/codes/strategy_design.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/plot_file.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/pattern/motion_window.h"
-#include "slipstream/strategy/multiplexing_design.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/strategy/strategy_design.h"
 
 namespace slipstream::app {
 namespace {
@@ -156,7 +156,9 @@ void add_design(CLI::App& program, Command& chosen) {
   command.add("--success", flags.goal.success,
               "share of the pixels to be unwrapped rightly each by itself");
   command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
-  command.add_output("--plot", flags.plot, "noise over f_h: .png")->excludes(frames)->excludes(noise);
+  command.add_output("--plot", flags.plot, "noise over f_h: .png")
+      ->excludes(frames)
+      ->excludes(noise);
   CLI::Option* const speed =
       command.add("--phase-speed", flags.phase_speed,
                   "things that move: rad that the phase of --steps moves from frame to frame");

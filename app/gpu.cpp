@@ -1,4 +1,4 @@
-#include "slipstream/gpu/gpu.h"
+#include "slipstream/reconstruct/gpu.h"
 
 #include "app/commands.h"
 

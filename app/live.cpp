@@ -23,17 +23,17 @@
 #include "app/scan_findings.h"
 #include "app/scan_input.h"
 #include "app/stop_signal.h"
+#include "slipstream/base/error.h"
 #include "slipstream/check/checked_scan.h"
-#include "slipstream/cycle/window_frames.h"
-#include "slipstream/error/error.h"
+#include "slipstream/frames/window_frames.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/publisher.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/picture_report.h"
+#include "slipstream/response/gamma_choice.h"
 
 namespace slipstream::app {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::app {
 namespace {

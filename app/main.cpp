@@ -20,8 +20,8 @@
 #include "app/distinct_files.h"
 #include "app/rig_flag.h"
 #include "app/stop_signal.h"
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::app {
 extern const char* const program_version;  // made at build time: see version.cmake

@@ -9,8 +9,8 @@
 
 #include "app/cloud_input.h"
 #include "app/commands.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
 
 namespace slipstream::app {
 namespace {

@@ -7,12 +7,12 @@
 #include "app/commands.h"
 #include "app/progress.h"
 #include "app/scan_flags.h"
-#include "slipstream/error/error.h"
-#include "slipstream/gamma/precompensation.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/multiplexing_design.h"
 #include "slipstream/io/pattern_pictures.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/uniform_pictures.h"
-#include "slipstream/strategy/multiplexing_design.h"
+#include "slipstream/response/precompensation.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

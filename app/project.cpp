@@ -11,12 +11,12 @@
 #include "app/commands.h"
 #include "app/scan_flags.h"
 #include "app/stop_signal.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/pattern_in_8_bits.h"
+#include "slipstream/devices/monitor_sink.h"
+#include "slipstream/devices/projection.h"
+#include "slipstream/devices/swap_log.h"
 #include "slipstream/io/file.h"
-#include "slipstream/pattern/pattern_in_8_bits.h"
-#include "slipstream/project/monitor_sink.h"
-#include "slipstream/project/projection.h"
-#include "slipstream/project/swap_log.h"
 
 namespace slipstream::app {
 namespace {

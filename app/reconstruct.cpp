@@ -17,14 +17,14 @@
 #include "app/reconstruct_flags.h"
 #include "app/scan_list.h"
 #include "app/stopwatch.h"
-#include "slipstream/clean/subsampled.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/normals.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/cloud/subsampled.h"
+#include "slipstream/decode/frame_motion.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/phase/frame_motion.h"
 #include "slipstream/reconstruct/epipolar_check.h"
 
 namespace slipstream::app {

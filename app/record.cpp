@@ -11,8 +11,8 @@
 #include "app/progress.h"
 #include "app/source_flags.h"
 #include "app/stop_signal.h"
+#include "slipstream/base/error.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/recorder.h"
 #include "slipstream/io/saved_scan.h"
 

@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

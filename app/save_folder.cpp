@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/io/saved_scan.h"

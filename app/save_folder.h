@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame_views.h"
+#include "slipstream/frames/frame_views.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
 namespace slipstream::app {

@@ -6,11 +6,11 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
-#include "slipstream/image/rectangle.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/base/rectangle.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/limits.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::app {
 namespace {

@@ -6,9 +6,9 @@
 
 #include <CLI/App.hpp>
 
-#include "slipstream/image/size.h"
+#include "slipstream/base/size.h"
+#include "slipstream/codes/sequence_changes.h"
 #include "slipstream/io/scan_folder.h"
-#include "slipstream/strategy/sequence_changes.h"
 
 namespace slipstream::app {
 

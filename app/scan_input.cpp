@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/flag_group.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {

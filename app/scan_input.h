@@ -10,10 +10,10 @@
 
 #include "app/output.h"
 #include "app/scan_flags.h"
+#include "slipstream/geometry/scan.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/scan/scan.h"
+#include "slipstream/response/gamma_choice.h"
 
 namespace slipstream::app {
 

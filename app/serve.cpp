@@ -18,7 +18,7 @@
 #include "app/commands.h"
 #include "app/live.h"
 #include "app/stop_signal.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {

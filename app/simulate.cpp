@@ -9,13 +9,13 @@
 #include "app/simulate_boards.h"
 #include "app/stopwatch.h"
 #include "app/virtual_flags.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/primaries.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/virtual_scan.h"
-#include "slipstream/pattern/primaries.h"
 #include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/second_camera.h"
+#include "slipstream/simulate/virtual_scan.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream::app {

@@ -6,10 +6,10 @@
 
 #include "app/progress.h"
 #include "app/scan_flags.h"
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/error/error.h"
-#include "slipstream/io/virtual_scan.h"
 #include "slipstream/simulate/board_poses.h"
+#include "slipstream/simulate/virtual_scan.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

@@ -9,8 +9,8 @@
 
 #include "app/board_flags.h"
 #include "app/output.h"
+#include "slipstream/codes/sequence.h"
 #include "slipstream/simulate/virtual_world.h"
-#include "slipstream/strategy/sequence.h"
 
 namespace slipstream::app {
 

@@ -8,7 +8,7 @@
 #include "app/camera_flags.h"
 #include "app/scan_flags.h"
 #include "app/virtual_flags.h"
-#include "slipstream/sources/named_source.h"
+#include "slipstream/devices/named_source.h"
 
 namespace slipstream::app {
 

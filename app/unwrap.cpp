@@ -8,8 +8,8 @@
 
 #include "app/commands.h"
 #include "app/stopwatch.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/converted.h"
+#include "slipstream/base/converted.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"

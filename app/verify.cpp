@@ -7,11 +7,11 @@
 #include "app/commands.h"
 #include "app/progress.h"
 #include "app/virtual_flags.h"
-#include "slipstream/accuracy/accuracy_report.h"
-#include "slipstream/accuracy/rehearsal.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/strategy/registry.h"
+#include "slipstream/simulate/accuracy_report.h"
+#include "slipstream/simulate/rehearsal.h"
 
 namespace slipstream::app {
 namespace {

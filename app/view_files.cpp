@@ -1,6 +1,6 @@
 #include "app/view_files.h"
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/view/view_settings.h"
 

@@ -4,7 +4,7 @@
 
 #include <CLI/App.hpp>
 
-#include "slipstream/image/size.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream::view {
 struct ViewSettings;

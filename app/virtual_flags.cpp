@@ -8,10 +8,10 @@
 
 #include "app/flag_group.h"
 #include "app/scan_flags.h"
-#include "slipstream/error/error.h"
-#include "slipstream/io/mesh_file.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/mesh_file.h"
 #include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
 

@@ -6,11 +6,10 @@
 #     USES error image capture          rooms to its left
 #     LINKS Eigen3::Eigen               libraries that its headers show
 #     HIDES TBB::tbb                    libraries that only its sources see
-#     LEAVES_OUT some.cpp               sources that this build goes without
-#     PRIVATE_HEADERS)                  no program includes its headers: they are not installed
+#     LEAVES_OUT some.cpp)              sources that this build goes without
 #
 # The libraries are found when a room names them: cmake/libraries.cmake says where. A room that is
-# compiled also hides fmt::fmt. Headers in its folder detail/, and those called *-inl.h, are its own
+# compiled also hides fmt::fmt. Headers in folders below it, and those called *-inl.h, are its own
 # affair and are not installed.
 #
 # Each room is installed as a component of the CMake package and as slipstream-<room>.pc.
@@ -43,10 +42,10 @@ function(slipstream_unity target batch)
 endfunction()
 
 function(slipstream_room room)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "PRIVATE_HEADERS" "" "USES;LINKS;HIDES;LEAVES_OUT")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "USES;LINKS;HIDES;LEAVES_OUT")
   set(target slipstream_${room})
   set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room})
-  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp ${folder}/detail/*.cpp)
+  file(GLOB sources CONFIGURE_DEPENDS ${folder}/*.cpp ${folder}/*/*.cpp)
   list(TRANSFORM arg_LEAVES_OUT PREPEND ${folder}/)
   list(REMOVE_ITEM sources ${arg_LEAVES_OUT})
   if(sources)
@@ -83,12 +82,8 @@ function(slipstream_room room)
   target_link_libraries(${target} ${scope} ${used_targets} ${arg_LINKS})
 
   list(JOIN arg_USES " " uses)
-  set(headers installed)
-  if(arg_PRIVATE_HEADERS)
-    set(headers private)
-  endif()
   set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOMS ${room})
-  set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOM_LINES "${headers} ${room}: ${uses}")
+  set_property(GLOBAL APPEND PROPERTY SLIPSTREAM_ROOM_LINES "${room}: ${uses}")
   if(SLIPSTREAM_INSTALL)
     slipstream_install_room(${room} "${sources}")
   endif()
@@ -96,10 +91,9 @@ endfunction()
 
 # Part of slipstream_room(), whose arguments it reads.
 function(slipstream_install_room room sources)
-  if(NOT arg_PRIVATE_HEADERS)
-    install(DIRECTORY ${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipstream
-            FILES_MATCHING PATTERN "*.h" PATTERN "*-inl.h" EXCLUDE PATTERN detail EXCLUDE)
-  endif()
+  file(GLOB headers CONFIGURE_DEPENDS ${folder}/*.h)
+  list(FILTER headers EXCLUDE REGEX "-inl\\.h$")
+  install(FILES ${headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/slipstream/${room})
   install(TARGETS ${target} EXPORT slipstream-${room})
   install(EXPORT slipstream-${room} NAMESPACE slipstream:: FILE slipstream-${room}-targets.cmake
           DESTINATION ${slipstream_package_folder})
@@ -148,10 +142,10 @@ function(slipstream_install_room room sources)
   install(FILES ${module} DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 endfunction()
 
-# slipstream_shaders(reconstruct points): shaders/points.comp of the room to points.spirv.inc, the
+# slipstream_shaders(reconstruct points): gpu/points.comp of the room to points.spirv.inc, the
 # words of a constant that a source includes.
 function(slipstream_shaders room)
-  set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room}/shaders)
+  set(folder ${PROJECT_SOURCE_DIR}/slipstream/${room}/gpu)
   set(all "")
   foreach(shader IN LISTS ARGN)
     set(words ${PROJECT_BINARY_DIR}/shaders/${shader}.spirv.inc)
@@ -185,8 +179,7 @@ function(slipstream_install_package)
           RENAME slipstream-libraries.cmake)
 endfunction()
 
-# One line a room, "installed phase: error image capture", or "private ..." of a room whose headers
-# are not installed, for the test.
+# One line a room, "decode: base codes frames", for the test.
 function(slipstream_write_rooms file)
   get_property(lines GLOBAL PROPERTY SLIPSTREAM_ROOM_LINES)
   list(JOIN lines "\n" text)

@@ -1,7 +1,7 @@
 // A scan folder to a cloud in one call: folder_to_cloud SCAN CLOUD.ply
 #include <cstdio>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/engine.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/strategy/registry.h"
+#include "slipstream/codes/registry.h"
 
 namespace slipstream {
 

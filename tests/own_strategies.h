@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/codes/strategy.h"
 
 namespace slipstream {
 

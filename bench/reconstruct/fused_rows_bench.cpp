@@ -6,10 +6,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "slipstream/kernels/vector_target.h"
-#include "slipstream/reconstruct/detail/fused_stages.h"
+#include "slipstream/base/vector_target.h"
+#include "slipstream/codes/phase_measuring.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/strategy/phase_measuring.h"
+#include "slipstream/reconstruct/fused/fused_stages.h"
 #include "tools/bench/bench_scan.h"
 
 namespace slipstream {

@@ -5,11 +5,11 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include "slipstream/codes/dual_frequency.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/strategy/dual_frequency.h"
 #include "tests/shared_data.h"
 
 namespace slipstream {

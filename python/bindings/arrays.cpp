@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream::python {
 namespace {

@@ -15,9 +15,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include "slipstream/capture/frame_views.h"
+#include "slipstream/base/image.h"
 #include "slipstream/check/checked_scan.h"
-#include "slipstream/image/image.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace pybind11::detail {
 

@@ -2,15 +2,15 @@
 #include <limits>
 
 #include "python/bindings/keywords.h"
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/board_scans.h"
 #include "slipstream/calibrate/pose_captures.h"
-#include "slipstream/error/error.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/phase/phase_decoder.h"
-#include "slipstream/photometry/ambient_calibration.h"
-#include "slipstream/photometry/gamma_calibration.h"
-#include "slipstream/photometry/noise_calibration.h"
-#include "slipstream/unwrap/temporal_unwrapping.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/decode/temporal_unwrapping.h"
+#include "slipstream/response/ambient_calibration.h"
+#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/noise_calibration.h"
 
 namespace slipstream::python {
 namespace {

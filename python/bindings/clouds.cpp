@@ -2,10 +2,10 @@
 
 #include "python/bindings/engines.h"
 #include "python/bindings/keywords.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/cloud/surface.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/preview.h"

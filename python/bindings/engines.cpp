@@ -1,9 +1,9 @@
 #include "python/bindings/engines.h"
 
 #include "python/bindings/keywords.h"
-#include "slipstream/photometry/gamma_choice.h"
 #include "slipstream/reconstruct/epipolar_check.h"
 #include "slipstream/reconstruct/phase_matcher.h"
+#include "slipstream/response/gamma_choice.h"
 
 namespace slipstream::python {
 namespace {

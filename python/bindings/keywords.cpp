@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/unwrap/cue_settings.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/decode/cue_settings.h"
 
 namespace slipstream::python {
 

@@ -3,10 +3,10 @@
 
 #include "python/bindings/engines.h"
 #include "python/bindings/keywords.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/devices/named_source.h"
 #include "slipstream/live/live_pipeline.h"
-#include "slipstream/photometry/gamma_choice.h"
-#include "slipstream/sources/named_source.h"
+#include "slipstream/response/gamma_choice.h"
 
 namespace slipstream::python {
 namespace {

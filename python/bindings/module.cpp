@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::python {
 namespace {

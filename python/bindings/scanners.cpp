@@ -4,12 +4,12 @@
 #include <pybind11/operators.h>
 
 #include "python/bindings/keywords.h"
-#include "slipstream/gamma/correction.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/codes/strategy_design.h"
 #include "slipstream/io/pattern_pictures.h"
 #include "slipstream/io/scanner_file.h"
+#include "slipstream/response/correction.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/strategy/strategy_design.h"
 
 namespace slipstream::python {
 namespace {

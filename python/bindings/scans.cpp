@@ -1,10 +1,10 @@
 #include <chrono>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/photometry/gamma_choice.h"
+#include "slipstream/response/gamma_choice.h"
 
 namespace slipstream::python {
 namespace {

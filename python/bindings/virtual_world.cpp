@@ -1,12 +1,12 @@
 #include <numbers>
 
 #include "python/bindings/keywords.h"
-#include "slipstream/error/error.h"
-#include "slipstream/io/mesh_file.h"
-#include "slipstream/io/virtual_scan.h"
-#include "slipstream/scan/scan.h"
+#include "slipstream/base/error.h"
+#include "slipstream/geometry/scan.h"
+#include "slipstream/simulate/mesh_file.h"
 #include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scan.h"
 
 namespace slipstream::python {
 namespace {

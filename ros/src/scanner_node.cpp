@@ -8,15 +8,15 @@
 #include <rclcpp/rclcpp.hpp>
 #include <rclcpp_components/register_node_macro.hpp>
 #include <rclcpp_lifecycle/lifecycle_node.hpp>
-#include <slipstream/error/error.h>
+#include <slipstream/base/error.h>
+#include <slipstream/codes/registry.h>
+#include <slipstream/devices/named_source.h>
 #include <slipstream/io/cloud_file.h>
 #include <slipstream/io/saved_scan.h>
 #include <slipstream/live/live_pipeline.h>
 #include <slipstream/publish/disjoint_clouds.h>
 #include <slipstream/publish/publisher.h>
 #include <slipstream/publish/ros_messages.h>
-#include <slipstream/sources/named_source.h>
-#include <slipstream/strategy/registry.h>
 #include <std_srvs/srv/trigger.hpp>
 
 namespace slipstream_ros {

@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/projector_corners.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/error/error.h"
-#include "slipstream/gamma/correction.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/unwrap/decoder.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/decode/decoder.h"
+#include "slipstream/response/correction.h"
 
 namespace slipstream {
 namespace {

@@ -8,8 +8,8 @@
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/check/finding.h"
-#include "slipstream/gamma/response.h"
-#include "slipstream/scan/scan.h"
+#include "slipstream/codes/response.h"
+#include "slipstream/geometry/scan.h"
 
 namespace slipstream {
 

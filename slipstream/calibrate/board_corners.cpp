@@ -13,12 +13,12 @@
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/quantile.h"
+#include "slipstream/base/robust.h"
 #include "slipstream/calibrate/charuco.h"
 #include "slipstream/calibrate/quiet_opencv.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/io/mat.h"
-#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

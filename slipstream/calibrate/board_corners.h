@@ -6,9 +6,9 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/capture/frame_views.h"
-#include "slipstream/image/image.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace slipstream {
 

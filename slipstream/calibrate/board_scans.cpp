@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/recording.h"
 
 namespace slipstream {

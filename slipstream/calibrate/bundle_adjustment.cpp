@@ -18,9 +18,9 @@
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/robust.h"
 #include "slipstream/calibrate/pixel_derivatives.h"
-#include "slipstream/error/error.h"
-#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/charuco.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/mat.h"
 
 namespace slipstream {

@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/image/image.h"
-#include "slipstream/phase/phase_correction.h"
-#include "slipstream/scan/scan.h"
+#include "slipstream/decode/phase_correction.h"
+#include "slipstream/geometry/scan.h"
 
 namespace slipstream {
 

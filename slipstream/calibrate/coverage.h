@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "slipstream/base/image.h"
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/lens_choice.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

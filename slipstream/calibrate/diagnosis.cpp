@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/robust.h"
 #include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/error/numbers.h"
-#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <optional>
 
+#include "slipstream/base/robust.h"
 #include "slipstream/calibrate/capture_signs.h"
-#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/calibrate/quiet_opencv.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <Eigen/QR>
 
+#include "slipstream/base/quantile.h"
+#include "slipstream/base/robust.h"
 #include "slipstream/calibrate/capture_signs.h"
 #include "slipstream/calibrate/projector_corners.h"
-#include "slipstream/image/quantile.h"
-#include "slipstream/noise/robust.h"
-#include "slipstream/phase/equations.h"
+#include "slipstream/decode/equations.h"
 
 namespace slipstream {
 namespace {

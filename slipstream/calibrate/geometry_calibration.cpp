@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/calibrate/coverage.h"
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/orientation.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
 namespace {

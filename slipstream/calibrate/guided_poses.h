@@ -6,7 +6,7 @@
 
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/pose_guide.h"
-#include "slipstream/capture/scan_camera.h"
+#include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
 namespace {

@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/robust.h"
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/projector_offset.h"
 #include "slipstream/calibrate/reprojection.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/robust.h"
 
 namespace slipstream {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/error/error.h"
 #include "slipstream/io/saved_scan.h"
 
 namespace slipstream {

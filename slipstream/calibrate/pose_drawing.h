@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "slipstream/base/colour.h"
 #include "slipstream/calibrate/pose_guide.h"
-#include "slipstream/image/colour.h"
 
 namespace slipstream {
 

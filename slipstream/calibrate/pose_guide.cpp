@@ -12,11 +12,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/quantile.h"
 #include "slipstream/calibrate/coverage.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/quiet_opencv.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/io/mat.h"
 
 namespace slipstream {

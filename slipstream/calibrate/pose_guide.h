@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "slipstream/base/image.h"
 #include "slipstream/calibrate/board_corners.h"
 #include "slipstream/calibrate/board_view.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

@@ -8,9 +8,9 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
-#include "slipstream/error/numbers.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/robust.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/robust.h"
 
 namespace slipstream {
 namespace {

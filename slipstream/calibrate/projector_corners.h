@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/capture/frame_views.h"
-#include "slipstream/cloud/maps.h"
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace slipstream {
 

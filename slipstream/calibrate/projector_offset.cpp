@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/calibrate/residual_plots.h"
-#include "slipstream/error/numbers.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/page.h"
 

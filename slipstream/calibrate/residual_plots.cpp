@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "slipstream/base/quantile.h"
 #include "slipstream/calibrate/coverage.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/io/drawing.h"
 #include "slipstream/io/mat.h"
 

@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/size.h"
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/lens_choice.h"
-#include "slipstream/image/size.h"
 
 namespace slipstream {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream {
 namespace {

@@ -6,11 +6,11 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/calibrate/orientation.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/numbers.h"
 
 namespace slipstream {
 namespace {

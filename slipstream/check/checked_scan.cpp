@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/check/mistaken_orders.h"
-#include "slipstream/error/error.h"
 
 namespace slipstream {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {

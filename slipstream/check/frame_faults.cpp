@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream {
 namespace {

@@ -8,10 +8,10 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "slipstream/error/numbers.h"
-#include "slipstream/gamma/correction.h"
-#include "slipstream/image/quantile.h"
-#include "slipstream/phase/equations.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/quantile.h"
+#include "slipstream/decode/equations.h"
+#include "slipstream/response/correction.h"
 
 namespace slipstream {
 namespace {

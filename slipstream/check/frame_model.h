@@ -9,11 +9,11 @@
 #include <Eigen/Core>
 
 #include "slipstream/check/scan_samples.h"
+#include "slipstream/codes/sequence.h"
+#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/decode/cue_evidence.h"
+#include "slipstream/decode/phase_correction.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/phase/phase_correction.h"
-#include "slipstream/strategy/sequence.h"
-#include "slipstream/unwrap/band_unwrapper.h"
-#include "slipstream/unwrap/cue_evidence.h"
 
 namespace slipstream {
 

@@ -4,8 +4,8 @@
 #include <numbers>
 #include <vector>
 
-#include "slipstream/image/quantile.h"
-#include "slipstream/noise/robust.h"
+#include "slipstream/base/quantile.h"
+#include "slipstream/base/robust.h"
 
 namespace slipstream {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/check/mistaken_orders.h"
-#include "slipstream/error/error.h"
-#include "slipstream/strategy/registry.h"
+#include "slipstream/codes/registry.h"
 
 namespace slipstream {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "slipstream/check/frame_model.h"
-#include "slipstream/pattern/layout.h"
+#include "slipstream/codes/layout.h"
 
 namespace slipstream {
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <utility>
 
+#include "slipstream/base/quantile.h"
 #include "slipstream/check/explanations.h"
 #include "slipstream/check/frame_faults.h"
-#include "slipstream/image/quantile.h"
 
 namespace slipstream {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "slipstream/check/finding.h"
-#include "slipstream/scan/scan.h"
+#include "slipstream/geometry/scan.h"
 
 namespace slipstream {
 

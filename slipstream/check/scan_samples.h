@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "slipstream/capture/frame_views.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace slipstream {
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <string_view>
 
-#include "slipstream/image/converted.h"
-#include "slipstream/image/image.h"
+#include "slipstream/base/converted.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

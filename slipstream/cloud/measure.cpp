@@ -13,9 +13,9 @@
 #include <Eigen/QR>
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
+#include "slipstream/base/quantile.h"
 #include "slipstream/cloud/depth_step.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/quantile.h"
 
 namespace slipstream {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/rectangle.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/uncertainty.h"
-#include "slipstream/image/rectangle.h"
 
 namespace slipstream {
 

@@ -8,8 +8,8 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/depth_step.h"
-#include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
 namespace {

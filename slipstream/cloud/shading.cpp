@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/normals.h"
-#include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
 Image<float> shading(const Cloud& cloud) {

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/cloud/depth_step.h"
 #include "slipstream/cloud/normals.h"
-#include "slipstream/error/error.h"
 
 namespace slipstream {
 namespace {

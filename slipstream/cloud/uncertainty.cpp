@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream {
 

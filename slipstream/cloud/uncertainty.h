@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

@@ -7,9 +7,9 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

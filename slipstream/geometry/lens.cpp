@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 #include <unsupported/Eigen/AutoDiff>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/geometry/distortion_formula.h"
-#include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
 namespace {

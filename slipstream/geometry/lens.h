@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/image/image.h"
-#include "slipstream/image/size.h"
+#include "slipstream/base/image.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream {
 

@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/geometry/projection_matrices.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

@@ -6,7 +6,7 @@
 #include <Eigen/QR>
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream {
 namespace {

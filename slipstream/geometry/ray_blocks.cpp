@@ -8,9 +8,9 @@
 
 #include <Eigen/LU>
 
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/geometry/chebyshev.h"
 #include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/image/parallel_rows.h"
 
 namespace slipstream {
 namespace {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/ray_table.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

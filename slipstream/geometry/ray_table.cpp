@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <optional>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/lens.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/gamma/response.h"
+#include "slipstream/base/colour_mixture.h"
+#include "slipstream/codes/axis.h"
+#include "slipstream/codes/response.h"
 #include "slipstream/geometry/lens.h"
-#include "slipstream/image/colour_mixture.h"
-#include "slipstream/pattern/axis.h"
 
 namespace slipstream {
 

@@ -8,8 +8,8 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/codes/axis.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/pattern/axis.h"
 
 namespace slipstream {
 

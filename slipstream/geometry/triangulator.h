@@ -4,9 +4,9 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/point_forms.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/number_bytes.h"
 #include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/surface_file.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/capture/pattern_sink.h"
+#include "slipstream/frames/pattern_sink.h"
 
 namespace slipstream {
 

@@ -15,8 +15,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/io/detail/npy_file.h"
 #include "slipstream/io/detail/picture_size.h"
 #include "slipstream/io/detail/plain_pictures.h"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/image/colour.h"
-#include "slipstream/image/image.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/base/image.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 

@@ -9,8 +9,8 @@
 #include <pugixml.hpp>
 #include <yaml-cpp/yaml.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"

@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/codes/pattern_in_8_bits.h"
+#include "slipstream/codes/primaries.h"
+#include "slipstream/codes/sequence.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/folder_sink.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
-#include "slipstream/pattern/pattern_in_8_bits.h"
-#include "slipstream/pattern/primaries.h"
-#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

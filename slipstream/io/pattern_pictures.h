@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "slipstream/pattern/pattern_set.h"
-#include "slipstream/strategy/sequence.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/codes/sequence.h"
 
 namespace slipstream {
 

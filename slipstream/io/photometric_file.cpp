@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/capture/colour_channels.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
-#include "slipstream/gamma/named_responses.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/frames/colour_channels.h"
+#include "slipstream/response/named_responses.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

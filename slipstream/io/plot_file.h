@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "slipstream/plot/plot.h"
+#include "slipstream/io/plot.h"
 
 namespace slipstream {
 

@@ -7,14 +7,14 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
+#include "slipstream/base/colour_map.h"
+#include "slipstream/base/converted.h"
+#include "slipstream/base/quantile.h"
 #include "slipstream/cloud/shading.h"
-#include "slipstream/image/colour_map.h"
-#include "slipstream/image/converted.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/io/drawing.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/mat.h"
-#include "slipstream/plot/plot.h"
+#include "slipstream/io/plot.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

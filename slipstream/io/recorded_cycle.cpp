@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/capture/scan_camera.h"
-#include "slipstream/cycle/pattern_windows.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
 namespace {

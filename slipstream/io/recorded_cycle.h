@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/io/recording.h"
 
 namespace slipstream {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "slipstream/capture/frame_source.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/io/recorder.h"
 
 namespace slipstream {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream {
 namespace {

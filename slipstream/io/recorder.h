@@ -11,9 +11,9 @@
 #include <thread>
 #include <vector>
 
-#include "slipstream/capture/frame.h"
-#include "slipstream/capture/frame_source.h"
-#include "slipstream/capture/pool.h"
+#include "slipstream/frames/frame.h"
+#include "slipstream/frames/frame_source.h"
+#include "slipstream/frames/pool.h"
 #include "slipstream/io/recording.h"
 
 namespace slipstream {

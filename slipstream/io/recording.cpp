@@ -12,8 +12,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/capture/scan_camera.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"

@@ -9,11 +9,11 @@
 #include <span>
 #include <string>
 
-#include "slipstream/capture/frame.h"
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/codes/sequence.h"
+#include "slipstream/frames/frame.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/io/file.h"
-#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/saved_scan.h"
 

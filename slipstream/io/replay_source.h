@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame_source.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scan_folder.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/cloud/maps.h"
+#include "slipstream/decode/maps.h"
 #include "slipstream/io/cloud_file.h"
 
 namespace slipstream {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {

@@ -10,15 +10,15 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/capture/colour_channels.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/frames/colour_channels.h"
+#include "slipstream/geometry/nearest_error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/nearest_error.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/geometry/scan.h"
 #include "slipstream/io/scan_folder.h"
-#include "slipstream/scan/scan.h"
 
 namespace slipstream {
 

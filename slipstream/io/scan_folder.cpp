@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/strategy/sequence_changes.h"
+#include "slipstream/codes/sequence_changes.h"
 
 namespace slipstream {
 

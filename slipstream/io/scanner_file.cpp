@@ -11,7 +11,7 @@
 #include <Eigen/Core>
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/geometry/projection_matrices.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"

@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
 #include "slipstream/io/detail/glb.h"
 #include "slipstream/io/detail/ply_intensity.h"
 #include "slipstream/io/file.h"

@@ -8,12 +8,12 @@
 #include <optional>
 #include <thread>
 
-#include "slipstream/capture/pool.h"
+#include "slipstream/cloud/object_model.h"
+#include "slipstream/frames/pool.h"
 #include "slipstream/live/bounded_queue.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/live/live_settings.h"
 #include "slipstream/live/live_statistics.h"
-#include "slipstream/register/object_model.h"
 
 namespace slipstream {
 

@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "slipstream/capture/frame_source.h"
-#include "slipstream/capture/pool.h"
-#include "slipstream/capture/scan_camera.h"
-#include "slipstream/cycle/pattern_windows.h"
+#include "slipstream/frames/frame_source.h"
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/frames/pool.h"
+#include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
 

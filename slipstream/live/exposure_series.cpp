@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/live/cyclic_scans.h"
 
 namespace slipstream {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/capture/frame_source.h"
-#include "slipstream/strategy/sequence.h"
+#include "slipstream/codes/sequence.h"
+#include "slipstream/frames/frame_set.h"
+#include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "slipstream/capture/frame_views.h"
 #include "slipstream/check/fit.h"
 #include "slipstream/check/scan_check.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace slipstream {
 

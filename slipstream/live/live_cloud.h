@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "slipstream/capture/frame.h"
-#include "slipstream/capture/pool.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/frames/frame.h"
+#include "slipstream/frames/pool.h"
 
 namespace slipstream {
 

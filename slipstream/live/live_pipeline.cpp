@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/live/live_run.h"
 
 namespace slipstream {

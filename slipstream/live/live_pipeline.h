@@ -6,13 +6,13 @@
 #include <mutex>
 #include <vector>
 
-#include "slipstream/capture/frame_source.h"
+#include "slipstream/cloud/object_model.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/live/finding_log.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/live/live_settings.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/register/object_model.h"
 
 namespace slipstream {
 

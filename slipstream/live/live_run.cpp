@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "slipstream/capture/thread_priority.h"
+#include "slipstream/frames/thread_priority.h"
 #include "slipstream/live/live_check.h"
 
 namespace slipstream {

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/cycle/pattern_windows.h"
-#include "slipstream/cycle/window_frames.h"
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/frames/window_frames.h"
 #include "slipstream/live/bounded_queue.h"
 #include "slipstream/live/cloud_follower.h"
 #include "slipstream/live/finding_log.h"

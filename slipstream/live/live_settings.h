@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "slipstream/capture/frame_views.h"
-#include "slipstream/capture/pool.h"
 #include "slipstream/check/finding.h"
-#include "slipstream/cycle/pattern_indexing.h"
+#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/pattern_indexing.h"
+#include "slipstream/frames/pool.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/live/object_track.h"
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/cloud/spheres.h"
-#include "slipstream/error/error.h"
 
 namespace slipstream {
 namespace {

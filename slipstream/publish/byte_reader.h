@@ -4,8 +4,8 @@
 #include <span>
 #include <string_view>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
 
 namespace slipstream {
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/pool.h"
 #include "slipstream/cloud/uncertainty.h"
+#include "slipstream/codes/sequence.h"
+#include "slipstream/frames/pool.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/publish/run_setting.h"
-#include "slipstream/strategy/sequence.h"
 
 namespace slipstream {
 

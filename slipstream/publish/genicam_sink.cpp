@@ -16,10 +16,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
-#include "slipstream/gige/gige_block.h"
-#include "slipstream/gige/gige_sockets.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/devices/gige_block.h"
+#include "slipstream/devices/gige_sockets.h"
 #include "slipstream/publish/detail/cloud_block.h"
 #include "slipstream/publish/detail/scan3d_description.h"
 #include "slipstream/publish/named_sink.h"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
 #include "slipstream/publish/byte_reader.h"

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/number_bytes.h"
 
 /// What stands in MCAP files: mcap.dev/spec.
 namespace slipstream::mcap {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <zstd.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/publish/mcap_records.h"
 

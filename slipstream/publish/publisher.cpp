@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/capture/thread_priority.h"
+#include "slipstream/frames/thread_priority.h"
 #include "slipstream/live/cloud_follower.h"
 
 namespace slipstream {

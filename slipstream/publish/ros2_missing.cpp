@@ -1,5 +1,5 @@
 // Stands in for ros2_sink.cpp where Cyclone DDS is not installed.
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/publish/named_sink.h"
 
 namespace slipstream {

@@ -18,9 +18,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/capture/thread_priority.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/frames/thread_priority.h"
 #include "slipstream/publish/dds_messages.h"
 #include "slipstream/publish/disjoint_clouds.h"
 #include "slipstream/publish/named_sink.h"

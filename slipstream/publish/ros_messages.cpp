@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/limits.h"
 
 namespace slipstream {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
 
 namespace slipstream {
 

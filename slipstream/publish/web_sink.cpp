@@ -19,9 +19,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/capture/thread_priority.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+#include "slipstream/frames/thread_priority.h"
 #include "slipstream/publish/metrics.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/web_cloud.h"

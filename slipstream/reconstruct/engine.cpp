@@ -11,15 +11,15 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/capture/merged_exposures.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/phase/demodulator.h"
-#include "slipstream/phase/frame_motion.h"
-#include "slipstream/reconstruct/detail/fused_engine.h"
-#include "slipstream/reconstruct/detail/gpu_engine.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/demodulator.h"
+#include "slipstream/decode/frame_motion.h"
+#include "slipstream/decode/temporal_unwrapping.h"
+#include "slipstream/frames/merged_exposures.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
-#include "slipstream/unwrap/temporal_unwrapping.h"
+#include "slipstream/reconstruct/fused/fused_engine.h"
+#include "slipstream/reconstruct/gpu/gpu_engine.h"
 
 namespace slipstream {
 namespace {

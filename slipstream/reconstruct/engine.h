@@ -3,13 +3,13 @@
 #include <memory>
 #include <string>
 
-#include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/depth_scale.h"
-#include "slipstream/cloud/maps.h"
 #include "slipstream/cloud/uncertainty.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/frames/frame_views.h"
+#include "slipstream/geometry/scan.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/scan/scan.h"
 
 namespace slipstream {
 

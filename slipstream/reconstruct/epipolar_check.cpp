@@ -9,11 +9,11 @@
 
 #include <Eigen/Geometry>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/noise/robust.h"
-#include "slipstream/unwrap/decoder.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/robust.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/decoder.h"
 
 namespace slipstream {
 namespace {

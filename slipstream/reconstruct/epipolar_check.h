@@ -5,9 +5,9 @@
 #include <Eigen/Core>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/geometry/scan.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/scan/scan.h"
 
 namespace slipstream {
 

@@ -11,10 +11,10 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/numbers.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/phase/modulation_mask.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/modulation_mask.h"
 #include "slipstream/reconstruct/detail/epipolar_line.h"
 #include "slipstream/reconstruct/detail/second_camera_orders.h"
 

@@ -3,12 +3,12 @@
 #include <optional>
 #include <string>
 
-#include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
+#include "slipstream/decode/decoder.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/frames/frame_views.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream {
 

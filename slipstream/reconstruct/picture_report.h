@@ -1,8 +1,8 @@
 #pragma once
 
-#include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/frames/frame_views.h"
 #include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {

@@ -10,12 +10,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/gamma/correction.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/decode/cue_evidence.h"
 #include "slipstream/geometry/projection_matrices.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/unwrap/cue_evidence.h"
+#include "slipstream/response/correction.h"
 
 namespace slipstream {
 namespace {

@@ -3,14 +3,14 @@
 #include <optional>
 #include <string_view>
 
-#include "slipstream/clean/clean_settings.h"
-#include "slipstream/clean/cleaner.h"
+#include "slipstream/cloud/clean_settings.h"
+#include "slipstream/cloud/cleaner.h"
+#include "slipstream/codes/sequence.h"
+#include "slipstream/decode/cue_settings.h"
+#include "slipstream/decode/fringe_order_consensus.h"
+#include "slipstream/decode/phase_correction.h"
+#include "slipstream/decode/phase_decoder.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/phase/phase_correction.h"
-#include "slipstream/phase/phase_decoder.h"
-#include "slipstream/strategy/sequence.h"
-#include "slipstream/unwrap/cue_settings.h"
-#include "slipstream/unwrap/fringe_order_consensus.h"
 
 namespace slipstream {
 

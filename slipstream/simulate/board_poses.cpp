@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {

@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/image/image.h"
 #include "slipstream/simulate/physics.h"
 #include "slipstream/simulate/scene.h"
 

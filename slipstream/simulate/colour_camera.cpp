@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/pattern/primaries.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/codes/primaries.h"
 #include "slipstream/simulate/sensor.h"
 
 namespace slipstream {

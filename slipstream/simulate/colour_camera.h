@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slipstream/capture/colour_channels.h"
+#include "slipstream/frames/colour_channels.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {

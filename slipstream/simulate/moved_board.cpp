@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream {

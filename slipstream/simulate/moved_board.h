@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
-#include "slipstream/capture/reel.h"
-#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/frames/reel.h"
 #include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {

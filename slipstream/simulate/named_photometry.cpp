@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream {
 namespace {

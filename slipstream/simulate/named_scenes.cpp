@@ -11,9 +11,9 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/error/error.h"
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/simulate/statue.h"
 
 namespace slipstream {

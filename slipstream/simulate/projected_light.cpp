@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/pattern/pattern_in_8_bits.h"
+#include "slipstream/codes/pattern_in_8_bits.h"
 
 namespace slipstream {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "slipstream/image/image.h"
-#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/base/image.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/simulate/seen_scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

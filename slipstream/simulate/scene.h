@@ -12,7 +12,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 #include "slipstream/simulate/mesh.h"
 
 namespace slipstream {

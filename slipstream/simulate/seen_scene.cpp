@@ -6,8 +6,8 @@
 #include <numeric>
 #include <optional>
 
-#include "slipstream/error/numbers.h"
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/simulate/counted_random.h"
 #include "slipstream/simulate/named_scenes.h"
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/image/image.h"
 #include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/simulate/counted_random.h"
 
 namespace slipstream {

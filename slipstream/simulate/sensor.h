@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {

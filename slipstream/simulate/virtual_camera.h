@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/capture/frame_source.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/frames/frame_set.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/pattern/pattern_set.h"
 #include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/simulate/projected_light.h"
 #include "slipstream/simulate/sensor.h"
 #include "slipstream/simulate/virtual_camera.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/frame_source.h"
-#include "slipstream/capture/pattern_sink.h"
+#include "slipstream/frames/frame_source.h"
+#include "slipstream/frames/pattern_sink.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/seen_scene.h"

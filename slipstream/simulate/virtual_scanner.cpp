@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/simulate/projected_light.h"
 #include "slipstream/simulate/seen_scene.h"
 #include "slipstream/simulate/sensor.h"

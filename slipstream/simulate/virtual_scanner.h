@@ -4,10 +4,10 @@
 #include <memory>
 #include <optional>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/gamma/response.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/codes/response.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/pattern/pattern_set.h"
 #include "slipstream/simulate/physics.h"
 #include "slipstream/simulate/scene.h"
 

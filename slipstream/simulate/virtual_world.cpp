@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/codes/predicted_variance.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {

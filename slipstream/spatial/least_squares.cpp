@@ -11,7 +11,7 @@
 #include <Eigen/SparseCore>
 #include <unsupported/Eigen/FFT>
 
-#include "slipstream/image/parallel_rows.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/spatial/detail/edge_steps.h"
 #include "slipstream/spatial/detail/roughness.h"
 

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/did_you_mean.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/quantile.h"
 #include "slipstream/spatial/detail/methods.h"
 
 namespace slipstream {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

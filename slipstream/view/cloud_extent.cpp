@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream::view {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 #include "slipstream/view/orbit_camera.h"
 #include "slipstream/view/point_images.h"
 

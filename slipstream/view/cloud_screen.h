@@ -8,12 +8,12 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/opengl/picture_texture.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/view/gui.h"
 #include "slipstream/view/measuring.h"
 #include "slipstream/view/overlay.h"
 #include "slipstream/view/panel.h"
+#include "slipstream/view/picture_texture.h"
 #include "slipstream/view/scene_renderer.h"
 #include "slipstream/view/view_source.h"
 

@@ -8,7 +8,7 @@
 #include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::view {
 namespace {

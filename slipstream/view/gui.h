@@ -1,7 +1,7 @@
 #pragma once
 
-#include "slipstream/image/size.h"
-#include "slipstream/opengl/window.h"
+#include "slipstream/base/size.h"
+#include "slipstream/view/window.h"
 
 namespace slipstream::view {
 

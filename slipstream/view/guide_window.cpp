@@ -7,10 +7,10 @@
 #include <epoxy/gl.h>
 #include <imgui.h>
 
-#include "slipstream/opengl/off_screen.h"
-#include "slipstream/opengl/picture_texture.h"
 #include "slipstream/view/gui.h"
+#include "slipstream/view/off_screen.h"
 #include "slipstream/view/overlay.h"
+#include "slipstream/view/picture_texture.h"
 
 namespace slipstream::view {
 namespace {

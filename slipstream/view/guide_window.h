@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/image/colour.h"
-#include "slipstream/image/image.h"
-#include "slipstream/opengl/window.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/base/image.h"
+#include "slipstream/view/window.h"
 
 namespace slipstream::view {
 

@@ -5,9 +5,9 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include "slipstream/image/size.h"
-#include "slipstream/opengl/resource.h"
-#include "slipstream/opengl/shader_program.h"
+#include "slipstream/base/size.h"
+#include "slipstream/view/resource.h"
+#include "slipstream/view/shader_program.h"
 
 namespace slipstream::view {
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/cycle/window_frames.h"
-#include "slipstream/strategy/registry.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/window_frames.h"
 
 namespace slipstream::view {
 namespace {

@@ -8,8 +8,8 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 
+#include "slipstream/base/size.h"
 #include "slipstream/cloud/measure.h"
-#include "slipstream/image/size.h"
 
 namespace slipstream::view {
 

@@ -6,7 +6,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "slipstream/image/size.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream::view {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "slipstream/image/colour_map.h"
-#include "slipstream/plot/plot.h"
+#include "slipstream/base/colour_map.h"
+#include "slipstream/io/plot.h"
 #include "slipstream/view/orbit_camera.h"
 
 namespace slipstream::view {

@@ -6,8 +6,8 @@
 #include <glm/mat4x4.hpp>
 
 #include "slipstream/cloud/measure.h"
-#include "slipstream/opengl/picture_texture.h"
 #include "slipstream/view/cloud_extent.h"
+#include "slipstream/view/picture_texture.h"
 
 struct ImVec2;
 

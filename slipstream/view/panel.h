@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/capture/camera_controls.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/frames/camera_controls.h"
 #include "slipstream/live/live_statistics.h"
-#include "slipstream/opengl/picture_texture.h"
 #include "slipstream/view/gui.h"
 #include "slipstream/view/measuring.h"
+#include "slipstream/view/picture_texture.h"
 #include "slipstream/view/pictures.h"
 #include "slipstream/view/view_settings.h"
 #include "slipstream/view/view_source.h"

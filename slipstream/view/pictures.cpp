@@ -6,7 +6,7 @@
 #include <numbers>
 #include <type_traits>
 
-#include "slipstream/image/colour_map.h"
+#include "slipstream/base/colour_map.h"
 #include "slipstream/view/cloud_extent.h"
 
 namespace slipstream::view {

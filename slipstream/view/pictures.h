@@ -2,10 +2,10 @@
 
 #include <array>
 
-#include "slipstream/capture/frame_views.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/base/image.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/image/colour.h"
-#include "slipstream/image/image.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace slipstream::view {
 

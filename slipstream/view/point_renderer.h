@@ -6,12 +6,12 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 
-#include "slipstream/image/colour_map.h"
-#include "slipstream/opengl/picture_texture.h"
-#include "slipstream/opengl/resource.h"
-#include "slipstream/opengl/shader_program.h"
+#include "slipstream/base/colour_map.h"
 #include "slipstream/view/cloud_extent.h"
+#include "slipstream/view/picture_texture.h"
 #include "slipstream/view/point_images.h"
+#include "slipstream/view/resource.h"
+#include "slipstream/view/shader_program.h"
 
 namespace slipstream::view {
 

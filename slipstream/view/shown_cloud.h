@@ -3,9 +3,9 @@
 #include <chrono>
 #include <memory>
 
-#include "slipstream/capture/frame_views.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/uncertainty.h"
+#include "slipstream/frames/frame_views.h"
 
 namespace slipstream::view {
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/view/view_source.h"
 
 namespace slipstream::view {

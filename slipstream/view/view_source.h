@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/capture/camera_controls.h"
 #include "slipstream/check/finding.h"
-#include "slipstream/gamma/response.h"
+#include "slipstream/codes/response.h"
+#include "slipstream/codes/strategy.h"
+#include "slipstream/frames/camera_controls.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/strategy/strategy.h"
 #include "slipstream/view/shown_cloud.h"
 
 namespace slipstream::view {

@@ -9,9 +9,9 @@
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 
-#include "slipstream/opengl/off_screen.h"
-#include "slipstream/opengl/window.h"
 #include "slipstream/view/cloud_screen.h"
+#include "slipstream/view/off_screen.h"
+#include "slipstream/view/window.h"
 
 namespace slipstream::view {
 namespace {

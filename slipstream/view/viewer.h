@@ -3,8 +3,8 @@
 #include <functional>
 #include <optional>
 
-#include "slipstream/image/colour.h"
-#include "slipstream/image/image.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/base/image.h"
 #include "slipstream/view/view_settings.h"
 #include "slipstream/view/view_source.h"
 

@@ -8,7 +8,7 @@
 #include <signal.h>
 
 #include "app/manifest.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "tests/app/program.h"
 #include "tests/io/expect_error.h"

@@ -2,7 +2,7 @@
 // run them.
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"

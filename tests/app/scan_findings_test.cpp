@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "app/finding_output.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::app::scan_findings_test {
 

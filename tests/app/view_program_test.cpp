@@ -11,7 +11,7 @@
 #include "tests/app/program.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/temporary_folder.h"
-#include "tests/opengl/desktop.h"
+#include "tests/view/desktop.h"
 
 namespace slipstream::view_program_test {
 

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/phase_measuring.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/phase_measuring.h"
 
 namespace slipstream::published_test {
 

@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/frames/frame_set.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::board_corners_test {

@@ -9,9 +9,9 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/calibrate/board_capture.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"
 

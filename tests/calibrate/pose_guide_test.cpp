@@ -9,11 +9,11 @@
 #include "slipstream/calibrate/guided_poses.h"
 #include "slipstream/calibrate/pose_captures.h"
 #include "slipstream/calibrate/pose_drawing.h"
-#include "slipstream/capture/scan_camera.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/scan_camera.h"
 #include "slipstream/simulate/board_poses.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream::projector_corners_test {
 

@@ -12,10 +12,10 @@
 
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/simulate/board_poses.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::random_rigs_test {
 

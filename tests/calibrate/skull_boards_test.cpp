@@ -10,11 +10,11 @@
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::skull_boards_test {

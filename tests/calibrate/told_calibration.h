@@ -11,13 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "slipstream/base/error.h"
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/error/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/simulate/board_poses.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 

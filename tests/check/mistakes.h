@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/scan/scan.h"
-#include "slipstream/strategy/registry.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/geometry/scan.h"
 
 namespace slipstream {
 

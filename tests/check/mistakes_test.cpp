@@ -6,8 +6,8 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
+#include "slipstream/base/quantile.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/image/quantile.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"

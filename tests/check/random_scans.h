@@ -8,10 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/scan/scan.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/geometry/scan.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_world.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/geometry/random_scanner.h"
 
 namespace slipstream {

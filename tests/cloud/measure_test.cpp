@@ -9,11 +9,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/dual_frequency.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/dual_frequency.h"
 
 namespace slipstream::measure_test {
 

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "tests/accuracy/cast_cloud.h"
 #include "tests/io/expect_error.h"
+#include "tests/simulate/cast_cloud.h"
 
 namespace slipstream::spheres_test {
 

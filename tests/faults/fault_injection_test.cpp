@@ -22,7 +22,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/publish/mcap_reader.h"

@@ -40,7 +40,7 @@ class FaultedProgram {
     }
     const std::filesystem::path passed_over = folder_.path() / "leaks",
                                 tests = SLIPSTREAM_SOURCE_FOLDER "/tests";
-    std::ofstream(passed_over) << contents(tests / "opengl/driver_leaks.txt")
+    std::ofstream(passed_over) << contents(tests / "view/driver_leaks.txt")
                                << contents(tests / "faults/library_leaks.txt");
     ::setenv("LD_PRELOAD", SLIPSTREAM_FAULT_LIBRARY " " SLIPSTREAM_LEAK_LIBRARY, 1);
     ::setenv("LSAN_OPTIONS",

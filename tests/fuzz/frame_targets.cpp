@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slipstream/capture/pool.h"
-#include "slipstream/cycle/pattern_windows.h"
-#include "slipstream/phase/neighbours.h"
+#include "slipstream/decode/neighbours.h"
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/frames/pool.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/every_strategy.h"

@@ -1,8 +1,8 @@
 // Clouds and meshes.
 #include "slipstream/io/cloud_file.h"
-#include "slipstream/io/mesh_file.h"
 #include "slipstream/io/stored_cloud.h"
 #include "slipstream/io/surface_file.h"
+#include "slipstream/simulate/mesh_file.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/sheet_cloud.h"
 

@@ -5,10 +5,10 @@
 
 #include <linux/videodev2.h>
 
-#include "slipstream/camera/v4l2_source.h"
-#include "slipstream/error/error.h"
-#include "slipstream/gige/gige_block.h"
-#include "tests/camera/gvcp_packets.h"
+#include "slipstream/base/error.h"
+#include "slipstream/devices/gige_block.h"
+#include "slipstream/devices/v4l2_source.h"
+#include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream {

@@ -2,13 +2,13 @@
 #include <bit>
 #include <cstring>
 
-#include "slipstream/camera/pixel_format.h"
-#include "slipstream/capture/scan_camera.h"
+#include "slipstream/codes/dual_frequency.h"
+#include "slipstream/devices/pixel_format.h"
+#include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/height_file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/strategy/dual_frequency.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/recorded_frames.h"
 

@@ -4,9 +4,9 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "slipstream/camera/detail/stream_filter.h"
-#include "slipstream/gige/gige_block.h"
-#include "tests/camera/gvcp_packets.h"
+#include "slipstream/devices/detail/stream_filter.h"
+#include "slipstream/devices/gige_block.h"
+#include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream {

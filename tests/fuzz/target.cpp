@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "tests/io/temporary_folder.h"
 

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/phase_measuring.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
-#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

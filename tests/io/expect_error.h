@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream {
 

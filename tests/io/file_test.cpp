@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/image_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/grey_image.h"

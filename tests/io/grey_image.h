@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 #include "slipstream/io/image_file.h"
 
 namespace slipstream {

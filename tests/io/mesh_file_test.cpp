@@ -1,4 +1,4 @@
-#include "slipstream/io/mesh_file.h"
+#include "slipstream/simulate/mesh_file.h"
 
 #include <array>
 #include <cstdint>

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
 #include "slipstream/io/scanner_file.h"

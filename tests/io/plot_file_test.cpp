@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::plot_file_test {

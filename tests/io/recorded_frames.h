@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "slipstream/capture/frame.h"
+#include "slipstream/frames/frame.h"
 
 namespace slipstream {
 

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/phase_measuring.h"
 #include "slipstream/io/recorded_source.h"
 #include "slipstream/io/replay_source.h"
-#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"

@@ -10,11 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/scan_camera.h"
+#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"

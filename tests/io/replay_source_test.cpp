@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/dual_frequency.h"
+#include "slipstream/codes/phase_measuring.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recorded_cycle.h"
@@ -15,8 +17,6 @@
 #include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/dual_frequency.h"
-#include "slipstream/strategy/phase_measuring.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -7,14 +7,14 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/phase_measuring.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/dual_frequency.h"
 #include "slipstream/io/file.h"
-#include "slipstream/strategy/dual_frequency.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -11,8 +11,8 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/mesh_file.h"
 #include "slipstream/io/stored_cloud.h"
+#include "slipstream/simulate/mesh_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/sheet_cloud.h"

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "tests/live/virtual_loop.h"
 
 namespace slipstream::cyclic_scans_test {

@@ -6,14 +6,14 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/merged_exposures.h"
-#include "slipstream/cycle/window_frames.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/merged_exposures.h"
+#include "slipstream/frames/window_frames.h"
 #include "slipstream/live/exposure_series.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_camera.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::exposures_test {
 

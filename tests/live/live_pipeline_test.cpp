@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/reconstruct/engine.h"
 #include "tests/live/scripted_source.h"

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/virtual_camera.h"

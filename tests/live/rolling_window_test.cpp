@@ -1,4 +1,4 @@
-#include "slipstream/cycle/rolling_window.h"
+#include "slipstream/frames/rolling_window.h"
 
 #include <algorithm>
 #include <random>

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/capture/frame_source.h"
+#include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
 

@@ -3,10 +3,10 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/capture/pool.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/pool.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_camera.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 

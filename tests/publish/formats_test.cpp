@@ -11,14 +11,14 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
 #include "slipstream/publish/metrics.h"
 #include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/ros_messages.h"
 #include "slipstream/publish/web_cloud.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/io/small_disk.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/publish/any_cloud.h"

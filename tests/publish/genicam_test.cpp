@@ -9,12 +9,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
-#include "slipstream/gige/gige_block.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
+#include "slipstream/devices/gige_block.h"
 #include "slipstream/publish/detail/scan3d_description.h"
 #include "slipstream/publish/named_sink.h"
-#include "tests/camera/gvcp_packets.h"
+#include "tests/devices/gvcp_packets.h"
 #include "tests/publish/any_cloud.h"
 
 namespace slipstream::genicam_test {

@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 #include "ros2_messages.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/publish/dds_messages.h"
 #include "slipstream/publish/named_sink.h"
 #include "tests/publish/any_cloud.h"

@@ -7,12 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/registry.h"
 #include "slipstream/geometry/projection_matrices.h"
-#include "slipstream/reconstruct/detail/fused_engine.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream {
 

@@ -9,13 +9,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/colour_channels.h"
-#include "slipstream/error/error.h"
-#include "slipstream/pattern/primaries.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/primaries.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/colour_channels.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::colour_test {
 

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/noise/predicted_variance.h"
+#include "slipstream/codes/phase_channel_multiplexing.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/cue_evidence.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/phase_channel_multiplexing.h"
-#include "slipstream/unwrap/cue_evidence.h"
 
 // Where noise hides the cue from a pixel and from its neighbours, there is no point.
 

@@ -14,11 +14,11 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/kernels/vector_target.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/vector_target.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/own_strategies.h"
 
 namespace slipstream::engine_test {

@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/merged_exposures.h"
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/merged_exposures.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_world.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::exposures_test {
 

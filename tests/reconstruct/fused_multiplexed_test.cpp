@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "slipstream/kernels/vector_target.h"
+#include "slipstream/base/vector_target.h"
+#include "slipstream/decode/decoder.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/unwrap/decoder.h"
 #include "tests/reconstruct/agreement.h"
 
 namespace slipstream::fused_multiplexed_test {

@@ -10,15 +10,15 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/gamma/correction.h"
-#include "slipstream/kernels/vector_target.h"
-#include "slipstream/phase/equations.h"
-#include "slipstream/phase/phase_correction.h"
-#include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/base/vector_target.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/decode/equations.h"
+#include "slipstream/decode/phase_correction.h"
+#include "slipstream/decode/temporal_unwrapping.h"
+#include "slipstream/frames/frame_set.h"
+#include "slipstream/reconstruct/fused/fused_engine.h"
+#include "slipstream/response/correction.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream::fused_phase_test {
 

@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/phase_measuring.h"
 #include "slipstream/geometry/projection_matrices.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/phase_matcher.h"
-#include "slipstream/strategy/phase_measuring.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::motion_test {

@@ -12,18 +12,18 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/colour_channels.h"
-#include "slipstream/error/error.h"
-#include "slipstream/image/converted.h"
+#include "slipstream/base/converted.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/decode/demodulator.h"
+#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/phase/demodulator.h"
-#include "slipstream/phase/phase_decoder.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/spatial/spatial_unwrapping.h"
-#include "slipstream/strategy/registry.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::one_frame_test {

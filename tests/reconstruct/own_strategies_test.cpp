@@ -11,9 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/kernels/vector_target.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/pattern/unwrapping_chain.h"
+#include "slipstream/base/vector_target.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/unwrapping_chain.h"
 #include "slipstream/reconstruct/engine.h"
 #include "tests/every_strategy.h"
 #include "tests/reconstruct/agreement.h"

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::pcmp_scans_test {
 

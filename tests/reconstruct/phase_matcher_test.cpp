@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/gray_code.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/gray_code.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::phase_matcher_test {
 

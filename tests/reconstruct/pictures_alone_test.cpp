@@ -3,12 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/picture_report.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::pictures_alone_test {
 

@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::virtual_scans_test {
 

@@ -6,11 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/pattern/unwrapping_chain.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/strategy/strategy_design.h"
-#include "slipstream/unwrap/decoder.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/codes/strategy_design.h"
+#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/decode/decoder.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream::wrong_orders_test {
 

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/strategy/multiplexing_design.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/multiplexing_design.h"
 #include "tools/reproduce/unwrapping_tables.h"
 #include "tools/reproduce/variance_ratio_tables.h"
 

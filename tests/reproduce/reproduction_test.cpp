@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::reproduction_test {
 

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/strategy/phase_channel_multiplexing.h"
-#include "slipstream/strategy/strategy.h"
-#include "slipstream/unwrap/decoder.h"
+#include "slipstream/codes/phase_channel_multiplexing.h"
+#include "slipstream/codes/strategy.h"
+#include "slipstream/decode/decoder.h"
 #include "tools/reproduce/noisy_frames.h"
 #include "tools/reproduce/unwrapping_tables.h"
 

@@ -16,25 +16,18 @@ namespace fs = std::filesystem;
 
 using Uses = std::map<std::string, std::set<std::string>>;
 
-struct Rooms {
+/// "decode: base codes frames", a line for each room.
+Uses read_rooms() {
   Uses uses;
-  std::set<std::string> private_rooms;  ///< whose headers are not installed
-};
-
-/// "installed phase: error image capture", or "private ...", a line for each room.
-Rooms read_rooms() {
-  Rooms rooms;
   std::ifstream file(SLIPSTREAM_ROOMS_FILE);
   for (std::string line; std::getline(file, line);) {
     std::istringstream words(line);
-    std::string headers;
     std::string room;
-    if (!(words >> headers >> room)) continue;
+    if (!(words >> room)) continue;
     room.pop_back();
-    rooms.uses[room] = {std::istream_iterator<std::string>(words), {}};
-    if (headers == "private") rooms.private_rooms.insert(room);
+    uses[room] = {std::istream_iterator<std::string>(words), {}};
   }
-  return rooms;
+  return uses;
 }
 
 /// The folder slipstream/ of the sources.
@@ -68,9 +61,8 @@ std::vector<std::string> included(const std::string& source) {
 /// What a source of `room` includes and may not; empty where all is well.
 std::vector<std::string> forbidden_includes(const std::string& room, const std::string& source,
                                             const Uses& uses) {
-  static const std::set<std::string> heavy_rooms{"calibrate", "camera",  "io",  "opengl",
-                                                 "project",   "publish", "view"};
-  static const std::regex slipstream_header("slipstream/([a-z_]+)/(detail/)?.*");
+  static const std::set<std::string> heavy_rooms{"calibrate", "devices", "io", "publish", "view"};
+  static const std::regex slipstream_header("slipstream/([a-z_]+)/([^/]+/)?.*");
   static const std::regex no_library("(app|bench|tests|tools)/.*");
   static const std::regex heavy_library(
       "(opencv2|ceres|yaml-cpp|tiny_obj_loader|pugixml|CLI|nlohmann|GLFW|epoxy|imgui|glm|arv|boost|"
@@ -91,20 +83,17 @@ std::vector<std::string> forbidden_includes(const std::string& room, const std::
   return forbidden;
 }
 
-/// Whether `header`, as in slipstream/phase/fold.h, is there for programs outside the project.
-bool is_installed(const std::string& header, const Rooms& rooms) {
-  static const std::regex slipstream_header("slipstream/([a-z_]+)/.*\\.h");
-  static const std::regex inner(".*(/detail/.*|-inl\\.h)");
-  std::smatch match;
-  return std::regex_match(header, match, slipstream_header) &&
-         !rooms.private_rooms.contains(match[1]) && !std::regex_match(header, inner);
+/// Whether `header`, as in slipstream/decode/fold.h, is there for programs outside the project.
+bool is_installed(const std::string& header) {
+  static const std::regex of_a_room("slipstream/[a-z_]+/[^/]+\\.h");
+  return std::regex_match(header, of_a_room) && !header.ends_with("-inl.h");
 }
 
 /// What an installed header includes and those outside the project do not have.
-std::vector<std::string> inner_includes(const std::string& header, const Rooms& rooms) {
+std::vector<std::string> inner_includes(const std::string& header) {
   std::vector<std::string> inner;
   for (const std::string& used : included(header)) {
-    if (used.starts_with("slipstream/") && !is_installed(used, rooms)) inner.push_back(used);
+    if (used.starts_with("slipstream/") && !is_installed(used)) inner.push_back(used);
   }
   return inner;
 }
@@ -116,12 +105,12 @@ std::string contents(const fs::path& path) {
 
 /// Rooms of which CMake does not tell in builds without windows.
 bool may_be_off(const std::string& room) {
-  static const std::set<std::string> optional{"opengl", "project", "view"};
+  static const std::set<std::string> optional{"view"};
   return optional.contains(room);
 }
 
 TEST(Rooms, IncludeOnlyWhatTheyMay) {
-  const Uses uses = read_rooms().uses;
+  const Uses uses = read_rooms();
   int files = 0;
   for (const fs::path& file : files_of_rooms()) {
     const std::string room = room_of(file);
@@ -136,26 +125,25 @@ TEST(Rooms, IncludeOnlyWhatTheyMay) {
 }
 
 TEST(Rooms, AForbiddenIncludeIsFound) {
-  const Uses uses = read_rooms().uses;
+  const Uses uses = read_rooms();
   EXPECT_TRUE(
-      forbidden_includes("phase", "#include \"slipstream/capture/frame_set.h\"", uses).empty());
-  EXPECT_EQ(forbidden_includes("phase", "#include \"slipstream/geometry/lens.h\"", uses).size(),
+      forbidden_includes("decode", "#include \"slipstream/frames/frame_set.h\"", uses).empty());
+  EXPECT_EQ(forbidden_includes("decode", "#include \"slipstream/geometry/lens.h\"", uses).size(),
             1U);
   EXPECT_EQ(forbidden_includes("geometry", "#include <opencv2/core.hpp>", uses).size(), 1U);
   EXPECT_EQ(forbidden_includes("reconstruct", "#include \"tools/bench/timing.h\"", uses).size(),
             1U);
-  const std::string part = "#include \"slipstream/reconstruct/detail/fused_stages.h\"";
+  const std::string part = "#include \"slipstream/reconstruct/fused/fused_stages.h\"";
   EXPECT_TRUE(forbidden_includes("reconstruct", part, uses).empty());
   EXPECT_EQ(forbidden_includes("live", part, uses).size(), 1U);
 }
 
 TEST(Rooms, InstalledHeadersIncludeInstalledHeaders) {
-  const Rooms rooms = read_rooms();
   int headers = 0;
   for (const fs::path& file : files_of_rooms()) {
     const std::string name = file.lexically_relative(SLIPSTREAM_SOURCE_FOLDER).generic_string();
-    if (!is_installed(name, rooms)) continue;
-    for (const std::string& inner : inner_includes(contents(file), rooms)) {
+    if (!is_installed(name)) continue;
+    for (const std::string& inner : inner_includes(contents(file))) {
       ADD_FAILURE() << name << " includes " << inner << ", which is not installed";
     }
     ++headers;
@@ -164,20 +152,19 @@ TEST(Rooms, InstalledHeadersIncludeInstalledHeaders) {
 }
 
 TEST(Rooms, AnInnerIncludeIsFound) {
-  const Rooms rooms{.uses = {}, .private_rooms = {"kernels"}};
-  EXPECT_FALSE(is_installed("slipstream/phase/detail/fold.h", rooms));
-  EXPECT_FALSE(is_installed("slipstream/phase/fold-inl.h", rooms));
-  EXPECT_FALSE(is_installed("slipstream/phase/fold.cpp", rooms));
-  EXPECT_EQ(
-      inner_includes("#include \"slipstream/phase/fold.h\"\n"
-                     "#include \"slipstream/phase/detail/fold.h\"\n"
-                     "#include \"slipstream/kernels/rows.h\"\n"
-                     "#include <vector>\n",
-                     rooms),
-      (std::vector<std::string>{"slipstream/phase/detail/fold.h", "slipstream/kernels/rows.h"}));
+  EXPECT_FALSE(is_installed("slipstream/phase/detail/fold.h"));
+  EXPECT_FALSE(is_installed("slipstream/decode/fold-inl.h"));
+  EXPECT_FALSE(is_installed("slipstream/decode/fold.cpp"));
+  EXPECT_EQ(inner_includes("#include \"slipstream/decode/fold.h\"\n"
+                           "#include \"slipstream/phase/detail/fold.h\"\n"
+                           "#include \"slipstream/reconstruct/fused/rows.h\"\n"
+                           "#include <vector>\n",
+                           rooms),
+            (std::vector<std::string>{"slipstream/phase/detail/fold.h",
+                                      "slipstream/reconstruct/fused/rows.h"}));
 }
 
-/// The rooms in the table of docs/architecture.md and what they use beside `error` and `image`.
+/// The rooms in the table of docs/architecture.md and what they use beside `base`.
 Uses uses_in_docs(const std::string& text) {
   static const std::regex row("\\| `([a-z]+)` \\|[^|\n]*\\| ?([a-z, ]*) ?\\|");
   static const std::regex word("[a-z]+");
@@ -195,17 +182,16 @@ Uses uses_in_docs(const std::string& text) {
 TEST(Rooms, AreInTheDocsAsTheyAre) {
   const Uses told =
       uses_in_docs(contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "architecture.md"));
-  for (auto [room, used] : read_rooms().uses) {
-    if (room == "error" || room == "image") continue;
-    used.erase("error");
-    used.erase("image");
+  for (auto [room, used] : read_rooms()) {
+    if (room == "base") continue;
+    used.erase("base");
     ASSERT_TRUE(told.contains(room)) << room << " is not in docs/architecture.md";
     EXPECT_EQ(told.at(room), used) << room;
   }
 }
 
 TEST(Rooms, DependOnNoRoomThatDependsOnThem) {
-  const Uses uses = read_rooms().uses;
+  const Uses uses = read_rooms();
   for (const auto& [room, used] : uses) {
     for (const std::string& other : used) {
       ASSERT_TRUE(uses.contains(other)) << room << " uses " << other;

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/pattern/pattern_set.h"
-#include "slipstream/pattern/sinusoid.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/codes/sinusoid.h"
 #include "slipstream/simulate/projected_light.h"
 
 namespace slipstream::binary_patterns_test {

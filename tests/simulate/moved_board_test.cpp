@@ -4,11 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/codes/sequence.h"
 #include "slipstream/simulate/board_poses.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/registry.h"
-#include "slipstream/strategy/sequence.h"
 
 namespace slipstream::moved_board_test {
 

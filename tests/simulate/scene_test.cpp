@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/statue.h"
 

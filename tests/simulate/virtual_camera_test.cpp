@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/registry.h"
 
 namespace slipstream::virtual_camera_test {
 using namespace std::chrono_literals;

@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/image.h"
-#include "slipstream/pattern/pattern_in_8_bits.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/image.h"
+#include "slipstream/codes/pattern_in_8_bits.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::virtual_rig_test {

@@ -14,13 +14,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "slipstream/camera/genicam.h"
-#include "slipstream/camera/virtual_gige_camera.h"
+#include "slipstream/devices/genicam.h"
+#include "slipstream/devices/virtual_gige_camera.h"
 #include "slipstream/io/recorded_source.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/live/live_pipeline.h"
-#include "tests/camera/gvcp_packets.h"
-#include "tests/camera/offline.h"
+#include "tests/devices/gvcp_packets.h"
+#include "tests/devices/offline.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 

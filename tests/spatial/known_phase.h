@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

@@ -8,7 +8,7 @@
 #include <lemon/smart_graph.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/spatial/detail/edge_costs.h"
 #include "slipstream/spatial/detail/roughness.h"
 #include "tests/spatial/known_phase.h"

@@ -8,10 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/base/error.h"
 #include "slipstream/cloud/shading.h"
-#include "slipstream/error/error.h"
-#include "slipstream/opengl/off_screen.h"
 #include "slipstream/view/axes.h"
+#include "slipstream/view/off_screen.h"
 #include "tests/view/made_up_cloud.h"
 
 namespace slipstream::view::scene_renderer_test {

@@ -8,14 +8,14 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/stored_cloud.h"
-#include "slipstream/opengl/off_screen.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "slipstream/view/cloud_screen.h"
+#include "slipstream/view/off_screen.h"
 #include "slipstream/view/pictures.h"
 #include "slipstream/view/viewer.h"
 #include "tests/io/temporary_folder.h"

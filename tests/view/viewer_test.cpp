@@ -10,11 +10,11 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/image/colour_map.h"
-#include "slipstream/opengl/off_screen.h"
+#include "slipstream/base/colour_map.h"
+#include "slipstream/base/error.h"
 #include "slipstream/view/cloud_screen.h"
-#include "tests/opengl/desktop.h"
+#include "slipstream/view/off_screen.h"
+#include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
 
 namespace slipstream::view::viewer_test {

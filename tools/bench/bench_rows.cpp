@@ -11,15 +11,15 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/kernels/vector_target.h"
+#include "slipstream/base/vector_target.h"
+#include "slipstream/cloud/object_model.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/live/live_check.h"
-#include "slipstream/reconstruct/detail/fused_engine.h"
-#include "slipstream/reconstruct/detail/gpu_engine.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/register/object_model.h"
+#include "slipstream/reconstruct/fused/fused_engine.h"
+#include "slipstream/reconstruct/gpu/gpu_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "tools/bench/bench_scan.h"
 #include "tools/bench/opencv_peers.h"
 #include "tools/bench/published.h"

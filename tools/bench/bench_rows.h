@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "slipstream/image/size.h"
+#include "slipstream/base/size.h"
 #include "tools/bench/timing.h"
 
 namespace slipstream {

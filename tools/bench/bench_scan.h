@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slipstream/scan/scan.h"
+#include "slipstream/geometry/scan.h"
 
 namespace slipstream {
 

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <vector>
 
-#include "slipstream/kernels/vector_target.h"
+#include "slipstream/base/vector_target.h"
 
 namespace slipstream {
 namespace {

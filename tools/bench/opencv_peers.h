@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/decode/closed_form.h"
+#include "slipstream/decode/equations.h"
+#include "slipstream/decode/phase_tables.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/point_forms.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/phase/closed_form.h"
-#include "slipstream/phase/equations.h"
-#include "slipstream/phase/phase_tables.h"
 
 namespace slipstream {
 

@@ -7,7 +7,7 @@
 #include <tbb/global_control.h>
 #include <time.h>
 
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream {
 namespace {

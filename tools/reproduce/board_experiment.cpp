@@ -3,13 +3,13 @@
 #include <cmath>
 #include <numbers>
 
-#include "slipstream/capture/mean_frames.h"
-#include "slipstream/gamma/precompensation.h"
+#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/strategy.h"
+#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/frames/mean_frames.h"
 #include "slipstream/geometry/triangulator.h"
-#include "slipstream/phase/phase_decoder.h"
+#include "slipstream/response/precompensation.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/strategy/phase_measuring.h"
-#include "slipstream/strategy/strategy.h"
 
 namespace slipstream {
 namespace {

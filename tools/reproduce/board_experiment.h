@@ -2,13 +2,13 @@
 
 #include <cstdint>
 
-#include "slipstream/capture/frame_set.h"
+#include "slipstream/base/image.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/gamma/pixel_harmonics.h"
-#include "slipstream/gamma/response.h"
+#include "slipstream/codes/response.h"
+#include "slipstream/decode/phase_correction.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/image/image.h"
-#include "slipstream/phase/phase_correction.h"
+#include "slipstream/response/pixel_harmonics.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {

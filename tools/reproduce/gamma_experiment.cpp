@@ -4,15 +4,15 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/gamma/blind.h"
-#include "slipstream/gamma/correction.h"
-#include "slipstream/gamma/double_three_step.h"
-#include "slipstream/gamma/measurement.h"
+#include "slipstream/codes/dual_frequency.h"
 #include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/reconstruct/phase_matcher.h"
+#include "slipstream/response/blind.h"
+#include "slipstream/response/correction.h"
+#include "slipstream/response/double_three_step.h"
+#include "slipstream/response/measurement.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/second_camera.h"
-#include "slipstream/strategy/dual_frequency.h"
 #include "tools/reproduce/board_experiment.h"
 #include "tools/reproduce/gamma_model.h"
 

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/gamma/blind.h"
-#include "slipstream/gamma/correction.h"
-#include "slipstream/gamma/distortion.h"
-#include "slipstream/gamma/measurement.h"
+#include "slipstream/response/blind.h"
+#include "slipstream/response/correction.h"
+#include "slipstream/response/distortion.h"
+#include "slipstream/response/measurement.h"
 
 namespace slipstream {
 namespace {

@@ -4,11 +4,11 @@
 #include <utility>
 #include <vector>
 
+#include "slipstream/cloud/object_model.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/register/object_model.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "tools/reproduce/reproduction.h"
 
 namespace slipstream {

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/registry.h"
 #include "tools/reproduce/reproduction.h"
 
 namespace slipstream {

@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/noise/noise_measurement.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/noise/reflectivity.h"
-#include "slipstream/phase/phase_decoder.h"
-#include "slipstream/strategy/phase_channel_multiplexing.h"
-#include "slipstream/strategy/phase_measuring.h"
-#include "slipstream/strategy/strategy.h"
+#include "slipstream/codes/phase_channel_multiplexing.h"
+#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/strategy.h"
+#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/decode/reflectivity.h"
+#include "slipstream/response/noise_measurement.h"
 #include "tools/reproduce/multiplexing.h"
 #include "tools/reproduce/noisy_frames.h"
 #include "tools/reproduce/unwrapping_tables.h"

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "slipstream/capture/frame_set.h"
-#include "slipstream/pattern/pattern_set.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 

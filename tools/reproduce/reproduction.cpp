@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "tools/reproduce/multiplexing.h"
 
 namespace slipstream {

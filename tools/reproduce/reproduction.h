@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/plot/plot.h"
+#include "slipstream/io/plot.h"
 
 namespace slipstream {
 

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/strategy/phase_channel_multiplexing.h"
-#include "slipstream/strategy/strategy.h"
-#include "slipstream/unwrap/decoder.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/phase_channel_multiplexing.h"
+#include "slipstream/codes/strategy.h"
+#include "slipstream/decode/decoder.h"
 #include "tools/reproduce/noisy_frames.h"
 
 namespace slipstream {

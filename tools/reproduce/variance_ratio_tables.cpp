@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/phase_channel_multiplexing.h"
+#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/strategy.h"
+#include "slipstream/decode/decoder.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/strategy/phase_channel_multiplexing.h"
-#include "slipstream/strategy/phase_measuring.h"
-#include "slipstream/strategy/strategy.h"
-#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 namespace {

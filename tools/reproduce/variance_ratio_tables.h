@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "slipstream/image/size.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream {
 

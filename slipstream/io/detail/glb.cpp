@@ -8,8 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
 #include "slipstream/io/image_file.h"
 
 namespace slipstream {

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
+#include "slipstream/base/number_text.h"
 #include "slipstream/io/limits.h"
 
 namespace slipstream {

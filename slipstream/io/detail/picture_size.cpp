@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "slipstream/error/number_text.h"
+#include "slipstream/base/number_text.h"
 #include "slipstream/io/detail/png_file.h"
 
 namespace slipstream {

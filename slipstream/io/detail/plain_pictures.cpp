@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
 #include "slipstream/io/detail/picture_size.h"
 
 namespace slipstream {

@@ -15,8 +15,8 @@
 #include <libdeflate.h>
 #include <png.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/number_bytes.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_bytes.h"
 #include "slipstream/io/limits.h"
 
 namespace slipstream {

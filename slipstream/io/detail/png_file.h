@@ -8,7 +8,7 @@
 
 #include <opencv2/core.hpp>
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 #include <tiny_obj_loader.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/detail/glb.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/number_reader.h"

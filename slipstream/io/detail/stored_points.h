@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "slipstream/image/size.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream {
 

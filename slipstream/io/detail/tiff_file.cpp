@@ -13,7 +13,7 @@
 #include <opencv2/imgproc.hpp>
 #include <tiffio.h>
 
-#include "slipstream/error/error.h"
+#include "slipstream/base/error.h"
 #include "slipstream/io/limits.h"
 
 namespace slipstream {

@@ -5,7 +5,7 @@
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/depth_scale.h"
-#include "slipstream/gige/gige_block.h"
+#include "slipstream/devices/gige_block.h"
 
 namespace slipstream {
 

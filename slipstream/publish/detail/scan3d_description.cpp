@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/gige/gige_block.h"
+#include "slipstream/devices/gige_block.h"
 
 namespace slipstream {
 namespace {

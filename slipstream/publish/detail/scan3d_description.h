@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/gige/gige_control.h"
+#include "slipstream/devices/gige_control.h"
 #include "slipstream/publish/run_setting.h"
 
 namespace slipstream {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "slipstream/reconstruct/detail/fused_engine.h"
+#include "slipstream/reconstruct/fused/fused_engine.h"
 
 // Rows of the fused pass along the chain by which bands are unwrapped.
 namespace slipstream {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/phase/closed_form.h"
+#include "slipstream/decode/closed_form.h"
 
 namespace slipstream {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "slipstream/pattern/layout.h"
-#include "slipstream/phase/phase_correction.h"
-#include "slipstream/reconstruct/detail/fused_stages.h"
+#include "slipstream/codes/layout.h"
+#include "slipstream/decode/phase_correction.h"
+#include "slipstream/reconstruct/fused/fused_stages.h"
 
 namespace slipstream {
 

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/codes/predicted_variance.h"
 #include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/predicted_variance.h"
 
 namespace slipstream {
 namespace {

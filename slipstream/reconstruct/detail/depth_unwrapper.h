@@ -1,9 +1,9 @@
 #pragma once
 
+#include "slipstream/base/image.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/image/image.h"
+#include "slipstream/decode/surface_orders.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/unwrap/surface_orders.h"
 
 namespace slipstream {
 

@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {

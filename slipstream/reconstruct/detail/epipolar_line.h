@@ -5,10 +5,10 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
+#include "slipstream/decode/maps.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/image/image.h"
 
 namespace slipstream {
 

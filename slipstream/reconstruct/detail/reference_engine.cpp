@@ -10,13 +10,13 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/error/error.h"
-#include "slipstream/gamma/correction.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/modulation_mask.h"
+#include "slipstream/decode/temporal_unwrapping.h"
 #include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/noise/predicted_variance.h"
-#include "slipstream/phase/modulation_mask.h"
-#include "slipstream/unwrap/temporal_unwrapping.h"
+#include "slipstream/response/correction.h"
 
 namespace slipstream {
 namespace {

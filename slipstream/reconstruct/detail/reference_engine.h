@@ -4,12 +4,12 @@
 #include <string>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/maps.h"
 #include "slipstream/cloud/uncertainty.h"
+#include "slipstream/decode/decoder.h"
+#include "slipstream/decode/maps.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/detail/depth_unwrapper.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/unwrap/decoder.h"
 
 namespace slipstream {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "slipstream/error/numbers.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/temporal_unwrapping.h"
 #include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/unwrap/temporal_unwrapping.h"
 
 namespace slipstream {
 namespace {

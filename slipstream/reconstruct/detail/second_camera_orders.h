@@ -4,8 +4,8 @@
 
 #include <Eigen/Core>
 
+#include "slipstream/base/image.h"
 #include "slipstream/geometry/triangulator.h"
-#include "slipstream/image/image.h"
 #include "slipstream/reconstruct/detail/epipolar_line.h"
 
 namespace slipstream {

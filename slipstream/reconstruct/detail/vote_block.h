@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "slipstream/capture/frame_views.h"
-#include "slipstream/image/image.h"
-#include "slipstream/kernels/ballots.h"
-#include "slipstream/kernels/order_costs.h"
-#include "slipstream/reconstruct/detail/fused_stages.h"
-#include "slipstream/unwrap/neighbourhood_vote.h"
+#include "slipstream/base/image.h"
+#include "slipstream/decode/neighbourhood_vote.h"
+#include "slipstream/frames/frame_views.h"
+#include "slipstream/reconstruct/fused/ballots.h"
+#include "slipstream/reconstruct/fused/fused_stages.h"
+#include "slipstream/reconstruct/fused/order_costs.h"
 
 namespace slipstream {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "slipstream/image/image.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "slipstream/image/parallel_rows.h"
-#include "slipstream/image/quantile.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/quantile.h"
 
 namespace slipstream {
 namespace {

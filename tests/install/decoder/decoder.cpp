@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <utility>
 
+#include <slipstream/codes/phase_measuring.h>
 #include <slipstream/reconstruct/engine.h>
-#include <slipstream/strategy/phase_measuring.h>
 
 int main() {
   using namespace slipstream;

@@ -1,0 +1,319 @@
+#include "slipstream/cloud/cleaner.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/cloud/detail/bit_plane.h"
+#include "slipstream/cloud/detail/cloud_limits.h"
+#include "slipstream/cloud/detail/components.h"
+#include "slipstream/cloud/detail/depth_surface.h"
+#include "slipstream/cloud/detail/region.h"
+
+namespace slipstream {
+namespace {
+
+/// A row of depths that may be read one beyond either end.
+class PaddedRow {
+ public:
+  /// NaN throughout where there are no depths.
+  void copy(const float* depths, int width) {
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+    depths_.assign(static_cast<std::size_t>(width) + 2, nan);
+    if (depths != nullptr) std::copy_n(depths, width, depths_.data() + 1);
+  }
+  [[nodiscard]] const float* begin() const { return depths_.data() + 1; }
+
+ private:
+  std::vector<float> depths_;
+};
+
+TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
+  constexpr float default_share = 0.03F;  ///< of the depth
+  TrustStage trust{.projector_depth = noise.projector_depth, .parallax = noise.parallax};
+  if (settings.largest_sigma) {
+    trust.by_depth = noise.noise / static_cast<float>(*settings.largest_sigma);
+  } else {
+    trust.constant = noise.noise / default_share;
+  }
+  return trust;
+}
+
+/// The points of a word that are left out because of those around them.
+struct WordEvidence {
+  const DepthPlanes& planes;
+  int row;
+  int word;
+
+  [[nodiscard]] const Word* at(const BitPlane& plane, int down = 0) const {
+    return plane.row(row + down) + word;
+  }
+  [[nodiscard]] Word trusted(int down = 0) const { return *at(planes.trusted, down); }
+  [[nodiscard]] Word linked_below(int down = 0) const {
+    return *at(planes.to_below, down) & trusted(down) & trusted(down + 1);
+  }
+  [[nodiscard]] Word bent_across(int down = 0) const {
+    return *at(planes.bent_across, down) & trusted(down - 1) & trusted(down) & trusted(down + 1);
+  }
+
+  /// At the end of a surface, or next to that, and off what the surface comes to it as.
+  [[nodiscard]] Word mixed() const {
+    const Word* const linked = at(planes.to_right);
+    const Word* const bent = at(planes.bent_along);
+    return trusted() & ((~(linked[0] & after(linked)) & before(bent)) |
+                        (~(before(linked) & before(linked, 2)) & after(bent)) |
+                        (~(linked_below() & linked_below(1)) & bent_across(-1)) |
+                        (~(linked_below(-1) & linked_below(-2)) & bent_across(1)));
+  }
+  /// With a point beside it that it is not linked to.
+  [[nodiscard]] Word at_edge() const {
+    const Word* const points = at(planes.trusted);
+    const Word* const linked = at(planes.to_right);
+    return trusted() & ((after(points) & ~linked[0]) | (before(points) & ~before(linked)) |
+                        (trusted(1) & ~linked_below()) | (trusted(-1) & ~linked_below(-1)));
+  }
+  /// With points all around it: linked with all four and off them in row and column, or with none.
+  [[nodiscard]] Word outliers() const {
+    const Word* const points = at(planes.trusted);
+    const Word* const linked = at(planes.to_right);
+    const Word right = linked[0], left = before(linked), down = linked_below(),
+               up = linked_below(-1);
+    const Word bent_in_both = right & left & down & up & *at(planes.bent_along) & bent_across();
+    const Word surrounded = before(points) & after(points) & trusted(-1) & trusted(1);
+    return trusted() & (bent_in_both | (surrounded & ~(right | left | down | up)));
+  }
+};
+
+}  // namespace
+
+struct Cleaner::Memory {
+  std::vector<float> samples;
+  PaddedRow first, last, beyond;
+  DepthPlanes planes;
+  BitPlane mixed;
+  BitPlane kept;
+  Components components;
+  Image<std::uint8_t> outline;  ///< 1 inside
+  SurfaceMemory surface;
+  std::vector<ValidityCounts> counts;  ///< of each band of rows
+};
+
+/// One cloud on its way through the filters.
+struct Cleaner::Pass {
+  const CleanSettings& settings;
+  Memory& memory;
+  Cloud& cloud;
+  DepthLimits limits;
+  TrustStage trust;
+  const Image<float>* modulation;  ///< null: all are trusted
+  ValidityCounts counts{};
+
+  [[nodiscard]] int words() const { return BitPlane::words_of(cloud.size()); }
+
+  /// Calls `body(row, counts)` for every row, on as many threads as there are.
+  template <class Body>
+  void for_each_row_counting(const Body& body) {
+    constexpr int band_rows = 64;
+    const int height = cloud.size().height, bands = (height + band_rows - 1) / band_rows;
+    memory.counts.assign(static_cast<std::size_t>(bands), {});
+    const auto run_band = [&](int band) {
+      const int end = std::min(height, (band + 1) * band_rows);
+      ValidityCounts& counted = memory.counts[static_cast<std::size_t>(band)];
+      for (int row = band * band_rows; row < end; ++row) body(row, counted);
+    };
+    if (bands == 1) {
+      run_band(0);
+    } else {
+      for_each_row(bands, [&run_band](int band) { run_band(band); });
+    }
+    for (const ValidityCounts& counted : memory.counts) {
+      for (std::size_t i = 0; i < validity_count; ++i) counts[i] += counted[i];
+    }
+  }
+
+  void drop_bits(Word bits, int row, int word, Validity reason, ValidityCounts& counted) const {
+    for_each_bit(bits, word, [&](int column) { cloud.leave_out(column, row, reason); });
+    counted[static_cast<std::size_t>(reason)] += static_cast<std::size_t>(std::popcount(bits));
+  }
+
+  void compare(int row) {
+    const int last = cloud.size().height - 1;
+    const auto depths = [&](int near) {
+      return near < 0 || near > last ? memory.beyond.begin() : cloud.z.row(near);
+    };
+    DepthPlanes& planes = memory.planes;
+    const bool padded = row == 0 || row == last;
+    compare_depths(limits, trust,
+                   {.width = cloud.size().width,
+                    .above = depths(row - 1),
+                    .here = !padded    ? cloud.z.row(row)
+                            : row == 0 ? memory.first.begin()
+                                       : memory.last.begin(),
+                    .below = depths(row + 1),
+                    .x = cloud.x.row(row),
+                    .y = cloud.y.row(row),
+                    .modulation = modulation != nullptr ? modulation->row(row) : nullptr,
+                    .point = planes.point.row(row),
+                    .trusted = planes.trusted.row(row),
+                    .to_right = planes.to_right.row(row),
+                    .to_below = planes.to_below.row(row),
+                    .bent_along = planes.bent_along.row(row),
+                    .bent_across = planes.bent_across.row(row)});
+    const Word* const trusted = planes.trusted.row(row);
+    Word* const to_right = planes.to_right.row(row);
+    for (int w = 0; w < words(); ++w) {
+      const Word both = trusted[w] & after(trusted + w);
+      to_right[w] &= both;
+      planes.bent_along.row(row)[w] &= both & before(trusted + w);
+    }
+  }
+
+  /// Whether a pixel at an edge between surfaces far apart is darker than those about it: it sees
+  /// both, and the fringes of one take modulation from the other's.
+  [[nodiscard]] bool is_dim(int column, int row) const {
+    constexpr float far = 0.05F, dim = 0.75F;  // of the depth; of the brightest
+    const int left = std::max(column - 1, 0), right = std::min(column + 1, cloud.z.width() - 1);
+    const int above = std::max(row - 1, 0), below = std::min(row + 1, cloud.z.height() - 1);
+    const float z = cloud.z(column, row);
+    float nearest = z, farthest = z;
+    for (int y = above; y <= below; ++y) {
+      const float* const depths = cloud.z.row(y);
+      for (int x = left; x <= right; ++x) {  // no point, NaN, compares false
+        if (depths[x] < nearest) nearest = depths[x];
+        if (depths[x] > farthest) farthest = depths[x];
+      }
+    }
+    if (farthest - z <= far * z && z - nearest <= far * z) return false;
+    float brightest = 0;
+    for (int y = above; y <= below; ++y) {
+      for (int x = left; x <= right; ++x) brightest = std::max(brightest, (*modulation)(x, y));
+    }
+    return (*modulation)(column, row) < dim * brightest;
+  }
+
+  /// Before any point is dropped, since depths of other rows are asked for.
+  void find_mixed(int row) {
+    for (int w = 0; w < words(); ++w) {
+      const WordEvidence evidence{memory.planes, row, w};
+      Word mixed = evidence.mixed();
+      if (modulation != nullptr) {
+        for_each_bit(evidence.at_edge() & ~mixed, w, [&](int column) {
+          mixed |= Word{is_dim(column, row)} << column % word_pixels;
+        });
+      }
+      memory.mixed.row(row)[w] = mixed;
+    }
+  }
+
+  /// Low trust, mixed pixels and outliers.
+  void judge(int row, ValidityCounts& counted) {
+    for (int w = 0; w < words(); ++w) {
+      const WordEvidence evidence{memory.planes, row, w};
+      const Word trusted = evidence.trusted();
+      const Word mixed = *evidence.at(memory.mixed);
+      const Word outliers = settings.drop_outliers ? evidence.outliers() & ~mixed : 0;
+      memory.kept.row(row)[w] = trusted & ~(mixed | outliers);
+      const Word untrusted = *evidence.at(memory.planes.point) & ~trusted;
+      if ((untrusted | mixed | outliers) == 0) continue;
+      drop_bits(untrusted, row, w, Validity::low_trust, counted);
+      drop_bits(mixed, row, w, Validity::mixed, counted);
+      drop_bits(outliers, row, w, Validity::outlier, counted);
+    }
+  }
+
+  void drop_small_components() {
+    const DepthPlanes& planes = memory.planes;
+    memory.components.find(cloud.size(), memory.kept, planes.to_right, planes.to_below);
+    memory.components.for_each_run_below(settings.smallest_component, [&](const PixelRun& run) {
+      for (int column = run.first; column <= run.last; ++column) {
+        cloud.leave_out(column, run.row, Validity::small_component);
+      }
+      counts[static_cast<std::size_t>(Validity::small_component)] +=
+          static_cast<std::size_t>(run.last - run.first + 1);
+    });
+  }
+
+  void drop_outside() {
+    if (!settings.box && settings.outline.empty()) return;
+    if (!settings.outline.empty() && memory.outline.size() != cloud.size()) {
+      memory.outline = outline_mask(settings.outline, cloud.size());
+    }
+    for_each_row_counting([&](int row, ValidityCounts& counted) {
+      for (int column = 0; column < cloud.size().width; ++column) {
+        const bool outlined = settings.outline.empty() || memory.outline(column, row) != 0;
+        if (!(cloud.z(column, row) > 0)) continue;
+        if (outlined && (!settings.box || is_inside(*settings.box, cloud, column, row))) continue;
+        cloud.leave_out(column, row, Validity::outside_region);
+        ++counted[static_cast<std::size_t>(Validity::outside_region)];
+      }
+    });
+  }
+
+  ValidityCounts run() {
+    const Size size = cloud.size();
+    memory.planes.prepare(size);
+    memory.mixed.prepare(size);
+    memory.kept.prepare(size);
+    memory.beyond.copy(nullptr, size.width);
+    memory.first.copy(cloud.z.row(0), size.width);
+    memory.last.copy(cloud.z.row(size.height - 1), size.width);
+    for_each_row_counting([&](int row, ValidityCounts&) { compare(row); });
+    if (settings.drop_mixed) {
+      for_each_row_counting([&](int row, ValidityCounts&) { find_mixed(row); });
+    } else {
+      memory.mixed.clear();
+    }
+    for_each_row_counting([&](int row, ValidityCounts& counted) { judge(row, counted); });
+    if (settings.smallest_component > 1) drop_small_components();
+    drop_outside();
+    if (settings.widest_gap > 0) {
+      counts[0] = fill_gaps(cloud, settings.widest_gap, limits, memory.surface);
+    }
+    if (settings.smoothing > 0) smooth(cloud, settings.smoothing, limits, memory.surface);
+    return counts;
+  }
+};
+
+Cleaner::Cleaner(const CleanSettings& settings)
+    : settings_(settings), memory_(std::make_unique<Memory>()) {
+  require_valid(settings);
+}
+Cleaner::Cleaner(const Cleaner& other) : Cleaner(other.settings_) {}
+Cleaner::Cleaner(Cleaner&&) noexcept = default;
+Cleaner& Cleaner::operator=(Cleaner other) noexcept {
+  std::swap(settings_, other.settings_);
+  std::swap(memory_, other.memory_);
+  return *this;
+}
+Cleaner::~Cleaner() = default;
+
+ValidityCounts Cleaner::operator()(Cloud& cloud) {
+  return clean(cloud, nullptr, {});
+}
+
+ValidityCounts Cleaner::operator()(Cloud& cloud, const Image<float>& modulation,
+                                   const DepthNoise& noise) {
+  return clean(cloud, wants_modulation() ? &modulation : nullptr, noise);
+}
+
+bool Cleaner::wants_modulation() const {
+  return !settings_.largest_sigma || std::isfinite(*settings_.largest_sigma);
+}
+
+ValidityCounts Cleaner::clean(Cloud& cloud, const Image<float>* modulation,
+                              const DepthNoise& noise) {
+  if (cloud.z.empty() || settings_ == CleanSettings::none()) return {};
+  return Pass{.settings = settings_,
+              .memory = *memory_,
+              .cloud = cloud,
+              .limits = depth_limits(cloud, memory_->samples),
+              .trust = trust_stage(settings_, noise),
+              .modulation = modulation}
+      .run();
+}
+
+}  // namespace slipstream

@@ -1,0 +1,138 @@
+#include "slipstream/cloud/depth_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "slipstream/base/disabled_targets-inl.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "slipstream/cloud/depth_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "slipstream/base/vectors-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace slipstream::HWY_NAMESPACE {
+
+constexpr std::size_t word_pixels = 64;
+
+/// The bits of the vector that begins at pixel `i` of a word. Words lie in memory lowest byte
+/// first.
+HWY_INLINE void store_bits(FloatMask mask, std::size_t i, std::uint64_t& word) {
+  auto* const bytes = reinterpret_cast<std::uint8_t*>(&word) + i / 8;
+  if constexpr (hn::MaxLanes(FloatTag()) >= 8) {
+    hn::StoreMaskBits(FloatTag(), mask, bytes);
+  } else {  // a part of a byte
+    std::array<std::uint8_t, 8> part{};
+    hn::StoreMaskBits(FloatTag(), mask, part.data());
+    *bytes = static_cast<std::uint8_t>((i % 8 == 0 ? 0 : *bytes) | part[0] << i % 8);
+  }
+}
+
+HWY_INLINE FloatMask is_trusted(const TrustStage& trust, Floats x, Floats y, Floats z,
+                                Floats modulation) {
+  const FloatTag d;
+  const auto set = [&](float value) SLIPSTREAM_STEP { return hn::Set(d, value); };
+  const auto& q = trust.projector_depth;
+  const auto& w = trust.parallax;
+  const Floats depth =
+      hn::MulAdd(set(q[0]), x, hn::MulAdd(set(q[1]), y, hn::MulAdd(set(q[2]), z, set(q[3]))));
+  const Floats parallax =
+      hn::Abs(hn::MulAdd(set(w[0]), x, hn::MulAdd(set(w[1]), y, hn::Mul(set(w[2]), z))));
+  const Floats weight = hn::MulAdd(set(trust.by_depth), z, set(trust.constant));
+  return hn::Le(hn::Mul(hn::Mul(depth, depth), weight), hn::Mul(modulation, parallax));
+}
+
+/// 64 pixels from `row.here` on to the word `word`.
+HWY_INLINE void compare_word(const DepthLimits& limits, const TrustStage& trust,
+                             const DepthRow& row, std::size_t word) {
+  const FloatTag d;
+  const Floats step = hn::Set(d, limits.step), bend = hn::Set(d, limits.bend);
+  for (std::size_t i = 0; i < word_pixels; i += hn::Lanes(d)) {
+    const Floats z = hn::LoadU(d, row.here + i);
+    const Floats from_left = hn::Sub(z, hn::LoadU(d, row.here + i - 1));
+    const Floats to_right = hn::Sub(hn::LoadU(d, row.here + i + 1), z);
+    const Floats from_above = hn::Sub(z, hn::LoadU(d, row.above + i));
+    const Floats to_below = hn::Sub(hn::LoadU(d, row.below + i), z);
+    const Floats largest_step = hn::Mul(step, z), largest_bend = hn::Mul(bend, z);
+    const FloatMask is_point = hn::Gt(z, hn::Zero(d));
+    store_bits(is_point, i, row.point[word]);
+    store_bits(hn::Le(hn::Abs(to_right), largest_step), i, row.to_right[word]);
+    store_bits(hn::Le(hn::Abs(to_below), largest_step), i, row.to_below[word]);
+    store_bits(hn::Gt(hn::Abs(hn::Sub(to_right, from_left)), largest_bend), i,
+               row.bent_along[word]);
+    store_bits(hn::Gt(hn::Abs(hn::Sub(to_below, from_above)), largest_bend), i,
+               row.bent_across[word]);
+    const bool all = row.modulation == nullptr;
+    const FloatMask trusted =
+        all ? is_point
+            : is_trusted(trust, hn::LoadU(d, row.x + i), hn::LoadU(d, row.y + i), z,
+                         hn::LoadU(d, row.modulation + i));
+    store_bits(trusted, i, row.trusted[word]);
+  }
+}
+
+/// What is left of a row that is no multiple of 64 wide, with NaN beyond.
+class LastPixels {
+ public:
+  LastPixels(const DepthRow& row, std::size_t first) : row_(row) {
+    const std::size_t count = static_cast<std::size_t>(row.width) - first;
+    const auto copy = [&](const float*& from, std::array<float, word_pixels + 2>& to) {
+      if (from == nullptr) return;
+      to.fill(std::numeric_limits<float>::quiet_NaN());
+      std::copy_n(from + first, count, to.data() + 1);
+      from = to.data() + 1;
+    };
+    const float before = row.here[static_cast<std::ptrdiff_t>(first) - 1];
+    copy(row_.above, above_);
+    copy(row_.here, here_);
+    here_[0] = before;
+    copy(row_.below, below_);
+    copy(row_.x, x_);
+    copy(row_.y, y_);
+    copy(row_.modulation, modulation_);
+  }
+  [[nodiscard]] const DepthRow& row() const { return row_; }
+
+ private:
+  DepthRow row_;
+  std::array<float, word_pixels + 2> above_, here_, below_, x_, y_, modulation_;
+};
+
+void CompareDepths(const DepthLimits& limits, const TrustStage& trust, const DepthRow& row) {
+  const auto width = static_cast<std::size_t>(row.width);
+  DepthRow at = row;
+  std::size_t first = 0;
+  for (; first + word_pixels <= width; first += word_pixels) {
+    compare_word(limits, trust, at, first / word_pixels);
+    for (const float** pixels : {&at.above, &at.here, &at.below, &at.x, &at.y, &at.modulation}) {
+      if (*pixels != nullptr) *pixels += word_pixels;
+    }
+  }
+  if (first < width) {
+    compare_word(limits, trust, LastPixels(row, first).row(), first / word_pixels);
+  }
+  const std::uint64_t last = std::uint64_t{1} << (width - 1) % word_pixels;
+  row.to_right[(width - 1) / word_pixels] &= ~last;
+  row.bent_along[(width - 1) / word_pixels] &= ~last;
+  row.bent_along[0] &= ~std::uint64_t{1};
+}
+
+}  // namespace slipstream::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace slipstream {
+
+HWY_EXPORT(CompareDepths);
+
+void compare_depths(const DepthLimits& limits, const TrustStage& trust, const DepthRow& row) {
+  HWY_DYNAMIC_DISPATCH(CompareDepths)(limits, trust, row);
+}
+
+}  // namespace slipstream
+#endif

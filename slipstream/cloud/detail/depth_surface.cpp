@@ -1,0 +1,105 @@
+#include "slipstream/cloud/detail/depth_surface.h"
+
+#include <cmath>
+#include <limits>
+
+#include "slipstream/base/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+bool has_point(const Cloud& cloud, int column, int row) {
+  const Size size = cloud.size();
+  return column >= 0 && row >= 0 && column < size.width && row < size.height &&
+         cloud.z(column, row) > 0;
+}
+
+/// How far the next point is in one direction, at most `widest`; 0 for none.
+int distance_to_point(const Cloud& cloud, int column, int row, int right, int down, int widest) {
+  for (int i = 1; i <= widest; ++i) {
+    if (has_point(cloud, column + i * right, row + i * down)) return i;
+  }
+  return 0;
+}
+
+/// Adds what a gap in one direction says of the pixel; `weight`: of all that is added so far.
+void add_across(const Cloud& cloud, int right, int down, int widest, const DepthLimits& limits,
+                SurfaceMemory::Point& sum, float& weight) {
+  const int before = distance_to_point(cloud, sum.column, sum.row, -right, -down, widest);
+  const int after = distance_to_point(cloud, sum.column, sum.row, right, down, widest);
+  const int length = before + after;
+  if (before == 0 || after == 0 || length - 1 > widest) return;
+  const int c0 = sum.column - before * right, r0 = sum.row - before * down;
+  const int c1 = sum.column + after * right, r1 = sum.row + after * down;
+  const float z0 = cloud.z(c0, r0), z1 = cloud.z(c1, r1);
+  if (!(std::abs(z1 - z0) <= limits.step * static_cast<float>(length) * z0)) return;
+  // A plane's inverse depth is linear in the picture, and so is the ray.
+  const float w = 1 / static_cast<float>(length);
+  const float w0 = w * static_cast<float>(after) * w, w1 = w * static_cast<float>(before) * w;
+  sum.x += w0 * cloud.x(c0, r0) / z0 + w1 * cloud.x(c1, r1) / z1;
+  sum.y += w0 * cloud.y(c0, r0) / z0 + w1 * cloud.y(c1, r1) / z1;
+  sum.z += w0 / z0 + w1 / z1;
+  weight += w;
+}
+
+bool may_be_filled(Validity validity) {
+  return validity != Validity::outside_region && validity != Validity::out_of_range;
+}
+
+}  // namespace
+
+std::size_t fill_gaps(Cloud& cloud, int widest, const DepthLimits& limits, SurfaceMemory& memory) {
+  memory.found.clear();
+  for (int row = 0; row < cloud.size().height; ++row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      if (cloud.z(column, row) > 0 || !may_be_filled(cloud.validity(column, row))) continue;
+      SurfaceMemory::Point sum{.column = column, .row = row};
+      float weight = 0;
+      add_across(cloud, 1, 0, widest, limits, sum, weight);
+      add_across(cloud, 0, 1, widest, limits, sum, weight);
+      if (weight == 0) continue;
+      const float z = weight / sum.z;
+      memory.found.push_back({column, row, sum.x / weight * z, sum.y / weight * z, z});
+    }
+  }
+  for (const SurfaceMemory::Point& point : memory.found) {
+    cloud.x(point.column, point.row) = point.x;
+    cloud.y(point.column, point.row) = point.y;
+    cloud.z(point.column, point.row) = point.z;
+    cloud.validity(point.column, point.row) = Validity::valid;
+  }
+  return memory.found.size();
+}
+
+void smooth(Cloud& cloud, int reach, const DepthLimits& limits, SurfaceMemory& memory) {
+  memory.z = cloud.z;
+  const Image<float>& z = memory.z;
+  const auto inverse_at = [&](int column, int row) {
+    const bool inside = column >= 0 && row >= 0 && column < z.width() && row < z.height();
+    return inside ? 1 / z(column, row) : std::numeric_limits<float>::quiet_NaN();
+  };
+  const auto smooth_row = [&](int row) {
+    for (int column = 0; column < z.width(); ++column) {
+      const float here = 1 / z(column, row);
+      if (!(here > 0)) continue;
+      float sum = here, count = 1;
+      // Half of the window: each pixel of it stands for the pair with the one opposite.
+      for (int down = 0; down <= reach; ++down) {
+        for (int right = down == 0 ? 1 : -reach; right <= reach; ++right) {
+          const float a = inverse_at(column - right, row - down);
+          const float b = inverse_at(column + right, row + down);
+          if (!(std::abs(a - 2 * here + b) <= limits.bend * here)) continue;
+          sum += a + b;
+          count += 2;
+        }
+      }
+      const float ratio = here * count / sum;
+      cloud.x(column, row) *= ratio;
+      cloud.y(column, row) *= ratio;
+      cloud.z(column, row) *= ratio;
+    }
+  };
+  for_each_row(z.height(), [&smooth_row](int row) { smooth_row(row); });
+}
+
+}  // namespace slipstream

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/normals.h"
+#include "slipstream/cloud/registration.h"
+#include "slipstream/geometry/lens.h"
+
+namespace slipstream {
+
+/// The points of a model with their normals: of one row, in the object's frame.
+struct ModelPoints {
+  Cloud cloud;
+  Normals normals;
+};
+
+/// What becomes of the clouds of a rigid object that turns and moves before a camera by less than
+/// some pixels from view to view: each is registered to all that is known of the object by then, so
+/// that errors do not add up from view to view, and taken into its mean. The clouds must show the
+/// object alone: whatever stands still beside it, as a wall, is taken for a part of it. One thread
+/// uses it.
+class ObjectModel {
+ public:
+  /// The lens that the clouds are seen through.
+  explicit ObjectModel(const Lens& camera) : camera_(camera) {}
+
+  /// Takes a view in that was seen at `time`, later than those before, in any unit: it is looked
+  /// for where even motion would have brought the object, or else where it was. False where it does
+  /// not fit the model, or has too few points to begin one: then nothing is taken. The first view's
+  /// frame is the object's. Throws Error where the cloud is not of the camera's size.
+  bool add(const Cloud& cloud, double time);
+
+  [[nodiscard]] const std::vector<ModelElement>& elements() const { return elements_; }
+  /// Those that three views have seen, or all views where they are fewer.
+  [[nodiscard]] ModelPoints points() const;
+  [[nodiscard]] int views() const { return views_; }        ///< taken in
+  [[nodiscard]] int left_out() const { return left_out_; }  ///< that did not fit
+  /// Of the last view that was taken in.
+  [[nodiscard]] const Registration& registration() const { return registration_; }
+
+ private:
+  struct Seen {
+    double time = 0;
+    Eigen::Isometry3d pose;
+  };
+
+  /// Where the object would be by then if it went on as between the last two views.
+  [[nodiscard]] Eigen::Isometry3d expected_at(double time) const;
+  [[nodiscard]] bool fits(const Registration& registration, const Cloud& cloud) const;
+  /// The view into the mean of the elements that it sees; which pixels those cover.
+  Image<std::uint8_t> take_mean(const Cloud& cloud, const Normals& normals);
+  void add_uncovered(const Cloud& cloud, const Normals& normals,
+                     const Image<std::uint8_t>& covered);
+
+  Lens camera_;
+  std::vector<ModelElement> elements_;
+  Registration registration_;
+  Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // of the first view
+  Seen before_last_, last_;                           // of the views that were taken in
+  int views_ = 0, left_out_ = 0;
+};
+
+}  // namespace slipstream

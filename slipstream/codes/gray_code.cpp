@@ -1,0 +1,162 @@
+#include "slipstream/codes/gray_code.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/codes/sinusoid.h"
+
+namespace slipstream {
+namespace {
+
+constexpr std::array<std::string_view, 4> references{"white-black", "inverse", "mean", "none"};
+
+void require_known(std::string_view name, int bits, std::string_view reference) {
+  if (bits < 1 || bits > most_code_bits) {
+    throw Error(fmt::format("{}: {} bits are out of range; 1 to {}", name, bits, most_code_bits));
+  }
+  if (std::find(references.begin(), references.end(), reference) == references.end()) {
+    throw Error(fmt::format("{}: reference '{}' is none of {}", name, reference,
+                            fmt::join(references, ", ")));
+  }
+}
+
+/// Frames of the code, with those that it is compared with.
+int frame_count(int bits, std::string_view reference) {
+  return reference == "inverse" ? 2 * bits : reference == "white-black" ? bits + 2 : bits;
+}
+
+/// The bits in frames from `first` on of `frames`.
+Code code_in_frames(int frames, int first, int bits, std::string_view reference) {
+  Code code{.stripes = std::exp2(bits)};
+  const int apart = reference == "inverse" ? 2 : 1;
+  for (int bit = 0; bit < bits; ++bit) {
+    code.frames.push_back(first + apart * bit);
+    if (apart == 2) code.inverses.push_back(first + apart * bit + 1);
+  }
+  if (apart == 2 || reference == "none") return code;
+  code.reference.resize(static_cast<std::size_t>(frames));
+  const auto add = [&](int from, int count, double weight) {
+    std::fill_n(code.reference.begin() + from, count, weight);
+  };
+  if (reference == "white-black") add(first + bits, 2, 0.5);
+  if (reference == "mean") add(first, bits, 1.0 / bits);
+  return code;
+}
+
+/// What the code's frames show; those after its bits are white and black.
+double code_shape(const Code& code, int n, double y) {
+  const auto in = [n](const std::vector<int>& frames) {
+    return static_cast<int>(std::find(frames.begin(), frames.end(), n) - frames.begin());
+  };
+  const int bits = static_cast<int>(code.frames.size());
+  if (const int bit = in(code.frames); bit < bits) return is_bright(code, bit, y) ? 1 : 0;
+  if (const int bit = in(code.inverses); bit < static_cast<int>(code.inverses.size())) {
+    return is_bright(code, bit, y) ? 0 : 1;
+  }
+  return n == *std::max_element(code.frames.begin(), code.frames.end()) + 1 ? 1 : 0;
+}
+
+/// The narrowest stripes as a band, by which modulation and mean are known; its phase is none.
+Layout layout_of(const Code& code, int frames) {
+  Band band{.periods = code.stripes / 4,
+            .cosine = std::vector<double>(static_cast<std::size_t>(frames)),
+            .sine = std::vector<double>(static_cast<std::size_t>(frames)),
+            .mean = code.reference};
+  const auto narrowest = static_cast<std::size_t>(code.frames.back());
+  if (!code.inverses.empty()) {
+    const auto inverse = static_cast<std::size_t>(code.inverses.back());
+    band.mean.resize(static_cast<std::size_t>(frames));
+    band.mean[narrowest] = band.mean[inverse] = 0.5;
+  } else if (code.reference.empty()) {
+    band.mean.assign(static_cast<std::size_t>(frames), 1.0 / frames);
+  }
+  for (std::size_t n = 0; n < band.mean.size(); ++n) band.cosine[n] = -band.mean[n];
+  band.cosine[narrowest] += 1;
+  return {.frames = frames,
+          .bands = {std::move(band)},
+          .code = code,
+          .unwrapping = Unwrapping::code_alone};
+}
+
+/// Bits of a code of a stripe for each period.
+int bits_for(double periods) {
+  return std::max(1, static_cast<int>(std::ceil(std::log2(periods) - 1e-9)));
+}
+
+}  // namespace
+
+void GrayCode::require_valid() const {
+  require_known(name, bits, reference);
+  slipstream::require_valid(*layout().code, layout().frames, name);
+}
+
+double GrayCode::shape(int n, double y) const {
+  return code_shape(*layout().code, n, y);
+}
+
+Layout GrayCode::layout() const {
+  const int frames = frame_count(bits, reference);
+  Code code = code_in_frames(frames, 0, bits, reference);
+  code.stripes = stripes.value_or(code.stripes);
+  code.gray = !plain;
+  if (least_first) {
+    std::reverse(code.frames.begin(), code.frames.end());
+    std::reverse(code.inverses.begin(), code.inverses.end());
+  }
+  return layout_of(code, frames);
+}
+
+void ExclusiveOrGray::require_valid() const {
+  require_known(name, bits, reference);
+  if (base < 1 || base > 2 || base >= bits) {
+    throw Error(fmt::format("xor-gray: base {} of {} bits is out of range; 1 or 2", base, bits));
+  }
+}
+
+double ExclusiveOrGray::shape(int n, double y) const {
+  return code_shape(*layout().code, n, y);
+}
+
+Layout ExclusiveOrGray::layout() const {
+  const int frames = frame_count(bits, reference);
+  Code code = code_in_frames(frames, 0, bits, reference);
+  code.base = bits - base;
+  return layout_of(code, frames);
+}
+
+void GrayPhase::require_valid() const {
+  slipstream::require_valid(Sinusoid{steps, periods}, "gray-phase");
+  const int shown = bits.value_or(bits_for(periods));
+  require_known(name, shown + 1, reference);
+  if (shown < bits_for(periods)) {
+    throw Error(fmt::format("gray-phase: {} bits are too few for {:g} periods, which take {}",
+                            shown, periods, bits_for(periods)));
+  }
+}
+
+double GrayPhase::shape(int n, double y) const {
+  if (n >= steps) return code_shape(*layout().code, n, y);
+  return sinusoid_intensity({steps, periods, shifts}, n, y);
+}
+
+Layout GrayPhase::layout() const {
+  const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
+  const int frames = steps + frame_count(shown, reference);
+  Layout layout{.frames = frames,
+                .bands = {phase_shifted_band(frames, 0, steps, periods, 1, 1, shifts)},
+                .unwrapping = Unwrapping::code};
+  layout.code = code_in_frames(frames, steps, shown, reference);
+  layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
+  if (reference == "mean" || reference == "none")
+    layout.code->reference = layout.bands.front().mean;
+  return layout;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,149 @@
+#include "slipstream/codes/motion_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <iterator>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream {
+namespace {
+
+using Phasor = std::complex<double>;
+using Weights = std::vector<Phasor>;
+
+/// The weights times (1 - x / zero), which is 1 at `kept`.
+Weights with_zero(const Weights& weights, Phasor zero, Phasor kept) {
+  Weights product(weights.size() + 1);
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    product[n] += weights[n] / (1.0 - kept / zero);
+    product[n + 1] -= weights[n] / (zero - kept);
+  }
+  return product;
+}
+
+Weights phasors(const std::vector<double>& real, const std::vector<double>& imaginary) {
+  Weights weights;
+  for (std::size_t n = 0; n < real.size(); ++n) weights.emplace_back(real[n], imaginary[n]);
+  return weights;
+}
+
+/// By what the weights turn from each frame of a cycle to the next; none where that is not one.
+std::optional<Phasor> turn_of(const Weights& weights) {
+  constexpr double rounding = 1e-9;
+  const Phasor turn = weights[1] / weights[0];
+  for (std::size_t n = 0; n < weights.size(); ++n) {
+    const Phasor next = weights[(n + 1) % weights.size()];
+    if (!(std::abs(weights[n] * turn - next) < rounding)) return std::nullopt;
+  }
+  return turn;
+}
+
+[[noreturn]] void refuse_motion() {
+  throw Error(
+      "frames of things that move are weighed over several cycles of patterns that differ by equal "
+      "shifts; take pmp or pcmp");
+}
+
+/// The weights of a cycle's sums, and by what each turns.
+struct CycleSum {
+  explicit CycleSum(Weights of) : weights(std::move(of)) {
+    if (const auto found = turn_of(weights)) {
+      turn = *found;
+    } else {
+      refuse_motion();
+    }
+  }
+
+  Weights weights;
+  Phasor turn;
+};
+
+CycleSum cycle_sum(const Band& band) {
+  return CycleSum(phasors(band.cosine, band.sine));
+}
+
+CycleSum cycle_sum(const std::vector<double>& weights) {
+  return CycleSum(phasors(weights, std::vector<double>(weights.size())));
+}
+
+/// Of a window of that many frames more than a cycle: each N frames in a row give the sum, and
+/// where the sinusoid of the `moving` sum moves, two phasors beside it that turn from row to row.
+/// In its own sum one of them is the phase. A weighted sum of the rows has zeros at the others.
+Weights window_of(const CycleSum& sum, const CycleSum& moving, int extra, int first) {
+  const Phasor both[] = {sum.turn * moving.turn, sum.turn / moving.turn};
+  const bool own = std::abs(both[1] - 1.0) < 1e-9;
+  Weights rows{1};
+  for (int k = 0; k < extra; ++k) {
+    const bool alone = !own && k + 1 == extra && extra % 2 == 1;  // it would not stay real
+    rows = with_zero(rows, alone ? -1 : both[own ? 0 : k % 2], 1);
+  }
+  const std::size_t N = sum.weights.size();
+  Weights window(N + rows.size() - 1);
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    for (std::size_t n = row; n < row + N; ++n) {
+      window[n] += rows[row] * sum.weights[(n + static_cast<std::size_t>(first)) % N];
+    }
+  }
+  return window;
+}
+
+std::vector<double> parts_of(const Weights& weights, double (*part)(const Phasor&)) {
+  std::vector<double> parts;
+  std::transform(weights.begin(), weights.end(), std::back_inserter(parts), part);
+  return parts;
+}
+
+Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int first) {
+  const Weights window = window_of(cycle_sum(band), moving, extra, first);
+  Band made = band;
+  for (std::vector<double>* const weights : {&made.cosine, &made.sine}) {
+    std::rotate(weights->begin(), weights->begin() + first, weights->end());
+  }
+  made.cycle = step_run(made);
+  made.cosine = parts_of(window, std::real);
+  made.sine = parts_of(window, std::imag);
+  made.mean = parts_of(window_of(cycle_sum(band.mean), moving, extra, first), std::real);
+  return made;
+}
+
+}  // namespace
+
+Layout motion_window(const Layout& cycle, int extra, int first) {
+  if (extra < 0 || extra > 16) {
+    throw Error(fmt::format("motion {} is out of range; 0 to 16 frames more than a cycle", extra));
+  }
+  const bool composed = !measuring_band(cycle).mirrored.empty();
+  if (composed || cycle.code || !cycle.single_frames.empty()) refuse_motion();
+  const CycleSum moving = cycle_sum(measuring_band(cycle));
+  Layout window = cycle;
+  window.frames += extra;
+  for (Band& band : window.bands) band = band_in_motion(band, moving, extra, first);
+  if (window.cue) {
+    window.cue->weights =
+        parts_of(window_of(cycle_sum(cycle.cue->weights), moving, extra, first), std::real);
+  }
+  return window;
+}
+
+double motion_ripple(const Layout& cycle, int extra, double speed) {
+  const Weights steps = cycle_sum(measuring_band(cycle)).weights;
+  const Band band = measuring_band(motion_window(cycle, extra));
+  // Frame n is Re(conj(s_n) exp(i n speed)) up to scale, s_n its step.
+  Phasor fringe = 0, image = 0;
+  for (std::size_t n = 0; n < band.mean.size(); ++n) {
+    const Phasor weight(band.cosine[n], band.sine[n]), step = steps[n % steps.size()];
+    const Phasor moved = std::polar(1.0, speed * static_cast<double>(n));
+    fringe += weight * std::conj(step) * moved;
+    image += weight * step * std::conj(moved);
+  }
+  return std::asin(std::min(1.0, std::abs(image) / std::abs(fringe)));
+}
+
+}  // namespace slipstream

@@ -1,0 +1,160 @@
+#include "slipstream/codes/response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream {
+namespace {
+
+/// Points of one curve, by rising value.
+struct Points {
+  std::vector<double> values;
+  std::vector<double> intensities;
+};
+
+Points sorted(std::span<const double> values, std::span<const double> intensities) {
+  std::vector<std::size_t> order(values.size());
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
+  Points points;
+  for (const std::size_t i : order) {
+    points.values.push_back(values[i]);
+    points.intensities.push_back(intensities[i]);
+  }
+  return points;
+}
+
+/// The rising sequence nearest to that one in least squares: neighbours in the wrong order share
+/// their mean.
+std::vector<double> nearest_rising(const std::vector<double>& sequence) {
+  struct Run {
+    double mean;
+    std::size_t count;
+  };
+  std::vector<Run> runs;
+  for (const double next : sequence) {
+    runs.push_back({next, 1});
+    while (runs.size() > 1 && runs[runs.size() - 2].mean > runs.back().mean) {
+      const Run last = runs.back();
+      runs.pop_back();
+      Run& before = runs.back();
+      const std::size_t count = before.count + last.count;
+      before.mean = (before.mean * static_cast<double>(before.count) +
+                     last.mean * static_cast<double>(last.count)) /
+                    static_cast<double>(count);
+      before.count = count;
+    }
+  }
+  std::vector<double> rising;
+  for (const Run& run : runs) rising.insert(rising.end(), run.count, run.mean);
+  return rising;
+}
+
+/// Slopes of the monotone cubic through the points (Fritsch and Butland: a weighted harmonic mean
+/// of the chords at either side, 0 where one of them is flat).
+std::vector<double> monotone_slopes(const std::vector<double>& x, const std::vector<double>& y) {
+  const std::size_t last = x.size() - 1;
+  const auto width = [&](std::size_t i) { return x[i + 1] - x[i]; };
+  const auto chord = [&](std::size_t i) { return (y[i + 1] - y[i]) / width(i); };
+  std::vector<double> slopes(x.size());
+  for (std::size_t i = 1; i < last; ++i) {
+    const double left = chord(i - 1), right = chord(i);
+    if (left <= 0 || right <= 0) continue;
+    const double a = 2 * width(i) + width(i - 1), b = width(i) + 2 * width(i - 1);
+    slopes[i] = (a + b) / (a / left + b / right);
+  }
+  // At the ends the parabola through three points, held where it would overshoot.
+  const auto end_slope = [](double near, double next, double near_width, double next_width) {
+    const double slope =
+        ((2 * near_width + next_width) * near - near_width * next) / (near_width + next_width);
+    return std::clamp(slope, 0.0, 3 * near);
+  };
+  slopes[0] = end_slope(chord(0), chord(1), width(0), width(1));
+  slopes[last] = end_slope(chord(last - 1), chord(last - 2), width(last - 1), width(last - 2));
+  return slopes;
+}
+
+double light_at(const ResponseCurve& curve, double value) {
+  const auto& x = curve.values;
+  const auto above = std::upper_bound(x.begin() + 1, x.end() - 1, value);
+  const auto i = static_cast<std::size_t>(above - x.begin()) - 1;
+  const double width = x[i + 1] - x[i];
+  const double t = (value - x[i]) / width;
+  const double u = 1 - t;
+  return curve.light[i] * u * u * (1 + 2 * t) + curve.light[i + 1] * t * t * (3 - 2 * t) +
+         width * t * u * (curve.slopes[i] * u - curve.slopes[i + 1] * t);
+}
+
+double value_for(const ResponseCurve& curve, double light) {
+  double low = 0, high = 1;
+  while (true) {
+    const double middle = std::midpoint(low, high);
+    if (middle == low || middle == high) return middle;
+    (light_at(curve, middle) < light ? low : high) = middle;
+  }
+}
+
+}  // namespace
+
+bool is_linear(const Response& response) {
+  const auto* const law = std::get_if<PowerLaw>(&response);
+  return law != nullptr && law->gamma == 1;
+}
+
+void require_gamma(double gamma, std::string_view what) {
+  if (!(gamma >= least_gamma && gamma <= largest_gamma)) {
+    throw Error(
+        fmt::format("{} {} is out of range; {} to {}", what, gamma, least_gamma, largest_gamma));
+  }
+}
+
+ResponseCurve response_curve(std::span<const double> values, std::span<const double> intensities) {
+  if (values.size() < 3 || values.size() != intensities.size()) {
+    throw Error(
+        fmt::format("response curve: {} values with {} intensities; at least 3 and as many of each",
+                    values.size(), intensities.size()));
+  }
+  const auto finite = [](double number) { return std::isfinite(number); };
+  if (!std::all_of(values.begin(), values.end(), finite) ||
+      !std::all_of(intensities.begin(), intensities.end(), finite)) {
+    throw Error("response curve: a number in it is not finite");
+  }
+  Points points = sorted(values, intensities);
+  if (points.values.front() != 0 || points.values.back() != 1) {
+    throw Error(fmt::format("response curve: its values go from {} to {}; 0 to 1 is wanted",
+                            points.values.front(), points.values.back()));
+  }
+  const auto twice = std::adjacent_find(points.values.begin(), points.values.end());
+  if (twice != points.values.end()) {
+    throw Error(fmt::format("response curve: value {} stands in it twice", *twice));
+  }
+  std::vector<double> light = nearest_rising(points.intensities);
+  const double dark = light.front(), span = light.back() - dark;
+  if (!(span > 0)) {
+    throw Error("response curve: the intensity does not rise with the pattern's value");
+  }
+  for (double& intensity : light) intensity = (intensity - dark) / span;
+  std::vector<double> slopes = monotone_slopes(points.values, light);
+  return {std::move(points.values), std::move(light), std::move(slopes)};
+}
+
+double light_at(const Response& response, double value) {
+  const double inside = std::clamp(value, 0.0, 1.0);
+  if (const auto* law = std::get_if<PowerLaw>(&response)) return std::pow(inside, law->gamma);
+  return light_at(std::get<ResponseCurve>(response), inside);
+}
+
+double value_for(const Response& response, double light) {
+  const double inside = std::clamp(light, 0.0, 1.0);
+  if (const auto* law = std::get_if<PowerLaw>(&response)) return std::pow(inside, 1 / law->gamma);
+  return value_for(std::get<ResponseCurve>(response), inside);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "slipstream/base/size.h"
+#include "slipstream/codes/axis.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/codes/strategy.h"
+
+namespace slipstream {
+
+/// What a projector shows for one scan.
+struct Sequence {
+  Strategy strategy{};
+  Axis axis = Axis::x;
+  PatternLight light{};  ///< of the patterns
+  Size projector{};      ///< pixels; empty where not said
+  /// Shown again and again, a dark frame after the last pattern marks where each cycle ends. It is
+  /// no frame of the scan.
+  bool marker = false;
+  /// Relative exposures of the camera, in any unit: all patterns are shown again for each, exposure
+  /// by exposure. Several are merged to one set of frames: see merged_exposures.
+  std::vector<double> exposures{1};
+  bool binary = false;  ///< shown a bit at a time, see PatternSet; the frames hold the same
+  /// All patterns along x, which is then the axis, and after them all along y. The frames are read
+  /// as two scans, one along each: see along and Scan.
+  bool both_axes = false;
+  /// Frames of a scan beyond one cycle of the patterns, which are shown over and over: for things
+  /// that move, see motion_window.
+  int motion = 0;
+
+  friend bool operator==(const Sequence&, const Sequence&) = default;
+};
+
+/// The patterns along that axis alone.
+Sequence along(Sequence sequence, Axis axis);
+
+/// "x", "y" or, along x and then along y, "both".
+std::string_view axes_of(const Sequence& sequence);
+/// Sets what axes_of gives. Throws Error for another word.
+void set_axes(Sequence& sequence, std::string_view axes);
+
+/// Frames of one scan: those of the strategy along each axis, for each exposure, and those of
+/// motion.
+int frame_count(const Sequence& sequence);
+
+/// Frames after which the patterns come again: with the marker.
+int cycle_length(const Sequence& sequence);
+
+/// The patterns of a scan, for each exposure, and the marker, where there is one, as the last.
+PatternSet pattern_set(const Sequence& sequence);
+/// Those of a cycle: without the frames of motion.
+Sequence cycle_of(Sequence sequence);
+
+/// What the frames show once their exposures are merged into one and what they hold at once is
+/// taken apart; a window that begins with pattern `first`.
+Sequence merged_sequence(Sequence sequence, int first = 0);
+
+/// Throws Error unless the frames of motion are 0, or those of one cycle of one sinusoid without
+/// marker; and unless there are 1 to 16 exposures above 0, and several only of a strategy that is
+/// read without knowing the ambient light, whose share of the merged frames differs from pixel to
+/// pixel.
+void require_mergeable(const Sequence& sequence);
+
+/// The patterns along x and then those along y that a board is calibrated by, the marker, where
+/// there is one, after the last of all: whatever axis the sequence has.
+std::vector<PatternSet> along_both_axes(const Sequence& sequence);
+
+/// Throws Error, of what `asked` names, unless three patterns of the sequence each make a picture
+/// in colour.
+void require_in_colour(const Sequence& sequence, const std::string& asked);
+
+/// Throws Error where the projector's size is known and cannot show the strategy.
+void require_shown(const Sequence& sequence);
+
+}  // namespace slipstream

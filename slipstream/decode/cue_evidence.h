@@ -1,0 +1,95 @@
+#pragma once
+
+#include "slipstream/codes/layout.h"
+#include "slipstream/decode/cue_settings.h"
+
+namespace slipstream {
+
+/// What the frames of a layout that votes say about one pixel; grey levels of an 8-bit device.
+struct CuePixel {
+  double modulation = 0;     ///< B of the measuring band
+  double wrapped_phase = 0;  ///< of it, rad, [0, 2 pi)
+  double cue = 0;            ///< the cue's number, or C of the second band
+  double cue_sine = 0;       ///< S of the second band
+};
+
+/// The numbers in CueEvidence::cost, grey levels of an 8-bit device.
+struct CueCost {
+  bool circle = false;
+  CueReference reference{};   ///< R of a real cue
+  double c1 = 1, c2 = 1;      ///< shares of the measuring band and of the cue
+  double constant_light = 0;  ///< what the ambient light adds to the cue's channel
+  double steady = 0;          ///< of the cue's slope over B, which is steady + c2 / c1 R(y)
+  double component_variance = 1, cue_variance = 1;
+};
+
+/// What the frames of a pixel say about its fringe order. The cue alone gives a projector
+/// coordinate, Liu 2010, Eqs. (3.58), (3.74), (3.88); all channels together give the likelihood of
+/// any coordinate. A cue that is a second band of one period is a circle: it ends where it began,
+/// so that y = 0 and y = 1 are one place. A real cue rises or falls from one end of the field to
+/// the other.
+class CueEvidence {
+ public:
+  /// Of a layout with Unwrapping::vote.
+  CueEvidence(const Layout& layout, const CueSettings& settings);
+
+  /// Whether the cue is a second band.
+  [[nodiscard]] bool is_circle() const { return cost_.circle; }
+  /// The largest modulation that noise may be taken for: four standard deviations of C and S of the
+  /// measuring band, grey levels of 8 bits.
+  [[nodiscard]] double dimmest_lit() const;
+  /// Whether the modulation is above dimmest_lit() and not below the least that the settings ask
+  /// for.
+  [[nodiscard]] bool lit(const CuePixel& pixel) const;
+
+  /// The modulation below which noise hides the fringe order even from a pixel's neighbours: there
+  /// the standard deviation of the cue, (3.67), (3.76), (3.101), is 0.6 of what it changes over one
+  /// period. The ends of the field, 15 % on either side, where a cosine is flat, do not count. Grey
+  /// levels of 8 bits.
+  [[nodiscard]] double least_modulation() const;
+
+  /// The projector coordinate that the cue alone gives, phi_u / (2 pi), in [0, 1].
+  [[nodiscard]] double coordinate(const CuePixel& pixel) const;
+
+  /// How far coordinate() lies from y, in periods of the high frequency, at most 0.5.
+  [[nodiscard]] double doubt(const CuePixel& pixel, double y) const;
+
+  [[nodiscard]] const CueCost& cost() const { return cost_; }
+
+  /// Minus twice the logarithm of the likelihood of y, up to a constant of the pixel. The
+  /// reflectivity, which is not known, has been eliminated from it. Each channel is weighed by its
+  /// noise, (3.14) and (3.27).
+  [[nodiscard]] double cost(const CuePixel& pixel, double y) const;
+
+  /// What a cue in the DC channel adds to the mean at y, grey levels; 0 for others.
+  [[nodiscard]] double shade(const CuePixel& pixel, double y) const;
+
+  /// The fringe order by the published rule: the nearest to coordinate(). Where the cue is not a
+  /// circle it is held to [0, f_h - 1].
+  [[nodiscard]] int published_order(const CuePixel& pixel) const;
+
+  /// The same, except that a circle's order is moved by whole turns until the coordinate lies in
+  /// the field of a projector `projector_length` pixels long.
+  [[nodiscard]] int nearest_order(const CuePixel& pixel, int projector_length) const;
+
+  /// The likeliest order among those near the field of a projector `projector_length` pixels long.
+  [[nodiscard]] int likeliest_order(const CuePixel& pixel, int projector_length) const;
+
+  /// Whether y lies in the field or at most margin() past its ends.
+  [[nodiscard]] bool near_field(double y, int projector_length) const;
+  /// Half a pixel and a tenth of a period: without it noise at an end would carry a pixel to
+  /// another period.
+  [[nodiscard]] double margin(int projector_length) const;
+
+ private:
+  /// The cue's channel less the ambient light, over B, at y and any reflectivity: (3.56) / (3.57)
+  /// and (3.73) / (3.72).
+  [[nodiscard]] double slope(double y) const;
+
+  CueSettings settings_;
+  CueCost cost_;
+  double f_h_;
+  double dc_ = 0;  ///< Cue::dc
+};
+
+}  // namespace slipstream

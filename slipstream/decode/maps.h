@@ -1,0 +1,45 @@
+#pragma once
+
+#include "slipstream/base/converted.h"
+#include "slipstream/base/image.h"
+
+namespace slipstream {
+
+/// What the frames of one scan say about every camera pixel, before geometry. Kept and handed in
+/// again it is written anew without allocation.
+template <class Real>
+struct BasicMaps {
+  Image<Real> mean;           ///< A^c, grey levels of the frames
+  Image<Real> modulation;     ///< B^c, likewise; the least where several sinusoids were shown
+  Image<Real> wrapped_phase;  ///< of the highest frequency, rad, [0, 2 pi)
+  /// How far apart the frequencies are on the fringe order, in periods of the higher one: 0 to 0.5,
+  /// see fringe_order_residual. Empty when only one frequency was shown.
+  Image<Real> fringe_order_doubt;
+  /// Projector coordinate y, [0, 1) across the field; past its ends by half a pixel, for
+  /// frequencies below 1 by half of what is not lit, for PCMP by a tenth of a period (half of one
+  /// by the published rule). A value stands at every pixel, lit or not: the modulation tells; but
+  /// NaN where the order comes from the range of depth and is open. Empty when the frames give
+  /// none.
+  Image<Real> coordinate;
+  /// Where patterns were shown along both axes: how far the two coordinates lie from the pixel's
+  /// epipolar line, projector pixels, signed; NaN where either was not measured. Else empty.
+  Image<Real> epipolar_distance{};
+  /// Of a window over more than a cycle, see MotionMeasurement: how far the phase moves from frame
+  /// to frame, rad. Else empty.
+  Image<Real> motion{};
+};
+
+/// What is shown and written.
+using Maps = BasicMaps<float>;
+
+/// From one precision to the other; memory is used where it is of the size.
+template <class From, class To>
+void convert(const BasicMaps<From>& from, BasicMaps<To>& to) {
+  convert(from.mean, to.mean);
+  convert(from.modulation, to.modulation);
+  convert(from.wrapped_phase, to.wrapped_phase);
+  convert(from.fringe_order_doubt, to.fringe_order_doubt);
+  convert(from.coordinate, to.coordinate);
+}
+
+}  // namespace slipstream

@@ -1,0 +1,406 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/surface_window.h"
+
+namespace slipstream {
+
+struct PixelPlace {
+  int row = 0, column = 0;
+  auto operator<=>(const PixelPlace&) const = default;
+};
+
+/// A choice is told as a shift: the fringe order chosen less the one that the pixel said alone.
+struct ShiftedPixel {
+  PixelPlace place;
+  int shift = 0;
+};
+
+/// In place of a shift: that the exact rules are to choose it.
+inline constexpr int undecided = std::numeric_limits<int>::max();
+
+struct VoteLimits {
+  static constexpr double most_evidence = 4;    ///< a neighbour's evidence counts no more than this
+  static constexpr double disagreement = 0.25;  ///< cost of a neighbour that chose otherwise
+  /// Five standard deviations: a choice that costs a pixel more is none.
+  static constexpr double sure = 25;
+  /// Four standard deviations: by so much must a choice be the cheaper one along a line of five
+  /// pixels to stand against the rest of the window, as a wire is a line and noise is none.
+  static constexpr double enough_along_a_line = 16;
+};
+
+/// What a vote keeps between its passes; kept from scan to scan it spares allocations.
+struct NeighbourhoodVoteLists {
+  std::vector<PixelPlace> open;        ///< pixels whose neighbours disagree with them
+  std::vector<ShiftedPixel> choices;   ///< of those, in one pass
+  std::vector<PixelPlace> moved;       ///< in one pass
+  std::vector<PixelPlace> ever_moved;  ///< in any
+};
+
+/// Chooses fringe orders by the neighbourhood, see choose_with_neighbours, and looks at no pixel
+/// but those in doubt and their neighbours. `Field` says, for any pixel and four places past the
+/// ends of the picture:
+///   double periods(int column, int row)  the phase unwrapped by the pixel's own order, in periods;
+///                                        NaN where it means nothing and outside the picture
+///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel, less
+///                                        those of the pixel
+///   void foresee(const std::vector<PixelPlace>& open)  that the windows around them come next
+///   Window window_around(int column, int row)  5 x 5 pixels, numbered by rows:
+///     double against(int cell, int shift)        FringeOrderCost of a shifted order less that of
+///                                                the pixel's own
+///     int shift(int line, int column)        0 outside the picture
+///   bool own_order_costs_least()  whether no shift costs a pixel less than none
+///   int shift(int column, int row), void set_shift(int column, int row, int shift)
+/// and, where it is quicker at what most pixels need,
+///   void hold_ballots(std::span<ShiftedPixel>), void find_support(std::span<ShiftedPixel>)
+template <class Field>
+class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
+ public:
+  explicit NeighbourhoodVote(Field& field) : field_(field) {}
+
+  /// Whether a neighbour on the same surface implies another order.
+  [[nodiscard]] bool disagrees(int column, int row) const {
+    return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
+      const auto [dx, dy] = direction;
+      return linked(column, row, dx, dy) &&
+             field_.shift(column + dx, row + dy) !=
+                 field_.shift(column, row) + shift_step(column, row, dx, dy);
+    });
+  }
+
+  /// `lists.open` holds, in any order but once, at least the pixels that disagree; the field's
+  /// shifts are 0 and are then those chosen. `lists.ever_moved` holds all pixels that have one.
+  void operator()(NeighbourhoodVoteLists& lists) {
+    lists.ever_moved.clear();
+    for (int pass = 0; pass < passes && !lists.open.empty(); ++pass) {
+      choose(lists);
+      open_what_disagrees(lists);
+    }
+    sort_once(lists.ever_moved);
+    lists.moved = lists.ever_moved;
+    for (int pass = 0; pass < passes && !lists.moved.empty(); ++pass) {
+      restore_at_hidden_edges(lists);
+    }
+    std::erase_if(lists.ever_moved,
+                  [&](PixelPlace at) { return field_.shift(at.column, at.row) == 0; });
+  }
+
+ private:
+  static constexpr int passes = 3;
+
+  static constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+  static double part(double periods) { return periods - nearest_whole(periods); }
+
+  /// Shift at the next pixel less shift here, where they agree.
+  [[nodiscard]] int shift_step(int column, int row, int dx, int dy) const {
+    return -static_cast<int>(
+        nearest_whole(field_.periods(column + dx, row + dy) - field_.periods(column, row)));
+  }
+
+  /// Whether the surface goes on across a step, given those before and after it, all less whole
+  /// periods: an edge differs from the steps on either side of it.
+  [[nodiscard]] bool goes_on(double before, double step, double after) const {
+    if (!(std::abs(step) <= steepest)) return false;
+    if (std::isnan(before) && std::isnan(after)) return true;
+    return std::abs(step - before) <= roughest || std::abs(step - after) <= roughest;
+  }
+
+  /// From a pixel to the next along (dx, dy), dx + dy = +-1.
+  [[nodiscard]] bool linked(int column, int row, int dx, int dy) const {
+    const double at = field_.periods(column, row);
+    const double next = field_.periods(column + dx, row + dy);
+    return goes_on(part(at - field_.periods(column - dx, row - dy)), part(next - at),
+                   part(field_.periods(column + 2 * dx, row + 2 * dy) - next));
+  }
+
+  [[nodiscard]] Links links_around(PixelPlace at) const {
+    PhaseWindow window;
+    field_.periods_around(at.column, at.row, window);
+    return links_in(window);
+  }
+
+  static PixelPlace place(PixelPlace at, int cell) {
+    return {at.row + cell / side - 2, at.column + cell % side - 2};
+  }
+
+  /// A pixel and all that have a say in its choice.
+  class Ballot {
+   public:
+    Ballot(const NeighbourhoodVote& vote, PixelPlace at, const Surface& surface)
+        : surface_(surface),
+          window_(vote.field_.window_around(at.column, at.row)),
+          costs_least_(vote.field_.own_order_costs_least()) {
+      for (int line = 0, cell = 0; line < side; ++line) {
+        for (int column = 0; column < side; ++column, ++cell) {
+          shift_[index(cell)] = window_.shift(line, column);
+          moved_ |= Cells{shift_[index(cell)] != 0} << cell;
+        }
+      }
+    }
+
+    /// The shift of the middle that costs least, among its own and those that neighbours imply;
+    /// first come those that most of them do.
+    [[nodiscard]] int least_cost_shift() {
+      const auto end = name_candidates();
+      int best = 0;
+      double least = std::numeric_limits<double>::infinity();
+      for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
+        const double here = total(*candidate, least);
+        if (!(here < least)) continue;
+        best = candidate->shift;
+        least = here;
+      }
+      return shift_of_a_line(best, end);
+    }
+
+   private:
+    struct Candidate {
+      int shift;
+      Cells voters;
+    };
+    using Candidates = std::array<Candidate, cells>;
+
+    /// Fills `candidates_` with those that the pixel itself does not rule out; gives their end.
+    typename Candidates::iterator name_candidates() {
+      std::array<int, cells> implied;
+      for (std::size_t i = 0; i < cells; ++i) implied[i] = shift_[i] - surface_.shift_step[i];
+      auto end = candidates_.begin();
+      for (Cells rest = surface_.pixels; rest != 0; ++end) {
+        const int shift = implied[index(std::countr_zero(rest))];
+        Cells voters = 0;
+        for (int i = cells - 1; i >= 0; --i)
+          voters = 2 * voters + Cells{implied[index(i)] == shift};
+        *end = {shift, voters & rest};
+        rest &= ~voters;
+      }
+      end = std::remove_if(candidates_.begin(), end, [&](const Candidate& candidate) {
+        return window_.against(middle, candidate.shift) > sure;
+      });
+      std::sort(candidates_.begin(), end, [](const auto& a, const auto& b) {
+        const int votes = std::popcount(a.voters), of_b = std::popcount(b.voters);
+        return votes != of_b ? votes > of_b : a.shift < b.shift;
+      });
+      return end;
+    }
+
+    /// A wire one pixel wide is outvoted in every window, but not on the line that it makes. Where
+    /// a line of the wire and one of the surface behind it cross, the pixel itself decides.
+    [[nodiscard]] int shift_of_a_line(int best, typename Candidates::iterator end) {
+      int chosen = best;
+      double most = enough_along_a_line;
+      for (auto candidate = candidates_.begin(); candidate != end; ++candidate) {
+        if (candidate->shift == best) continue;
+        const LineEvidence evidence = line_evidence(best, *candidate);
+        if (!(evidence.for_candidate > most)) continue;
+        const bool crossing = evidence.for_best > enough_along_a_line;
+        if (crossing &&
+            !(window_.against(middle, candidate->shift) < window_.against(middle, best)))
+          continue;
+        chosen = candidate->shift;
+        most = evidence.for_candidate;
+      }
+      return chosen;
+    }
+
+    /// By how much a choice is the cheaper of two, along the line that says so most.
+    struct LineEvidence {
+      double for_best = 0, for_candidate = 0;
+    };
+
+    /// Nothing where no line has three pixels, the middle among them, that the candidate suits.
+    [[nodiscard]] LineEvidence line_evidence(int best, const Candidate& candidate) {
+      LineEvidence found;
+      const Cells others = candidate.voters & ~bit(middle);
+      if (std::none_of(line_cells.begin(), line_cells.end(), [others](Cells line) {
+            const Cells suited = line & others;
+            return (suited & (suited - 1)) != 0;  // two or more
+          })) {
+        return found;
+      }
+      std::array<double, cells> saved{};
+      for_each_cell(surface_.pixels, [&](int cell) {
+        const int step = surface_.shift_step[index(cell)];
+        saved[index(cell)] =
+            window_.against(cell, best + step) - window_.against(cell, candidate.shift + step);
+      });
+      for (const Line& line : lines) {
+        double sum = 0;
+        for (const int cell : line) sum += saved[index(cell)];
+        found.for_best = std::max(found.for_best, -sum);
+        found.for_candidate = std::max(found.for_candidate, sum);
+      }
+      return found;
+    }
+
+    /// The cost of a shift of the middle to the whole surface; or, where nobody's share can be
+    /// negative, a part of it that is not below `enough`.
+    [[nodiscard]] double total(const Candidate& candidate, double enough) const {
+      if (!costs_least_) enough = std::numeric_limits<double>::infinity();
+      const Cells others = surface_.pixels & ~bit(middle);
+      double sum = window_.against(middle, candidate.shift) +
+                   disagreement * std::popcount(others & ~candidate.voters);
+      const Cells content = candidate.voters & ~moved_;  // it leaves them their own order
+      for (Cells rest = others & ~content; rest != 0 && sum < enough; rest &= rest - 1) {
+        const int cell = std::countr_zero(rest);
+        const int implied = candidate.shift + surface_.shift_step[index(cell)];
+        if (implied != 0) sum += std::min(window_.against(cell, implied), most_evidence);
+      }
+      return sum;
+    }
+
+    const Surface& surface_;
+    typename Field::Window window_;
+    bool costs_least_;
+    Cells moved_ = 0;
+    std::array<int, cells> shift_;
+    Candidates candidates_;
+  };
+
+  /// Whether one of the four neighbours implies another order.
+  [[nodiscard]] bool disagrees(PixelPlace at, const Links& links) const {
+    const int own = field_.shift(at.column, at.row);
+    const auto implies_another = [&](int dx, int dy, const auto& linked, const auto& steps,
+                                     int link, int sign) {
+      return (linked & bit(link)) != 0 &&
+             field_.shift(at.column + dx, at.row + dy) != own + sign * steps[index(link)];
+    };
+    return implies_another(1, 0, links.right, links.right_step, middle, 1) ||
+           implies_another(-1, 0, links.right, links.right_step, middle - 1, -1) ||
+           implies_another(0, 1, links.down, links.down_step, middle, 1) ||
+           implies_another(0, -1, links.down, links.down_step, middle - side, -1);
+  }
+
+  /// False only where no neighbour can disagree, whatever is an edge.
+  [[nodiscard]] bool may_disagree(PixelPlace at) const {
+    const double own = field_.periods(at.column, at.row);
+    if (std::isnan(own)) return false;  // outside the picture there is no shift either
+    const int shift = field_.shift(at.column, at.row);
+    return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
+      const int column = at.column + direction[0], row = at.row + direction[1];
+      const double step = field_.periods(column, row) - own;
+      const double nearest = nearest_whole(step);
+      return std::abs(step - nearest) <= steepest &&
+             field_.shift(column, row) != shift - static_cast<int>(nearest);
+    });
+  }
+
+  [[nodiscard]] int chosen_shift(PixelPlace at) const {
+    const Links links = links_around(at);
+    if (!disagrees(at, links)) return field_.shift(at.column, at.row);
+    const Surface surface = same_surface(links, whole_window);
+    return Ballot(*this, at, surface).least_cost_shift();
+  }
+
+  /// One pass: all choose by what stood before it.
+  void choose(NeighbourhoodVoteLists& lists) {
+    constexpr int share = 64;
+    field_.foresee(lists.open);
+    lists.choices.resize(lists.open.size());
+    struct Work {
+      const NeighbourhoodVote& vote;
+      NeighbourhoodVoteLists& lists;
+      void operator()(int part) const {
+        const std::size_t first = static_cast<std::size_t>(part) * share;
+        const std::size_t last = std::min(first + share, lists.open.size());
+        for (std::size_t i = first; i < last; ++i) lists.choices[i] = {lists.open[i], undecided};
+        const auto choices = std::span(lists.choices).subspan(first, last - first);
+        if constexpr (is_quick) vote.field_.hold_ballots(choices);
+        for (auto& [at, shift] : choices) {
+          if (shift == undecided) shift = vote.chosen_shift(at);
+        }
+      }
+    };
+    const Work work{*this, lists};
+    const int parts = static_cast<int>((lists.open.size() + share - 1) / share);
+    if (parallel_threads() == 1) {
+      for (int part = 0; part < parts; ++part) work(part);
+    } else {
+      // One captured reference: std::function then allocates nothing.
+      for_each_row(parts, [&work](int part) { work(part); });
+    }
+    apply(lists);
+  }
+
+  void apply(NeighbourhoodVoteLists& lists) {
+    lists.moved.clear();
+    for (const auto& [at, shift] : lists.choices) {
+      if (field_.shift(at.column, at.row) == shift) continue;
+      field_.set_shift(at.column, at.row, shift);
+      lists.moved.push_back(at);
+    }
+    lists.ever_moved.insert(lists.ever_moved.end(), lists.moved.begin(), lists.moved.end());
+  }
+
+  /// For the next pass: what was open and still disagrees, and what does so because it or the one
+  /// beside it moved.
+  void open_what_disagrees(NeighbourhoodVoteLists& lists) const {
+    if (lists.moved.empty()) return lists.open.clear();
+    for (const auto& [row, column] : lists.moved) {
+      for (const auto& [dx, dy] : directions) lists.open.push_back({row + dy, column + dx});
+    }
+    std::erase_if(lists.open, [&](PixelPlace at) { return !may_disagree(at); });
+    sort_once(lists.open);
+  }
+
+  static void sort_once(std::vector<PixelPlace>& places) {
+    std::sort(places.begin(), places.end());
+    places.erase(std::unique(places.begin(), places.end()), places.end());
+  }
+
+  /// Whether one of its eight neighbours, of those on the same surface, agrees with what the pixel
+  /// said alone.
+  [[nodiscard]] bool has_support(PixelPlace at) const {
+    const Surface surface = same_surface(links_around(at), inner_window);
+    const auto window = field_.window_around(at.column, at.row);
+    bool supported = false;
+    for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
+      supported |= window.shift(cell / side, cell % side) == surface.shift_step[index(cell)];
+    });
+    return supported;
+  }
+
+  /// One pass over `lists.moved`: back to what the pixel said alone where one of its eight
+  /// neighbours, of those on the same surface, agrees with that: it shows an edge of whole periods,
+  /// which the wrapped phase does not. Leaves there whom the next pass may restore for that.
+  void restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
+    lists.choices.clear();
+    for (const PixelPlace at : lists.moved) {
+      if (field_.shift(at.column, at.row) != 0) lists.choices.push_back({at, undecided});
+    }
+    if constexpr (is_quick) field_.find_support(lists.choices);
+    std::erase_if(lists.choices, [&](const ShiftedPixel& pixel) {
+      return pixel.shift == undecided ? !has_support(pixel.place) : pixel.shift != 0;
+    });
+    lists.moved.clear();
+    for (const auto& [at, shift] : lists.choices) {
+      field_.set_shift(at.column, at.row, 0);
+      for_each_cell(inner_window, [&](int cell) { lists.moved.push_back(place(at, cell)); });
+    }
+    // Only those have a shift that have moved, and none is outside the picture.
+    std::erase_if(lists.moved, [&](PixelPlace at) {
+      return !std::binary_search(lists.ever_moved.begin(), lists.ever_moved.end(), at);
+    });
+    sort_once(lists.moved);
+  }
+
+  static constexpr bool is_quick = requires(Field & field, std::span<ShiftedPixel> pixels) {
+    field.hold_ballots(pixels);
+    field.find_support(pixels);
+  };
+
+  Field& field_;
+};
+
+}  // namespace slipstream

@@ -1,0 +1,200 @@
+#include "slipstream/decode/surface_orders.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "slipstream/base/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+/// Whole periods from a pixel's phase to that of the next; none across an edge.
+std::optional<int> periods_between(float phase, float next) {
+  constexpr auto pi = std::numbers::pi_v<float>;
+  constexpr float steepest = 0.5F * pi;  // per pixel
+  const float step = next - phase;
+  const int whole = step > pi ? 1 : step < -pi ? -1 : 0;
+  if (!(std::abs(step - 2 * pi * static_cast<float>(whole)) < steepest)) return {};
+  return whole;
+}
+
+/// The same between two pixels of a row or column, by both phases.
+std::optional<int> periods_between(const Image<float>& phase, const SecondPhase* second, int column,
+                                   int row, int next_column, int next_row) {
+  const auto whole = periods_between(phase(column, row), phase(next_column, next_row));
+  if (!whole || second == nullptr) return whole;
+  constexpr auto two_pi = 2 * std::numbers::pi_v<float>;
+  constexpr float most = 0.04F;  // rad; smoothed over an edge phases run on, too, but not alike
+  const float step = phase(next_column, next_row) - phase(column, row);
+  const float expected = second->ratio * (step - two_pi * static_cast<float>(*whole));
+  const float seen = second->wrapped(next_column, next_row) - second->wrapped(column, row);
+  return std::abs(std::remainder(seen - expected, two_pi)) < most ? whole : std::nullopt;
+}
+
+/// How many pixels may have their order by each shift of all the orders of a surface.
+class Votes {
+ public:
+  void add(int first, int last) {
+    if (first > last) return;
+    if (changes_.empty()) first_ = first;
+    if (first < first_) {
+      changes_.insert(changes_.begin(), static_cast<std::size_t>(first_ - first), 0);
+      first_ = first;
+    }
+    const auto end = static_cast<std::size_t>(last - first_ + 1);
+    if (end >= changes_.size()) changes_.resize(end + 1);
+    ++changes_[static_cast<std::size_t>(first - first_)];
+    --changes_[end];
+  }
+
+  /// None where no shift is sure.
+  [[nodiscard]] std::optional<int> chosen(std::size_t pixels) {
+    constexpr double least = 0.995, most_other = 0.99;
+    if (changes_.empty()) return {};
+    std::vector<int>& counts = changes_;
+    std::partial_sum(counts.begin(), counts.end(), counts.begin());
+    const auto best = std::max_element(counts.begin(), counts.end());
+    if (*best < least * static_cast<double>(pixels)) return {};
+    const auto near = std::count_if(counts.begin(), counts.end(),
+                                    [&](int others) { return others > most_other * *best; });
+    if (near > 1) return {};
+    return first_ + static_cast<int>(best - counts.begin());
+  }
+
+ private:
+  int first_ = 0;
+  std::vector<int> changes_;  ///< from each shift to the next
+};
+
+}  // namespace
+
+void SurfaceOrders::find_runs(const Image<float>& wrapped_phase, const SecondPhase* second) {
+  const auto [width, height] = wrapped_phase.size();
+  if (orders_.size() != wrapped_phase.size()) orders_ = Image<int>(wrapped_phase.size());
+  rows_.resize(static_cast<std::size_t>(height));
+  for_each_row(height, [&, width = width](int row) {
+    std::vector<SurfaceRun>& runs = rows_[static_cast<std::size_t>(row)];
+    runs.clear();
+    const float* const phase = wrapped_phase.row(row);
+    int* const orders = orders_.row(row);
+    for (int column = 0; column < width; ++column) {
+      orders[column] = none;
+      if (!std::isfinite(phase[column])) continue;
+      orders[column] = 0;
+      const auto whole = column > 0
+                             ? periods_between(wrapped_phase, second, column - 1, row, column, row)
+                             : std::nullopt;
+      if (whole) {
+        orders[column] = orders[column - 1] - *whole;
+        ++runs.back().last;
+      } else {
+        runs.push_back({.row = row, .first = column, .last = column + 1, .order = 0});
+      }
+    }
+  });
+}
+
+std::size_t SurfaceOrders::root_of(std::size_t run) {
+  while (parent_[run] != run) {
+    const std::size_t next = parent_[run];
+    if (parent_[next] == next) return next;
+    runs_[run].order += runs_[next].order;
+    parent_[run] = parent_[next];
+  }
+  return run;
+}
+
+/// `further`: what the other run's orders are more than its own say, where those of `run` are as
+/// they say.
+void SurfaceOrders::join(std::size_t run, std::size_t other, int further) {
+  const std::size_t root = root_of(run), joined = root_of(other);
+  if (root == joined) return;
+  const auto order_of = [&](std::size_t of, std::size_t its_root) {
+    return of == its_root ? 0 : runs_[of].order;
+  };
+  parent_[joined] = root;
+  runs_[joined].order = order_of(run, root) + further - order_of(other, joined);
+}
+
+void SurfaceOrders::join_rows(const Image<float>& wrapped_phase, const SecondPhase* second) {
+  runs_.clear();
+  std::size_t above = 0, end = 0;
+  for (const std::vector<SurfaceRun>& row : rows_) {
+    const std::size_t begin = runs_.size();
+    runs_.insert(runs_.end(), row.begin(), row.end());
+    parent_.resize(runs_.size());
+    std::iota(parent_.begin() + static_cast<std::ptrdiff_t>(begin), parent_.end(), begin);
+    end = begin;
+    for (std::size_t run = begin; above < end && run < runs_.size();) {
+      const int first = std::max(runs_[above].first, runs_[run].first);
+      const int last = std::min(runs_[above].last, runs_[run].last);
+      const int below = runs_[run].row;
+      for (int column = first; column < last; ++column) {
+        const auto whole = periods_between(wrapped_phase, second, column, below - 1, column, below);
+        if (!whole) continue;
+        join(above, run, orders_(column, below - 1) - *whole - orders_(column, below));
+        break;
+      }
+      runs_[above].last < runs_[run].last ? ++above : ++run;
+    }
+    above = begin;
+  }
+}
+
+const Image<int>& SurfaceOrders::operator()(const Image<float>& wrapped_phase,
+                                            const SurfaceChoice& choose,
+                                            const SecondPhase* second) {
+  constexpr std::size_t fewest = 64;
+  find_runs(wrapped_phase, second);
+  join_rows(wrapped_phase, second);
+  // The runs of each surface side by side: how many pixels and runs each has, at its root.
+  pixels_.assign(runs_.size(), 0);
+  place_.assign(runs_.size() + 1, 0);
+  for (std::size_t run = 0; run < runs_.size(); ++run) {
+    const std::size_t root = root_of(run);
+    parent_[run] = root;
+    pixels_[root] += static_cast<std::size_t>(runs_[run].last - runs_[run].first);
+    ++place_[root + 1];
+  }
+  std::partial_sum(place_.begin(), place_.end(), place_.begin());
+  sorted_.resize(runs_.size());
+  for (std::size_t run = 0; run < runs_.size(); ++run) {
+    const std::size_t root = parent_[run];
+    if (root == run) runs_[run].order = 0;
+    sorted_[place_[root]++] = runs_[run];
+  }
+  std::size_t begin = 0;
+  for (std::size_t root = 0; root < runs_.size(); ++root) {
+    const std::size_t end = place_[root];
+    const Surface surface{{sorted_.data() + begin, end - begin}, orders_, pixels_[root]};
+    begin = end;
+    if (surface.runs.empty()) continue;
+    const auto shift = surface.pixels < fewest ? std::nullopt : choose(surface);
+    for (const auto& [row, first, last, order] : surface.runs) {
+      int* const orders = orders_.row(row);
+      for (int column = first; column < last; ++column) {
+        orders[column] = shift ? orders[column] + order + *shift : none;
+      }
+    }
+  }
+  return orders_;
+}
+
+SurfaceChoice by_possible_orders(const Image<OrderRange>& possible) {
+  return [&possible](const Surface& surface) {
+    Votes votes;
+    surface.for_each([&](int column, int row, int order) {
+      const auto [first, last] = possible(column, row);
+      votes.add(first - order, last - order);
+    });
+    return votes.chosen(surface.pixels);
+  };
+}
+
+}  // namespace slipstream

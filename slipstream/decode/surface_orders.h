@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "slipstream/base/image.h"
+
+namespace slipstream {
+
+/// Pixels of a row from `first` to before `last` that are on one surface. The fringe order of each
+/// is its own in Surface::orders and `order`.
+struct SurfaceRun {
+  int row = 0, first = 0, last = 0, order = 0;
+};
+
+/// Pixels whose orders are known but for one number that is added to all.
+struct Surface {
+  std::span<const SurfaceRun> runs;
+  const Image<int>& orders;
+  std::size_t pixels = 0;
+
+  /// Calls `body(column, row, order)` for every pixel.
+  template <class Body>
+  void for_each(const Body& body) const {
+    for (const auto& [row, first, last, order] : runs) {
+      const int* const own = orders.row(row);
+      for (int column = first; column < last; ++column) body(column, row, own[column] + order);
+    }
+  }
+};
+
+/// What is to be added to all orders of a surface; none where that is not sure.
+using SurfaceChoice = std::function<std::optional<int>(const Surface& surface)>;
+
+/// A second phase of the same pixels: `ratio` times as many periods as the first.
+struct SecondPhase {
+  Image<float> wrapped;
+  float ratio = 1;
+};
+
+/// Fringe orders of a phase of many periods, surface by surface: pixels are on one surface where
+/// the phase goes on from each to the next by less than a quarter of a period, and so their orders
+/// are known to one whole number; where there is a second phase, it must go on likewise. Keeps its
+/// memory.
+class SurfaceOrders {
+ public:
+  static constexpr int none = std::numeric_limits<int>::min();
+
+  /// The orders with what `choose` finds for each surface; `none` where `wrapped_phase` (rad, [0,
+  /// 2 pi]) is NaN, where a surface has less than 64 pixels and where nothing is chosen.
+  const Image<int>& operator()(const Image<float>& wrapped_phase, const SurfaceChoice& choose,
+                               const SecondPhase* second = nullptr);
+
+ private:
+  void find_runs(const Image<float>& wrapped_phase, const SecondPhase* second);
+  void join_rows(const Image<float>& wrapped_phase, const SecondPhase* second);
+  void join(std::size_t run, std::size_t other, int further);
+  std::size_t root_of(std::size_t run);
+
+  std::vector<std::vector<SurfaceRun>> rows_;
+  std::vector<SurfaceRun> runs_, sorted_;
+  std::vector<std::size_t> parent_;  ///< another run of the surface, or itself
+  std::vector<std::size_t> pixels_, place_;
+  Image<int> orders_;
+};
+
+/// Fringe orders that a pixel may have, first to last; none where the first is beyond the last.
+struct OrderRange {
+  std::int16_t first = 0, last = -1;
+};
+
+/// The order under which 99.5 % of the pixels have one that they may have, where under any other
+/// one in a hundred less do. `possible` must outlive it.
+SurfaceChoice by_possible_orders(const Image<OrderRange>& possible);
+
+}  // namespace slipstream

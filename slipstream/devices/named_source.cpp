@@ -1,0 +1,190 @@
+#include "slipstream/devices/named_source.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
+#include "slipstream/devices/open_camera.h"
+#include "slipstream/frames/colour_channels.h"
+#include "slipstream/frames/colour_source.h"
+#include "slipstream/io/replay_source.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/simulate/virtual_camera.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+/// 0 is no rate: as fast as frames are asked for.
+std::optional<double> pace_from(std::optional<double> rate) {
+  return rate == 0.0 ? std::nullopt : rate;
+}
+
+/// Puts the scanner that the request names in place of the source's own.
+void set_scanner(NamedSource& opened, const SourceRequest& request,
+                 const std::optional<Scanner>& otherwise, const std::string& name) {
+  opened.scanner = otherwise;
+  opened.scanner_name = name;
+  if (!request.scanner) return;
+  opened.scanner = read_scanner(*request.scanner);
+  opened.scanner_name = request.scanner->string();
+}
+
+/// Of a loop: enough to see the scene move, or turn once round where that is not too many.
+int cycles_to_see(const Scene& scene, int patterns) {
+  constexpr int fewest_frames = 32, fewest_cycles = 4, most_frames = 1440;
+  const double turn = frames_of_a_turn(scene).value_or(0);
+  if (turn > fewest_frames && turn <= most_frames) {
+    return static_cast<int>(std::lround(turn / patterns));
+  }
+  return std::max(fewest_cycles, (fewest_frames - 1) / patterns + 1);
+}
+
+NamedSource open_virtual(const std::string& what, const SourceRequest& request) {
+  if (!what.empty()) {
+    throw Error(fmt::format("source virtual:{}: virtual takes nothing after it", what));
+  }
+  if (!request.world) throw Error("source virtual: no virtual world is given");
+  const auto& [scanner, scene, photometry] = *request.world;
+  NamedSource opened;
+  opened.sequence = default_sequence(scanner.projector.size, request.sequence);
+  opened.sequence.marker |= request.marker;
+  if (opened.sequence.projector != scanner.projector.size) {
+    throw Error(fmt::format("--projector {} is not that of the scanner, {}",
+                            text_of(opened.sequence.projector), text_of(scanner.projector.size)));
+  }
+  const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
+  opened.frames = std::make_unique<VirtualCamera>(
+      virtual_frames(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count)),
+      pace_from(request.rate));
+  opened.scanner = as_calibrated(*request.world);
+  opened.scanner_name = "the virtual scanner";
+  return opened;
+}
+
+NamedSource open_replay(const std::string& path, const SourceRequest& request) {
+  auto replay = std::make_unique<ReplaySource>(
+      path, ReplaySettings{.rate = request.rate,
+                           .loop = request.loop,
+                           .scan = {.sequence = request.sequence, .scanner = request.scanner}});
+  const RecordingHeader& header = replay->header();
+  if (!header.sequence && !request.sequence.strategy) {
+    throw Error(
+        fmt::format("{}: does not say what patterns it shows; say so with --strategy", path));
+  }
+  NamedSource opened;
+  opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
+  opened.sequence.marker |= request.marker;
+  opened.warning = replay->warning();
+  set_scanner(opened, request, header.scanner, path);
+  opened.in_colour = header.in_colour;
+  if (opened.in_colour) require_in_colour(opened.sequence, path);
+  opened.white = header.white;
+  opened.frames = std::move(replay);
+  return opened;
+}
+
+/// Of a camera, which does not say what is projected.
+NamedSource open_camera_source(const std::string&, const SourceRequest& request) {
+  if (!request.sequence.strategy) {
+    throw Error(fmt::format(
+        "{}: a camera does not say what patterns it sees; say so with --strategy", request.source));
+  }
+  NamedSource opened;
+  opened.sequence = changed({}, request.sequence);
+  opened.sequence.marker |= request.marker;
+  CameraSettings settings = request.camera;
+  settings.frame_rate = pace_from(request.rate);
+  settings.cycle =
+      cycle_length(opened.sequence) + (request.scans - 1) * frame_count(cycle_of(opened.sequence));
+  const int patterns = values_of(settings.pixel_format);
+  opened.in_colour = patterns > 1;
+  if (opened.in_colour) {
+    require_in_colour(opened.sequence,
+                      "--pixel-format " + std::string(name_of(settings.pixel_format)));
+  }
+  settings.cycle /= patterns;
+  opened.frames = open_camera(request.source, settings);
+  if (opened.in_colour) opened.frames = std::make_unique<ColourSource>(std::move(opened.frames));
+  set_scanner(opened, request, std::nullopt, request.source);
+  return opened;
+}
+
+struct Scheme {
+  std::string_view name;
+  std::string_view form;
+  NamedSource (*open)(const std::string& what, const SourceRequest& request);
+};
+
+constexpr std::array schemes{
+    Scheme{"virtual", "virtual", open_virtual},
+    Scheme{"replay", "replay:PATH", open_replay},
+    Scheme{"aravis", "aravis:NAME", open_camera_source},
+    Scheme{"v4l2", "v4l2:NUMBER", open_camera_source},
+};
+
+std::vector<std::string_view> scheme_names() {
+  std::vector<std::string_view> names;
+  for (const Scheme& scheme : schemes) names.push_back(scheme.name);
+  return names;
+}
+
+}  // namespace
+
+std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels,
+                                           const NamedSource& opened) {
+  if (!opened.in_colour || !opened.scanner || !opened.scanner->photometry.colour_mixture) {
+    return channels;
+  }
+  return std::make_unique<UnmixedSource>(std::move(channels),
+                                         *opened.scanner->photometry.colour_mixture, opened.white);
+}
+
+std::string source_forms() {
+  std::vector<std::string_view> forms;
+  for (const Scheme& scheme : schemes) forms.push_back(scheme.form);
+  return fmt::format("{}", fmt::join(forms, ", "));
+}
+
+std::string scheme_of(const std::string& source) {
+  return source.substr(0, source.find(':'));
+}
+
+NamedSource open_source(const SourceRequest& request) {
+  const std::string name = scheme_of(request.source);
+  const std::string what =
+      request.source.size() > name.size() ? request.source.substr(name.size() + 1) : std::string();
+  const auto scheme =
+      std::find_if(schemes.begin(), schemes.end(), [&](const Scheme& s) { return s.name == name; });
+  if (scheme == schemes.end()) {
+    const bool is_path = fs::exists(request.source);
+    throw Error(fmt::format("source '{}' is not known; it is one of: {}{}", request.source,
+                            source_forms(),
+                            is_path ? fmt::format("; did you mean replay:{}?", request.source)
+                                    : did_you_mean(name, scheme_names())));
+  }
+  const double rate = request.rate.value_or(0);
+  if (!(rate == 0 || (rate >= 1e-3 && rate <= 1e6))) {
+    throw Error(
+        fmt::format("--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate));
+  }
+  NamedSource opened = scheme->open(what, request);
+  if (!opened.in_colour) return opened;
+  const bool mixed = opened.scanner && opened.scanner->photometry.colour_mixture;
+  const std::string doubt = doubt_about_colours(mixed, opened.white.count() != 0);
+  opened.warning += opened.warning.empty() || doubt.empty() ? doubt : "; " + doubt;
+  if (request.as_taken) return opened;
+  opened.frames = colours_apart(std::move(opened.frames), opened);
+  opened.in_colour = false;
+  return opened;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,215 @@
+#include "slipstream/frames/colour_channels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+
+namespace slipstream {
+namespace {
+
+Eigen::Matrix3d colours_of(const ColourMixture& mixture) {
+  Eigen::Matrix3d colours;
+  for (int c = 0; c < colour_channels; ++c) {
+    for (int p = 0; p < colour_channels; ++p) {
+      colours(c, p) = mixture[static_cast<std::size_t>(c)][static_cast<std::size_t>(p)];
+    }
+  }
+  return colours;
+}
+
+/// Means of each frame over the pixels that some light reaches, grey levels of 255.
+template <class Pixel>
+std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
+  const Size size = frames.front().size();
+  const auto gain = [&](int column, int row) {
+    double most = 0;
+    for (std::size_t n = colour_channels; n < frames.size(); ++n) {
+      most = std::max(most, static_cast<double>(frames[n](column, row)) -
+                                static_cast<double>(frames[n % colour_channels](column, row)));
+    }
+    return most;
+  };
+  double brightest = 0;
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      brightest = std::max(brightest, gain(column, row));
+    }
+  }
+  std::vector<double> sums(frames.size());
+  std::size_t count = 0;
+  for (int row = 0; row < size.height; ++row) {
+    for (int column = 0; column < size.width; ++column) {
+      if (brightest == 0 || gain(column, row) < 0.1 * brightest) continue;
+      ++count;
+      for (std::size_t n = 0; n < frames.size(); ++n) {
+        sums[n] += static_cast<double>(frames[n](column, row)) / grey_level;
+      }
+    }
+  }
+  for (double& sum : sums) sum /= static_cast<double>(std::max<std::size_t>(count, 1));
+  return sums;
+}
+
+}  // namespace
+
+void require_valid(const ColourMixture& mixture) {
+  const Eigen::Matrix3d colours = colours_of(mixture);
+  // The largest of the inverse times that of itself: noise grows by no more.
+  constexpr double worst = 50;
+  const double condition =
+      colours.cwiseAbs().maxCoeff() * colours.inverse().cwiseAbs().rowwise().sum().maxCoeff();
+  const bool dark_known = std::all_of(mixture.begin(), mixture.end(),
+                                      [](const auto& row) { return std::isfinite(row[3]); });
+  if (!dark_known || !colours.allFinite() || !(condition <= worst)) {
+    throw Error(
+        "colour_mixture: the projector's red, green and blue cannot be told apart by the camera's "
+        "channels");
+  }
+}
+
+ColourMixture measured_mixture(const FrameViews& pictures) {
+  constexpr int wanted = 4 * colour_channels;
+  if (pictures.count() != wanted) {
+    throw Error(fmt::format("{} frames given; black, red, green and blue are {} of three channels",
+                            pictures.count(), wanted));
+  }
+  const Image<std::uint8_t> saturated = saturation_mask(pictures);
+  const auto clipped = std::count(saturated.begin(), saturated.end(), 1);
+  if (20 * clipped > static_cast<std::ptrdiff_t>(saturated.pixel_count())) {
+    throw Error("more than a twentieth of the pixels is saturated; expose shorter");
+  }
+  const std::vector<double> means = pictures.visit(
+      [&](const auto& frames) { return lit_means(frames, pictures.full_scale() / 255); });
+  ColourMixture mixture{};
+  double diagonal = 0;
+  for (std::size_t c = 0; c < colour_channels; ++c) {
+    for (std::size_t p = 0; p < colour_channels; ++p) {
+      mixture[c][p] = means[colour_channels * (p + 1) + c] - means[c];
+    }
+    mixture[c][colour_channels] = means[c];
+    diagonal += mixture[c][c] / colour_channels;
+  }
+  if (!(diagonal > 1)) throw Error("the pictures hold no light of the projector's three colours");
+  for (auto& row : mixture) {
+    for (std::size_t p = 0; p < colour_channels; ++p) row[p] /= diagonal;
+  }
+  require_valid(mixture);
+  return mixture;
+}
+
+namespace {
+
+/// By what each channel's light is multiplied so that a painted surface looks grey; NaN where the
+/// white picture says nothing.
+class Whitening {
+ public:
+  Whitening(const ColourMixture& mixture, const FrameViews& white)
+      : sums_(colours_of(mixture).rowwise().sum().cast<float>()), dark_(dark_of(mixture)) {
+    if (white.count() == 0) return;
+    saturated_ = saturation_mask(white);
+    const auto grey = static_cast<float>(255 / white.full_scale());
+    white.visit([&](const auto& views) {
+      for (const auto& view : views) {
+        Image<float>& level = levels_.emplace_back(white.size());
+        for_each_row(level.height(), [&](int row) {
+          for (int column = 0; column < level.width(); ++column) {
+            level(column, row) = grey * static_cast<float>(view(column, row));
+          }
+        });
+      }
+    });
+  }
+
+  [[nodiscard]] Eigen::Vector3f operator()(int column, int row) const {
+    if (levels_.empty()) return Eigen::Vector3f::Ones();
+    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), least = 8;  // grey levels
+    const Eigen::Vector3f seen(levels_[0](column, row), levels_[1](column, row),
+                               levels_[2](column, row));
+    const Eigen::Vector3f light = seen - dark_;
+    if (light.minCoeff() < least) return Eigen::Vector3f::Constant(nan);
+    const Eigen::Vector3f kept = light.cwiseQuotient(sums_);
+    return kept.mean() * kept.cwiseInverse();
+  }
+  [[nodiscard]] bool saturated(int column, int row) const {
+    return !levels_.empty() && saturated_(column, row) != 0;
+  }
+
+  static Eigen::Vector3f dark_of(const ColourMixture& mixture) {
+    return Eigen::Vector3d(mixture[0][colour_channels], mixture[1][colour_channels],
+                           mixture[2][colour_channels])
+        .cast<float>();
+  }
+
+ private:
+  Eigen::Vector3f sums_, dark_;
+  std::vector<Image<float>> levels_;
+  Image<std::uint8_t> saturated_;
+};
+
+}  // namespace
+
+FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const FrameViews& white) {
+  if (frames.count() % colour_channels != 0) {
+    throw Error(fmt::format("{} frames are no pictures of three channels each", frames.count()));
+  }
+  if (white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size())) {
+    throw Error("the white picture is not one of three channels of the frames' size");
+  }
+  require_valid(mixture);
+  constexpr float levels = 257, brightest = 65535;  // of 16 bits
+  const Eigen::Matrix3f inverse = colours_of(mixture).inverse().cast<float>();
+  const Eigen::Vector3f dark = Whitening::dark_of(mixture);
+  const Whitening whitening(mixture, white);
+  const auto grey = static_cast<float>(255 / frames.full_scale());
+  const Size size = frames.size();
+  FrameSet::Images16 alone(static_cast<std::size_t>(frames.count()), Image<std::uint16_t>(size));
+  frames.visit([&](const auto& views) {
+    for (std::size_t n = 0; n < views.size(); n += colour_channels) {
+      const Image<std::uint8_t> saturated =
+          saturation_mask(frames.part(static_cast<int>(n), colour_channels));
+      for_each_row(size.height, [&](int row) {
+        for (int column = 0; column < size.width; ++column) {
+          const Eigen::Vector3f seen(static_cast<float>(views[n](column, row)),
+                                     static_cast<float>(views[n + 1](column, row)),
+                                     static_cast<float>(views[n + 2](column, row)));
+          const Eigen::Vector3f white_gain = whitening(column, row);
+          // The mean of the dark levels in all three: what is common says nothing of the phase.
+          const Eigen::Vector3f light =
+              (inverse * white_gain.cwiseProduct(grey * seen - dark)).array() + dark.mean();
+          const bool is_saturated = saturated(column, row) != 0 || whitening.saturated(column, row);
+          for (std::size_t p = 0; p < colour_channels; ++p) {
+            const float level = levels * light(static_cast<Eigen::Index>(p)) + 0.5F;
+            alone[n + p](column, row) = static_cast<std::uint16_t>(
+                is_saturated        ? brightest
+                : std::isnan(level) ? 0
+                                    : std::clamp(level, 0.0F, brightest - 1));
+          }
+        }
+      });
+    }
+  });
+  return {std::move(alone), 16};
+}
+
+std::string doubt_about_colours(bool mixture_known, bool white_known) {
+  if (!mixture_known) {
+    return "pictures in colour, and nothing is known of how their channels mix; slipstream "
+           "calibrate colour measures it";
+  }
+  return white_known
+             ? ""
+             : "pictures in colour without a white one: only surfaces of one grey come out right";
+}
+
+}  // namespace slipstream

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "slipstream/base/image.h"
+#include "slipstream/cloud/cloud.h"
+
+namespace slipstream {
+
+/// A line through points; where a value is not finite the line is broken.
+struct PlotLine {
+  std::string label;  ///< in the legend; none where empty
+  std::vector<double> x{};
+  std::vector<double> y{};
+
+  void add(double at_x, double at_y) {
+    x.push_back(at_x);
+    y.push_back(at_y);
+  }
+};
+
+enum class PlotScale { linear, logarithmic };
+
+/// Lines over common axes.
+struct LinePlot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  PlotScale y_scale = PlotScale::linear;
+  std::vector<PlotLine> lines;
+};
+
+/// One bar for each bin of equal width from `low` to `high`.
+struct BarPlot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  double low = 0;
+  double high = 1;
+  std::vector<double> heights;
+};
+
+/// A map in colours.
+struct HeatPlot {
+  std::string unit;
+  Image<double> values;
+};
+
+/// A surface seen from the camera: depth in colours, shaded by its slope.
+struct ReliefPlot {
+  Cloud surface;
+};
+
+/// What a plot shows, before it is drawn: see io/plot_file.h.
+using Plot = std::variant<LinePlot, BarPlot, HeatPlot, ReliefPlot>;
+
+/// A range that an axis spans, with round numbers for its marks.
+struct PlotAxis {
+  double low = 0;
+  double high = 1;
+  std::vector<double> marks;
+};
+
+/// Linear axis for values from `low` to `high`, which may be one number, with about `count` marks
+/// at multiples of 1, 2 or 5 times a power of ten.
+PlotAxis round_axis(double low, double high, int count);
+
+/// The marks of that axis that lie between the two, for a scale that ends where its values do.
+std::vector<double> marks_between(double low, double high, int count);
+
+/// Logarithmic axis, in powers of ten, for positive values from `low` to `high`: marks at whole
+/// powers, at most `count`.
+PlotAxis decade_axis(double low, double high, int count);
+
+}  // namespace slipstream

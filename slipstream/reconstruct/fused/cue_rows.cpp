@@ -1,0 +1,449 @@
+#include "slipstream/reconstruct/fused/cue_rows.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "slipstream/base/disabled_targets-inl.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/cue_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "slipstream/base/vectors-inl.h"
+#include "slipstream/reconstruct/fused/frame_sums-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_turns-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace slipstream::HWY_NAMESPACE {
+
+/// The cue of N >= 5 is a sinusoid.
+template <int steps>
+constexpr bool is_circle = steps != 3 && steps != 4;
+
+/// What one vector of pixels says: the measuring band, and the channel of the cue times N, or its
+/// cosine and sine up to a factor.
+struct CueSums {
+  FrameSums high;
+  Floats cue, cue_sine;
+};
+
+/// N = 6: the second channel in integers; U is 6 C, V 6 S / sqrt(3).
+template <class Pixel>
+HWY_INLINE CueSums sixth_sums(const Pixel* const* frames, std::size_t i) {
+  const FloatTag d;
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+  const Ints rising = hn::Add(I(1), I(4)), falling = hn::Add(I(2), I(5));
+  const Ints U = hn::Sub(hn::ShiftLeft<1>(hn::Add(I(0), I(3))), hn::Add(rising, falling));
+  return {closed_form_sums<6>(frames, i), hn::ConvertTo(d, U),
+          hn::ConvertTo(d, hn::Sub(rising, falling))};
+}
+
+/// N above 6. Frames n and N - n have the same cosine and opposite sines: their sum and their
+/// difference serve both channels.
+template <class Pixel>
+HWY_INLINE CueSums two_channel_sums(const SinusoidStage& stage, const CueStage& cue,
+                                    const Pixel* const* frames, std::size_t i) {
+  const Ints first = load_pixels(frames[0] + i);
+  Ints sum = first, greatest = first;
+  DoubleSums C, S, cue_C, cue_S;
+  C.add(first, stage.cosines[0]);
+  cue_C.add(first, cue.cosines[0]);
+  const std::size_t N = stage.cosines.size();
+  for (std::size_t n = 1; 2 * n < N; ++n) {
+    const Ints I = load_pixels(frames[n] + i), J = load_pixels(frames[N - n] + i);
+    const Ints both = hn::Add(I, J), apart = hn::Sub(I, J);
+    sum = hn::Add(sum, both);
+    greatest = hn::Max(greatest, hn::Max(I, J));
+    C.add(both, stage.cosines[n]);
+    S.add(apart, stage.sines[n]);
+    cue_C.add(both, cue.cosines[n]);
+    cue_S.add(apart, cue.sines[n]);
+  }
+  if (N % 2 == 0) {
+    const Ints middle = load_pixels(frames[N / 2] + i);
+    sum = hn::Add(sum, middle);
+    greatest = hn::Max(greatest, middle);
+    C.add(middle, stage.cosines[N / 2]);
+    cue_C.add(middle, cue.cosines[N / 2]);
+  }
+  return {{hn::ConvertTo(FloatTag(), sum), greatest, C.sum(), S.sum()}, cue_C.sum(), cue_S.sum()};
+}
+
+/// `steps`: N where its sums are compiled, else 0.
+template <int steps, class Pixel>
+HWY_INLINE CueSums cue_sums(const SinusoidStage& stage, const CueStage& cue,
+                            const Pixel* const* frames, std::size_t i) {
+  const FloatTag d;
+  if constexpr (steps == 3) {
+    const FrameSums sums = closed_form_sums<3>(frames, i);
+    return {sums, sums.sum, hn::Zero(d)};
+  } else if constexpr (steps == 4) {
+    const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+    const Ints half_phase = hn::Sub(hn::Add(I(0), I(2)), hn::Add(I(1), I(3)));  // (3.70)
+    return {closed_form_sums<4>(frames, i), hn::ConvertTo(d, half_phase), hn::Zero(d)};
+  } else if constexpr (steps == 5) {
+    const FifthSums sums = fifth_sums(frames, i);
+    return {sums.first, sums.U, sums.V};
+  } else if constexpr (steps == 6) {
+    return sixth_sums(frames, i);
+  } else {
+    return two_channel_sums(stage, cue, frames, i);
+  }
+}
+
+/// What a vector of pixels says of the cue: its channel, for N >= 5 with its sine, and B_1^c.
+template <std::size_t count>
+struct CueChannels {
+  Several<count> channel, sine, modulation;
+
+  HWY_INLINE CueChannels() {}
+};
+
+/// CueEvidence::coordinate of each, in periods of the high frequency, for N >= 5.
+template <std::size_t count>
+HWY_INLINE Several<count> periods_of_circle(const CueStage& cue, const CueChannels<count>& of) {
+  const FloatTag d;
+  const Floats weight = hn::Set(d, cue.sine_weight), f_h = hn::Set(d, cue.periods);
+  Several<count> sine;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, of.sine[k]); });
+  Several<count> periods = angles_in_turns<count>(sine, of.channel);  // (3.88)
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(f_h, periods[k]); });
+  return periods;
+}
+
+/// The same for N = 3 and 4; 0 without light.
+template <int steps, std::size_t count>
+HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLimits& limits,
+                                               const CueChannels<count>& of) {
+  const FloatTag d;
+  const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
+  Several<count> R, periods;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const Floats value =
+        hn::MulSub(of.channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
+    const Floats ratio = quotient(value, hn::Max(of.modulation[k], least));
+    R[k] = hn::Clamp(hn::MulSub(hn::Set(d, cue.gain), ratio, hn::Set(d, cue.offset)), hn::Neg(one),
+                     one);
+  });
+  if constexpr (steps == 3) {
+    const Floats half = hn::Set(d, 0.5F * cue.periods);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
+  } else {
+    Several<count> sine;
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      sine[k] = hn::Sqrt(hn::Max(hn::NegMulAdd(R[k], R[k], one), hn::Zero(d)));
+    });
+    periods = angles_in_turns<count>(sine, R);
+    const Floats twice = hn::Set(d, 2 * cue.periods);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(twice, periods[k]); });
+  }
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    periods[k] = hn::IfThenElseZero(hn::Gt(of.modulation[k], least), periods[k]);
+  });
+  return periods;
+}
+
+template <int steps, std::size_t count>
+HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
+                                      const CueChannels<count>& of) {
+  if constexpr (is_circle<steps>) {
+    return periods_of_circle(cue, of);
+  } else {
+    return periods_of_reference<steps>(cue, limits, of);
+  }
+}
+
+/// Of a turn in [0, 1], where 1 stands for 0.
+HWY_INLINE Floats within_a_turn(Floats turn) {
+  return hn::IfThenElseZero(hn::Lt(turn, hn::Set(FloatTag(), 1.0F)), turn);
+}
+
+/// What the kernel takes, without the lists.
+struct CueWork {
+  const SinusoidStage& stage;
+  const CueStage& cue;
+  SinusoidLimits limits;
+  CueLimits cue_limits;
+  CueRow row;
+};
+
+/// CueEvidence::nearest_order.
+template <int steps>
+HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
+  const FloatTag d;
+  const Floats k = hn::Round(periods);
+  if constexpr (is_circle<steps>) return k;
+  return hn::Clamp(k, hn::Zero(d), hn::Set(d, cue.periods - 1));
+}
+
+/// One row. Members are copies, which no store can change.
+template <int steps, class Pixel>
+class CueVectors {
+ public:
+  HWY_INLINE CueVectors(const CueWork& work, const Pixel* const* frames)
+      : stage_(work.stage),
+        cue_(work.cue),
+        limits_(work.limits),
+        cue_limits_(work.cue_limits),
+        row_(work.row),
+        all_frames_(frames),
+        saturation_(steps == 0 ? frames : frames_.data(),
+                    steps == 0 ? work.stage.cosines.size() : steps, work.limits.full_scale),
+        in_field_(work.cue.coordinate) {
+    std::copy_n(frames, steps, frames_.begin());
+  }
+  CueVectors(const CueVectors&) = delete;  // it points into itself
+  CueVectors& operator=(const CueVectors&) = delete;
+  ~CueVectors() = default;
+
+  /// The vectors from pixel `i` on.
+  template <std::size_t count>
+  HWY_INLINE void decode(std::size_t i) const {
+    const FloatTag d;
+    const bool decoding = row_.turn != nullptr, told = row_.modulation != nullptr;
+    Several<count> U, V, square, sum;
+    CueChannels<count> cue;
+    FloatMask all_hidden = hn::FirstN(d, hn::Lanes(d));
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const CueSums sums = at(i + k * hn::Lanes(d));
+      U[k] = sums.high.U;
+      V[k] = sums.high.V;
+      cue.channel[k] = sums.cue;
+      cue.sine[k] = sums.cue_sine;
+      sum[k] = sums.high.sum;
+      square[k] = modulation_square(stage_, sums.high);
+      cue.modulation[k] = square[k];  // of no use where it is not asked for
+      if (!is_circle<steps> || told) {
+        cue.modulation[k] = hn::Mul(hn::Sqrt(square[k]), hn::Set(d, stage_.modulation_scale));
+      }
+      if (told) hn::StoreU(cue.modulation[k], d, row_.modulation + i + k * hn::Lanes(d));
+      all_hidden = hn::And(all_hidden, hn::And(is_nobody(square[k]), is_dark_at(square[k])));
+    });
+    if (!casts_shade && !decoding && hn::AllTrue(d, all_hidden)) {
+      return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        store_hidden(i + k * hn::Lanes(d), sum[k], square[k]);
+      });
+    }
+
+    // On the circle a whole turn more or less leads to the same place.
+    Several<count> turn = corrected_turns<count>(stage_, V, U);
+    if constexpr (!is_circle<steps>) {
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });
+    }
+    const Several<count> cue_place = cue_periods<steps, count>(cue_, cue_limits_, cue);
+    const bool saturated = saturation_.template among<count>(i);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const std::size_t pixel = i + k * hn::Lanes(d);
+      const Floats periods = hn::Sub(cue_place[k], turn[k]);
+      const Floats order = nearest_order<steps>(cue_, periods);
+      const Floats y = coordinate(hn::Add(turn[k], order));
+      Floats doubt = hn::Abs(hn::Sub(periods, order));
+      if constexpr (!is_circle<steps>) doubt = hn::Min(doubt, hn::Set(d, 0.5F));
+      store_flags(pixel, square[k], doubt, saturated);
+      fetch_ahead(row_.mean + pixel, row_.past_cache);
+      store(shown_mean(sum[k], cue.modulation[k], y), row_.mean + pixel, row_.past_cache);
+      if (HWY_UNLIKELY(decoding)) {
+        hn::StoreU(turn[k], d, row_.turn + pixel);
+        hn::StoreU(doubt, d, row_.doubt + pixel);
+        hn::StoreU(y, d, row_.unhidden_coordinate + pixel);
+      }
+      hn::StoreU(hn::IfThenElse(is_nobody(square[k]), nan(), y), d, row_.coordinate + pixel);
+    });
+  }
+
+ private:
+  /// The cue on the mean, which is told without it.
+  static constexpr bool casts_shade = steps == 3;
+
+  static HWY_INLINE Floats nan() {
+    return hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+  }
+  HWY_INLINE CueSums at(std::size_t i) const {
+    return cue_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
+  }
+  HWY_INLINE FloatMask is_nobody(Floats square) const {
+    return hn::Lt(square, hn::Set(FloatTag(), cue_limits_.voting_square));
+  }
+  HWY_INLINE FloatMask is_dark_at(Floats square) const {
+    return hn::Lt(square, hn::Set(FloatTag(), limits_.least_square));
+  }
+
+  HWY_INLINE FloatMask is_dim(Floats square) const {
+    return hn::Le(square, hn::Set(FloatTag(), cue_limits_.lit_square));
+  }
+  HWY_INLINE FloatMask is_doubtful(Floats doubt) const {
+    return hn::Gt(doubt, hn::Set(FloatTag(), cue_.largest_doubt));
+  }
+
+  /// Pixels of which no point comes and whom nobody asks.
+  HWY_INLINE void store_hidden(std::size_t i, Floats sum, Floats square) const {
+    const FloatTag d;
+    store_flags(i, square, hn::Zero(d), false);
+    store(hn::Mul(sum, hn::Set(d, limits_.mean_scale)), row_.mean + i, row_.past_cache);
+    hn::StoreU(nan(), d, row_.coordinate + i);
+  }
+
+  HWY_INLINE void store_flags(std::size_t i, Floats square, Floats doubt, bool saturated) const {
+    const IntTag di;
+    const auto flag_where = [&](FloatMask where, PixelFlag flag) SLIPSTREAM_STEP {
+      return hn::IfThenElseZero(hn::RebindMask(di, where), hn::Set(di, flag));
+    };
+    Ints flags = hn::Or(flag_where(is_dark_at(square), PixelFlag::dark),
+                        hn::Or(flag_where(is_dim(square), PixelFlag::dim),
+                               flag_where(is_doubtful(doubt), PixelFlag::doubtful_order)));
+    if (HWY_UNLIKELY(saturated)) flags = hn::Or(flags, saturation_flag(limits_, at(i).high));
+    hn::StoreU(flags, di, row_.flags + i);
+  }
+
+  HWY_INLINE Floats coordinate(Floats turns) const {
+    if constexpr (is_circle<steps>) return in_field_(turns);
+    return hn::Mul(turns, hn::Set(FloatTag(), cue_.coordinate.scale));
+  }
+
+  /// Of the sum, less the shade that the cue of 3 steps casts on it.
+  HWY_INLINE Floats shown_mean(Floats sum, Floats modulation, Floats y) const {
+    const FloatTag d;
+    if constexpr (casts_shade) {
+      const Floats one = hn::Set(d, 1.0F);
+      const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
+      sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, 3 * cue_.shade)), R, sum);
+    }
+    return hn::Mul(sum, hn::Set(d, limits_.mean_scale));
+  }
+
+  const SinusoidStage& stage_;
+  const CueStage& cue_;
+  SinusoidLimits limits_;
+  CueLimits cue_limits_;
+  CueRow row_;
+  const Pixel* const* all_frames_;
+  std::array<const Pixel*, std::max(steps, 1)> frames_{};
+  Saturation<Pixel> saturation_;
+  FieldPlacer in_field_;
+};
+
+template <int steps, class Pixel>
+HWY_INLINE void decode_steps(const CueWork& work, const Pixel* const* frames) {
+  const CueVectors<steps, Pixel> vectors(work, frames);
+  constexpr std::size_t most = is_circle<steps> ? few_at_once : at_once;
+  for_each_group<most>(static_cast<std::size_t>(work.row.width),
+                       [&]<std::size_t count>(Together<count>, std::size_t i)
+                           SLIPSTREAM_STEP { vectors.template decode<count>(i); });
+}
+
+template <class Pixel>
+HWY_INLINE void decode_cue(const CueWork& work, const Pixel* const* frames) {
+  switch (work.stage.steps) {
+    case 3:
+      return decode_steps<3>(work, frames);
+    case 4:
+      return decode_steps<4>(work, frames);
+    case 5:
+      return decode_steps<5>(work, frames);
+    case 6:
+      return decode_steps<6>(work, frames);
+    default:
+      return decode_steps<0>(work, frames);
+  }
+}
+
+void DecodeCueRow8(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                   const CueLimits& cue_limits, const std::uint8_t* const* frames,
+                   const CueRow& row) {
+  decode_cue({stage, cue, limits, cue_limits, row}, frames);
+}
+
+void DecodeCueRow16(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                    const CueLimits& cue_limits, const std::uint16_t* const* frames,
+                    const CueRow& row) {
+  decode_cue({stage, cue, limits, cue_limits, row}, frames);
+}
+
+/// Read byte by byte: what was just written by fewer bytes at once is waited for.
+HWY_INLINE std::uint32_t bits_of(FloatMask mask) {
+  std::array<std::uint8_t, 8> bytes{};
+  hn::StoreMaskBits(FloatTag(), mask, bytes.data());
+  return bytes[0] | std::uint32_t{bytes[1]} << 8;
+}
+
+/// Of one vector, from pixel i on.
+HWY_INLINE void append_disagreeing(const CueStage& cue, const CoordinateRows& rows, int i,
+                                   std::vector<PixelPlace>& found) {
+  const FloatTag d;
+  // A little less and more than the vote's own limits, whose numbers are not rounded to float.
+  const Floats half_period = hn::Set(d, 0.499F / cue.periods);
+  const Floats steepest = hn::Set(d, 0.251F);
+  const Floats f_h = hn::Set(d, cue.periods), y = hn::LoadU(d, rows.here + i);
+  // A step of whole periods, but for one that may be the surface's own.
+  const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
+    const Floats step = hn::Sub(hn::LoadU(d, other + i), y), periods = hn::Mul(step, f_h);
+    const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
+    return hn::And(hn::Gt(hn::Abs(step), half_period), hn::Le(part, steepest));
+  };
+  const auto open = hn::Or(hn::Or(disagrees(rows.here - 1), disagrees(rows.here + 1)),
+                           hn::Or(disagrees(rows.above), disagrees(rows.below)));
+  for (std::uint32_t bits = bits_of(open); bits != 0; bits &= bits - 1) {
+    found.push_back({rows.row, i + std::countr_zero(bits)});
+  }
+}
+
+/// Most vectors are looked at only to the left and down: what is far on their right is so on the
+/// left of the next, and what is above was below. Past the row's end nothing is far.
+void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
+                     std::vector<PixelPlace>& found) {
+  const FloatTag d;
+  const Floats half_period = hn::Set(d, 0.499F / cue.periods);
+  const auto lanes = static_cast<int>(hn::Lanes(d));
+  const CoordinateRows local = rows;  // no store can change them
+  std::uint8_t* far_above = local.far_above;
+  bool far_before = false;
+  for (int i = 0; i < local.width; i += lanes) {
+    const Floats y = hn::LoadU(d, local.here + i);
+    const auto far = [&](const float* other) SLIPSTREAM_STEP {
+      return hn::Gt(hn::Abs(hn::Sub(hn::LoadU(d, other + i), y)), half_period);
+    };
+    const FloatMask left = far(local.here - 1);
+    const bool below = !hn::AllFalse(d, far(local.below)), beside = !hn::AllFalse(d, left);
+    if (far_before || (beside && (bits_of(left) & 1U) != 0)) {
+      append_disagreeing(cue, local, i - lanes, found);
+    }
+    far_before = beside || below || *far_above != 0;
+    *far_above++ = below ? 1 : 0;
+  }
+  if (far_before) append_disagreeing(cue, local, (local.width - 1) / lanes * lanes, found);
+}
+
+}  // namespace slipstream::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace slipstream {
+
+HWY_EXPORT(DecodeCueRow8);
+HWY_EXPORT(DecodeCueRow16);
+HWY_EXPORT(FindDisagreeing);
+
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint8_t* const* frames, const CueRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeCueRow8)(stage, cue, limits, cue_limits, frames, row);
+}
+
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                const CueLimits& cue_limits, const std::uint16_t* const* frames,
+                const CueRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeCueRow16)(stage, cue, limits, cue_limits, frames, row);
+}
+
+void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
+                      std::vector<PixelPlace>& found) {
+  HWY_DYNAMIC_DISPATCH(FindDisagreeing)(cue, rows, found);
+}
+
+}  // namespace slipstream
+#endif

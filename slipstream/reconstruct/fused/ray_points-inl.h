@@ -1,0 +1,256 @@
+// Coordinate to point by the tables of rays and the lens polynomial. Included once for each vector
+// target.
+#if defined(SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
+#undef SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
+#else
+#define SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
+#endif
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <hwy/highway.h>
+
+#include "slipstream/base/vectors-inl.h"
+#include "slipstream/reconstruct/fused/point_rows.h"
+#include "slipstream/reconstruct/fused/sinusoid_turns-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace slipstream::HWY_NAMESPACE {
+HWY_INLINE Floats linear(const PointStage::Linear& c, Floats E_x, Floats E_y) {
+  const FloatTag d;
+  return hn::MulAdd(hn::Set(d, c[0]), E_x, hn::MulAdd(hn::Set(d, c[1]), E_y, hn::Set(d, c[2])));
+}
+
+/// PlanePolynomial, its coefficients from the last to the first.
+template <int degree>
+HWY_INLINE Floats plane_polynomial(const float* coefficients, Floats p, Floats q) {
+  const FloatTag d;
+  const float* c = coefficients;
+  Floats sum = hn::Set(d, *c++);
+  for (int i = degree - 1; i >= 0; --i) {
+    Floats inner = hn::Set(d, *c++);
+    for (int j = degree - i - 1; j >= 0; --j) inner = hn::MulAdd(inner, q, hn::Set(d, *c++));
+    sum = hn::MulAdd(sum, p, inner);
+  }
+  return sum;
+}
+
+HWY_INLINE Floats edge_polynomial(const std::array<float, 6>& edge, Floats p) {
+  const FloatTag d;
+  Floats sum = hn::Set(d, edge.back());
+  for (std::size_t i = edge.size() - 1; i > 0; --i) {
+    sum = hn::MulAdd(sum, p, hn::Set(d, edge[i - 1]));
+  }
+  return sum;
+}
+
+/// Where the points of a vector of pixels are, and the three conditions that a point must meet.
+struct RayPoints {
+  Floats E_x, E_y, z;
+  FloatMask exists, in_field, in_range;
+};
+
+HWY_INLINE FloatMask within_limits(const PointStage& stage, Floats z) {
+  const FloatTag d;
+  return hn::And(hn::Ge(z, hn::Set(d, stage.nearest)), hn::Le(z, hn::Set(d, stage.farthest)));
+}
+
+/// StripeGeometry::operator().
+template <int lens_degree>
+HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
+                                    Floats y) {
+  const FloatTag d;
+  const Floats E_x = hn::LoadU(d, row.E_x + i), E_y = hn::LoadU(d, row.E_y + i);
+  const Floats p = hn::MulAdd(y, hn::Set(d, stage.unit_scale), hn::Set(d, stage.unit_offset));
+  const Floats g = linear(stage.facing, E_x, E_y);
+  const Floats place =
+      hn::MulAdd(p, linear(stage.place_slope, E_x, E_y), linear(stage.place_constant, E_x, E_y));
+  const Floats q = quotient(place, g);
+  Floats w = y;
+  if constexpr (lens_degree > 0) {
+    w = hn::Add(y, plane_polynomial<lens_degree>(stage.lens.data(), p, q));
+  }
+  const Floats numerator =
+      hn::MulSub(w, hn::Set(d, stage.depth_offset), hn::Set(d, stage.coordinate_offset));
+  const Floats denominator =
+      hn::NegMulAdd(w, linear(stage.depth, E_x, E_y), linear(stage.coordinate, E_x, E_y));
+  const Floats z = quotient(numerator, denominator);
+
+  const Floats largest = hn::Set(d, std::numeric_limits<float>::max());
+  const FloatMask before_camera = hn::And(hn::Gt(z, hn::Zero(d)), hn::Le(z, largest));
+  const FloatMask before_projector = hn::Gt(hn::Mul(denominator, g), hn::Zero(d));
+  FloatMask in_field =
+      hn::And(hn::Gt(q, hn::Set(d, stage.inner_low)), hn::Lt(q, hn::Set(d, stage.inner_high)));
+  if (HWY_UNLIKELY(!hn::AllTrue(d, in_field))) {
+    in_field = hn::And(hn::Ge(q, edge_polynomial(stage.low_edge, p)),
+                       hn::Le(q, edge_polynomial(stage.high_edge, p)));
+  }
+  if (stage.may_leave_field) {
+    in_field = hn::And(in_field, hn::And(hn::Ge(y, hn::Set(d, stage.least_coordinate)),
+                                         hn::Le(y, hn::Set(d, stage.largest_coordinate))));
+  }
+  return {E_x, E_y, z, hn::And(before_camera, before_projector), in_field, within_limits(stage, z)};
+}
+
+HWY_INLINE FloatMask is_unflagged(Ints flags) {
+  const IntTag di;
+  const Ints flagged = hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated));
+  return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
+}
+
+/// Finds the lanes with at least as many agreeing neighbours as they need, see
+/// FringeOrderConsensus.
+class Neighbourhood {
+ public:
+  HWY_INLINE Neighbourhood(const PointStage& point, const ConsensusStage& stage,
+                           const PointRow& row)
+      : unit_scale_(hn::Set(FloatTag(), point.unit_scale)),
+        unit_offset_(hn::Set(FloatTag(), point.unit_offset)),
+        half_fringe_(stage.half_fringe),
+        needed_(stage.fewest_neighbours),
+        needed_if_doubtful_(stage.fewest_if_doubtful),
+        above_(row.above),
+        here_(row.coordinate),
+        below_(row.below) {}
+
+  HWY_INLINE Floats coordinate(std::size_t i) const { return hn::LoadU(FloatTag(), here_ + i); }
+  HWY_INLINE Floats unit_coordinate(std::size_t i) const {
+    return hn::MulAdd(coordinate(i), unit_scale_, unit_offset_);
+  }
+
+  HWY_INLINE FloatMask confirms(std::size_t i, Ints flags) const {
+    Several<1, FloatMask> confirmed;
+    confirm<1>(
+        i, [flags](std::size_t) SLIPSTREAM_STEP { return flags; }, confirmed);
+    return confirmed[0];
+  }
+  /// Leaves those of `lanes`, some vectors from pixel i on, whose coordinate is believed.
+  template <std::size_t count>
+  HWY_INLINE void keep_trusted(const PointRow& row, std::size_t i,
+                               Several<count, FloatMask>& lanes) const {
+    const FloatTag d;
+    const IntTag di;
+    const auto flags = [&](std::size_t k) SLIPSTREAM_STEP {
+      return hn::LoadU(di, row.flags + i + k * hn::Lanes(d));
+    };
+    Ints any = hn::Zero(di);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { any = hn::Or(any, flags(k)); });
+    Several<count, FloatMask> confirmed;
+    // By default a neighbour in the row suffices a pixel that is not in doubt.
+    const Ints troubled = hn::Set(di, PixelFlag::saturated | PixelFlag::doubtful_order);
+    if (needed_ == 1 && hn::AllTrue(di, hn::Eq(hn::And(any, troubled), hn::Zero(di)))) {
+      FloatMask all = hn::FirstN(d, hn::Lanes(d));
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        const std::size_t at = i + k * hn::Lanes(d);
+        const Floats y = coordinate(at);
+        const FloatMask dark = is_dark(flags(k));
+        confirmed[k] = hn::Or(agrees(here_, at - 1, y), agrees(here_, at + 1, y));
+        all = hn::And(all, hn::Or(confirmed[k], dark));
+        confirmed[k] = hn::AndNot(dark, confirmed[k]);
+      });
+      if (HWY_LIKELY(hn::AllTrue(d, all))) {
+        return each<count>([&](std::size_t k)
+                               SLIPSTREAM_STEP { lanes[k] = hn::And(lanes[k], confirmed[k]); });
+      }
+    }
+    confirm<count>(i, flags, confirmed);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      lanes[k] = hn::And(hn::And(lanes[k], is_unflagged(flags(k))), confirmed[k]);
+    });
+  }
+
+ private:
+  /// Which of some vectors from pixel i on have as many agreeing neighbours as they need; of dark
+  /// ones it says nothing.
+  template <std::size_t count, class Flags>
+  HWY_INLINE void confirm(std::size_t i, const Flags& flags,
+                          Several<count, FloatMask>& confirmed) const {
+    const FloatTag d;
+    const IntTag di;
+    Several<count> y;
+    Several<count, Ints> missing;
+    const auto count_agreeing = [&](const float* others, std::size_t from) SLIPSTREAM_STEP {
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        const FloatMask agreeing = agrees(others, from + k * hn::Lanes(d), y[k]);
+        // Masks are -1 as integers.
+        missing[k] = hn::Add(missing[k], hn::VecFromMask(di, hn::RebindMask(di, agreeing)));
+      });
+    };
+    const auto settled = [&]() SLIPSTREAM_STEP {
+      FloatMask all = hn::FirstN(d, hn::Lanes(d));
+      each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+        confirmed[k] = hn::RebindMask(d, hn::Lt(missing[k], hn::Set(di, 1)));
+        all = hn::And(all, hn::Or(is_dark(flags(k)), confirmed[k]));
+      });
+      return hn::AllTrue(d, all);
+    };
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      const auto doubtful = hn::TestBit(flags(k), hn::Set(di, PixelFlag::doubtful_order));
+      missing[k] = hn::IfThenElse(doubtful, hn::Set(di, needed_if_doubtful_), hn::Set(di, needed_));
+      y[k] = coordinate(i + k * hn::Lanes(d));
+    });
+    // In a surface the row's own neighbours suffice, or those that are nearest.
+    count_agreeing(here_, i - 1);
+    count_agreeing(here_, i + 1);
+    if (settled()) return;
+    count_agreeing(above_, i);
+    count_agreeing(below_, i);
+    if (settled()) return;
+    for (const float* other : {above_, below_}) {
+      count_agreeing(other, i - 1);
+      count_agreeing(other, i + 1);
+    }
+    settled();
+  }
+  HWY_INLINE FloatMask agrees(const float* others, std::size_t i, Floats y) const {
+    const FloatTag d;
+    return hn::Lt(hn::Abs(hn::Sub(hn::LoadU(d, others + i), y)), hn::Set(d, half_fringe_));
+  }
+
+  Floats unit_scale_, unit_offset_;
+  float half_fringe_;
+  int needed_, needed_if_doubtful_;
+  const float* above_;
+  const float* here_;
+  const float* below_;
+};
+
+/// For a single frequency: there is nothing to confirm, and the coordinate is computed from the
+/// turn.
+class Alone {
+ public:
+  HWY_INLINE Alone(const PointStage& point, const CoordinateStage& stage, const PointRow& row)
+      : in_field_(stage),
+        scale_(hn::Set(FloatTag(), stage.scale * point.unit_scale)),
+        offset_(hn::Set(FloatTag(), point.unit_offset)),
+        turn_(row.coordinate) {}
+
+  HWY_INLINE Floats coordinate(std::size_t i) const {
+    return in_field_(hn::LoadU(FloatTag(), turn_ + i));
+  }
+  /// The same, mapped to [-1, 1], for a turn that is not past the cut. Past it the value is wrong,
+  /// and outside the range that any block describes.
+  HWY_INLINE Floats unit_coordinate(std::size_t i) const {
+    return hn::MulAdd(hn::LoadU(FloatTag(), turn_ + i), scale_, offset_);
+  }
+  HWY_INLINE FloatMask confirms(std::size_t, Ints) const {
+    return hn::FirstN(FloatTag(), hn::Lanes(FloatTag()));
+  }
+  /// The turns of dark and saturated pixels are NaN, which no block describes.
+  template <std::size_t count>
+  HWY_INLINE void keep_trusted(const PointRow&, std::size_t, Several<count, FloatMask>&) const {}
+
+ private:
+  FieldPlacer in_field_;
+  Floats scale_, offset_;
+  const float* turn_;
+};
+
+}  // namespace slipstream::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,123 @@
+#include "slipstream/reconstruct/fused/sinusoid_rows.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "slipstream/base/disabled_targets-inl.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/sinusoid_rows.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "slipstream/base/vectors-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_decode-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_turns-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace slipstream::HWY_NAMESPACE {
+
+void DecodeRow8(const SinusoidStage& stage, const SinusoidLimits& limits,
+                const std::uint8_t* const* frames, const SinusoidRow& row) {
+  decode_pixels(stage, limits, frames, row);
+}
+
+void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
+  const FloatTag d;
+  const FieldPlacer in_field(stage);
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    hn::StoreU(in_field(hn::LoadU(d, turn + i)), d, coordinate + i);
+  });
+}
+
+void PlaceNear(float periods, int width, const float* turn, const float* near, float* coordinate) {
+  const FloatTag d;
+  const Floats f = hn::Set(d, periods), period = hn::Set(d, 1 / periods);
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Floats part = hn::LoadU(d, turn + i);
+    const Floats k = hn::Round(hn::MulSub(hn::LoadU(d, near + i), f, part));
+    hn::StoreU(hn::Mul(hn::Add(part, k), period), d, coordinate + i);
+  });
+}
+
+void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
+               std::int32_t hidden, const UnwrappedRow& row) {
+  const FloatTag d;
+  const IntTag di;
+  const FieldPlacer in_field(stage.coordinate);
+  const Floats ratio = hn::Set(d, stage.ratio);
+  const Floats largest_doubt = hn::Set(d, stage.largest_doubt);
+  const Floats open = hn::Set(d, stage.open), doubt_scale = hn::Set(d, stage.doubt_scale);
+  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Ints known = hn::LoadU(di, row.flags + i);
+    const auto is_hidden =
+        hn::RebindMask(d, hn::Ne(hn::And(known, hn::Set(di, hidden)), hn::Zero(di)));
+    if (hn::AllTrue(d, is_hidden)) return hn::StoreU(nan, d, row.coordinate + i);
+    const Floats high = hn::LoadU(d, high_turn + i);
+    const Floats periods = hn::MulSub(hn::LoadU(d, low_turn + i), ratio, high);
+    const Floats k = hn::Round(periods);  // (1.17)
+    const Floats y = in_field(hn::Add(high, k));
+    const Floats apart =
+        hn::Mul(hn::Max(hn::Sub(hn::Abs(hn::Sub(periods, k)), open), hn::Zero(d)), doubt_scale);
+    if (row.doubt != nullptr) {
+      const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
+      hn::StoreU(hn::Max(apart, before), d, row.doubt + i);
+    }
+    const auto doubtful = hn::Gt(apart, largest_doubt);
+    const Ints doubt =
+        hn::IfThenElseZero(hn::RebindMask(di, doubtful), hn::Set(di, PixelFlag::doubtful_order));
+    hn::StoreU(hn::Or(known, doubt), di, row.flags + i);
+    hn::StoreU(hn::IfThenElse(is_hidden, nan, y), d, row.coordinate + i);
+  });
+}
+
+void PhaseRow(int width, const float* turn, float* phase) {
+  const FloatTag d;
+  // The float below 2 pi; a whole turn is none.
+  const Floats two_pi = hn::Set(d, 6.2831850F);
+  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
+    const Floats t = hn::LoadU(d, turn + i);
+    Floats part = hn::Sub(t, hn::Floor(t));
+    part = hn::IfThenElseZero(hn::Lt(part, hn::Set(d, 1.0F)), part);
+    hn::StoreU(hn::Min(hn::Mul(part, hn::Set(d, 6.2831853F)), two_pi), d, phase + i);
+  });
+}
+
+}  // namespace slipstream::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace slipstream {
+
+HWY_EXPORT(DecodeRow8);
+HWY_EXPORT(PlaceRow);
+HWY_EXPORT(PlaceNear);
+HWY_EXPORT(UnwrapRow);
+HWY_EXPORT(PhaseRow);
+
+void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
+                const std::uint8_t* const* frames, const SinusoidRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeRow8)(stage, limits, frames, row);
+}
+
+void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
+  HWY_DYNAMIC_DISPATCH(PlaceRow)(stage, width, turn, coordinate);
+}
+
+void place_near(float periods, int width, const float* turn, const float* near, float* coordinate) {
+  HWY_DYNAMIC_DISPATCH(PlaceNear)(periods, width, turn, near, coordinate);
+}
+
+void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
+                std::int32_t hidden, const UnwrappedRow& row) {
+  HWY_DYNAMIC_DISPATCH(UnwrapRow)(stage, width, high_turn, low_turn, hidden, row);
+}
+
+void phase_row(int width, const float* turn, float* phase) {
+  HWY_DYNAMIC_DISPATCH(PhaseRow)(width, turn, phase);
+}
+
+}  // namespace slipstream
+#endif

@@ -1,0 +1,435 @@
+#include "slipstream/reconstruct/gpu.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <initializer_list>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+#include <vulkan/vulkan_raii.hpp>
+
+namespace slipstream {
+namespace {
+
+/// Calls what calls the driver, whose errors become GpuError.
+template <class Call>
+auto told(const Call& call) -> decltype(call()) {
+  try {
+    return call();
+  } catch (const vk::SystemError& error) {
+    const std::error_code code = error.code();
+    const bool no_memory = code == vk::Result::eErrorOutOfDeviceMemory ||
+                           code == vk::Result::eErrorOutOfHostMemory ||
+                           code == vk::Result::eErrorTooManyObjects;
+    throw GpuError(no_memory ? GpuFailure::no_memory : GpuFailure::lost,
+                   fmt::format("the GPU has failed: {}", error.what()));
+  }
+}
+
+constexpr std::uint32_t least_version = VK_API_VERSION_1_1;
+
+/// The driver's loader, found when the program runs, and what it finds.
+struct Loader {
+  vk::raii::Context context;
+  vk::raii::Instance instance{nullptr};
+  std::vector<vk::raii::PhysicalDevice> devices;
+
+  Loader() {
+    const vk::ApplicationInfo application("slipstream", 0, nullptr, 0, least_version);
+    instance = vk::raii::Instance(context, vk::InstanceCreateInfo({}, &application));
+    for (auto& device : vk::raii::PhysicalDevices(instance)) devices.push_back(std::move(device));
+  }
+};
+
+/// One for the program. It is never destroyed: a driver may be gone before the program's last
+/// statics are.
+const Loader& loader() {
+  static const Loader* const shared = new Loader;
+  return *shared;
+}
+
+GpuDescription describe(const vk::raii::PhysicalDevice& device) {
+  const vk::PhysicalDeviceProperties own = device.getProperties();
+  GpuDescription description{.name = own.deviceName.data(),
+                             .driver = {},
+                             .software = own.deviceType == vk::PhysicalDeviceType::eCpu,
+                             .discrete = own.deviceType == vk::PhysicalDeviceType::eDiscreteGpu};
+  if (own.apiVersion >= least_version) {
+    const auto chain =
+        device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
+    const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
+    description.driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
+  }
+  for (const vk::MemoryHeap& heap : device.getMemoryProperties().memoryHeaps) {
+    if (heap.flags & vk::MemoryHeapFlagBits::eDeviceLocal) description.memory += heap.size;
+  }
+  return description;
+}
+
+void require_large_enough(const vk::raii::PhysicalDevice& device) {
+  const vk::PhysicalDeviceProperties own = device.getProperties();
+  if (own.apiVersion >= least_version &&
+      own.limits.maxPerStageDescriptorStorageBuffers >= GpuProgram::most_buffers &&
+      own.limits.maxComputeWorkGroupSize[0] >= GpuProgram::group_size &&
+      own.limits.maxComputeWorkGroupInvocations >= GpuProgram::group_size) {
+    return;
+  }
+  throw GpuError(
+      GpuFailure::too_small,
+      fmt::format("{} is too small: Vulkan 1.1, {} buffers and groups of {} are wanted",
+                  own.deviceName.data(), GpuProgram::most_buffers, GpuProgram::group_size));
+}
+
+/// Of the queues that compute the first.
+std::uint32_t compute_queues(const vk::raii::PhysicalDevice& device) {
+  const auto families = device.getQueueFamilyProperties();
+  for (std::uint32_t i = 0; i < families.size(); ++i) {
+    if (families[i].queueFlags & vk::QueueFlagBits::eCompute) return i;
+  }
+  throw GpuError(GpuFailure::too_small, "the GPU has no queue that computes");
+}
+
+vk::raii::Device device_of(const vk::raii::PhysicalDevice& physical, std::uint32_t family) {
+  require_large_enough(physical);
+  const float priority = 1;
+  const vk::DeviceQueueCreateInfo queue({}, family, 1, &priority);
+  return {physical, vk::DeviceCreateInfo({}, queue)};
+}
+
+vk::raii::DescriptorSetLayout buffer_layout(const vk::raii::Device& device) {
+  std::array<vk::DescriptorSetLayoutBinding, GpuProgram::most_buffers> bindings;
+  for (std::uint32_t i = 0; i < bindings.size(); ++i) {
+    bindings[i] = vk::DescriptorSetLayoutBinding(i, vk::DescriptorType::eStorageBuffer, 1,
+                                                 vk::ShaderStageFlagBits::eCompute);
+  }
+  return {device, vk::DescriptorSetLayoutCreateInfo({}, bindings)};
+}
+
+/// The kinds of memory that will do, the best first.
+std::initializer_list<vk::MemoryPropertyFlags> kinds_for(GpuMemory memory) {
+  using Flag = vk::MemoryPropertyFlagBits;
+  static constexpr vk::MemoryPropertyFlags seen = Flag::eHostVisible | Flag::eHostCoherent;
+  static constexpr std::initializer_list<vk::MemoryPropertyFlags> own{Flag::eDeviceLocal, {}},
+      up{seen | Flag::eDeviceLocal, seen},
+      down{seen | Flag::eHostCached, Flag::eHostVisible | Flag::eHostCached, seen};
+  return memory == GpuMemory::device ? own : memory == GpuMemory::upload ? up : down;
+}
+
+}  // namespace
+
+struct Gpu::Parts {
+  explicit Parts(const vk::raii::PhysicalDevice& of)
+      : physical(of),
+        description(describe(physical)),
+        family(compute_queues(physical)),
+        device(device_of(physical, family)),
+        queue(device, family, 0),
+        set_layout(buffer_layout(device)),
+        layout(device, vk::PipelineLayoutCreateInfo({}, *set_layout)),
+        limits(physical.getProperties().limits) {}
+
+  vk::raii::PhysicalDevice physical;
+  GpuDescription description;
+  std::uint32_t family;
+  vk::raii::Device device;
+  mutable std::mutex mutex{};  ///< of the queue
+  mutable std::atomic<bool> lost = false;
+  vk::raii::Queue queue;
+  vk::raii::DescriptorSetLayout set_layout;
+  vk::raii::PipelineLayout layout;
+  vk::PhysicalDeviceLimits limits;
+};
+
+struct GpuBuffer::Parts {
+  std::shared_ptr<const Gpu> gpu;
+  vk::raii::Buffer buffer{nullptr};
+  vk::raii::DeviceMemory memory{nullptr};
+  std::size_t size = 0;
+  std::byte* data = nullptr;
+  bool coherent = true;  ///< the host sees what is written without asking for it
+
+  /// Memory of a kind, or nothing where there is none of it left.
+  bool take(const vk::MemoryRequirements& wanted, vk::MemoryPropertyFlags kind) {
+    const auto all = gpu->parts_->physical.getMemoryProperties();
+    for (std::uint32_t i = 0; i < all.memoryTypeCount; ++i) {
+      using Flag = vk::MemoryPropertyFlagBits;
+      const vk::MemoryPropertyFlags flags = all.memoryTypes[i].propertyFlags;
+      const bool fits = (wanted.memoryTypeBits >> i & 1U) != 0;
+      const bool slow = static_cast<bool>(flags & Flag::eDeviceCoherentAMD);
+      if (!fits || slow || (flags & kind) != kind) continue;
+      try {
+        memory =
+            vk::raii::DeviceMemory(gpu->parts_->device, vk::MemoryAllocateInfo(wanted.size, i));
+        coherent = static_cast<bool>(flags & Flag::eHostCoherent);
+        return true;
+      } catch (const vk::OutOfDeviceMemoryError&) {
+      } catch (const vk::OutOfHostMemoryError&) {
+      }
+    }
+    return false;
+  }
+};
+
+GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemory memory)
+    : parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu), .size = bytes})) {
+  const Gpu::Parts& own = *parts_->gpu->parts_;
+  if (bytes > parts_->gpu->most_bytes()) {
+    throw GpuError(GpuFailure::too_small,
+                   fmt::format("{} takes {} bytes at a time, and {} are wanted",
+                               own.description.name, parts_->gpu->most_bytes(), bytes));
+  }
+  told([&] {
+    parts_->buffer =
+        vk::raii::Buffer(own.device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
+                                                          vk::BufferUsageFlagBits::eStorageBuffer));
+    const vk::MemoryRequirements wanted = parts_->buffer.getMemoryRequirements();
+    const auto kinds = kinds_for(memory);
+    if (std::none_of(kinds.begin(), kinds.end(),
+                     [&](auto kind) { return parts_->take(wanted, kind); })) {
+      throw GpuError(GpuFailure::no_memory, fmt::format("{} has no memory left for {} bytes",
+                                                        own.description.name, bytes));
+    }
+    parts_->buffer.bindMemory(*parts_->memory, 0);
+    if (memory == GpuMemory::device) return;
+    parts_->data = static_cast<std::byte*>(parts_->memory.mapMemory(0, VK_WHOLE_SIZE));
+  });
+}
+
+GpuBuffer::GpuBuffer(GpuBuffer&&) noexcept = default;
+GpuBuffer& GpuBuffer::operator=(GpuBuffer&&) noexcept = default;
+GpuBuffer::~GpuBuffer() = default;
+
+std::size_t GpuBuffer::size() const {
+  return parts_->size;
+}
+
+std::byte* GpuBuffer::data() const {
+  return parts_->data;
+}
+
+struct GpuProgram::Parts {
+  std::shared_ptr<const Gpu> gpu;
+  vk::raii::Pipeline pipeline{nullptr};
+};
+
+GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint32_t> spirv,
+                       std::span<const std::uint32_t> constants)
+    : parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu)})) {
+  const Gpu::Parts& own = *parts_->gpu->parts_;
+  std::vector<vk::SpecializationMapEntry> entries;
+  for (std::uint32_t i = 0; i < constants.size(); ++i) {
+    entries.emplace_back(i, i * std::uint32_t{sizeof(std::uint32_t)}, sizeof(std::uint32_t));
+  }
+  const vk::SpecializationInfo special(static_cast<std::uint32_t>(entries.size()), entries.data(),
+                                       constants.size_bytes(), constants.data());
+  told([&] {
+    const vk::raii::ShaderModule module(
+        own.device, vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
+    const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *module,
+                                                  "main", &special);
+    parts_->pipeline = vk::raii::Pipeline(own.device, nullptr,
+                                          vk::ComputePipelineCreateInfo({}, stage, *own.layout));
+  });
+}
+
+GpuProgram::GpuProgram(GpuProgram&&) noexcept = default;
+GpuProgram& GpuProgram::operator=(GpuProgram&&) noexcept = default;
+GpuProgram::~GpuProgram() = default;
+
+struct GpuRun::Parts {
+  explicit Parts(std::shared_ptr<const Gpu> of)
+      : gpu(std::move(of)),
+        sets(gpu->parts_->device, pool_info()),
+        set(std::move(
+            vk::raii::DescriptorSets(gpu->parts_->device,
+                                     vk::DescriptorSetAllocateInfo(*sets, *gpu->parts_->set_layout))
+                .front())),
+        commands(gpu->parts_->device,
+                 vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
+                                           gpu->parts_->family)),
+        command(
+            std::move(vk::raii::CommandBuffers(gpu->parts_->device,
+                                               vk::CommandBufferAllocateInfo(
+                                                   *commands, vk::CommandBufferLevel::ePrimary, 1))
+                          .front())),
+        done(gpu->parts_->device, vk::FenceCreateInfo()) {}
+
+  static vk::DescriptorPoolCreateInfo pool_info() {
+    static constexpr vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer,
+                                                 GpuProgram::most_buffers);
+    return {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size};
+  }
+
+  /// All bindings have a buffer: those that no program asks for the first.
+  void bind() {
+    std::array<vk::DescriptorBufferInfo, GpuProgram::most_buffers> infos;
+    for (std::size_t i = 0; i < infos.size(); ++i) {
+      infos[i] =
+          vk::DescriptorBufferInfo(*buffers[i < buffers.size() ? i : 0]->buffer, 0, VK_WHOLE_SIZE);
+    }
+    gpu->parts_->device.updateDescriptorSets(
+        vk::WriteDescriptorSet(*set, 0, 0, vk::DescriptorType::eStorageBuffer, {}, infos), {});
+  }
+
+  void dispatch(const vk::raii::Pipeline& pipeline, std::uint64_t groups, std::uint32_t layers) {
+    const std::uint64_t most = gpu->parts_->limits.maxComputeWorkGroupCount[0];
+    const std::uint64_t rows = (groups + most - 1) / most;
+    command.bindPipeline(vk::PipelineBindPoint::eCompute, *pipeline);
+    command.dispatch(static_cast<std::uint32_t>((groups + rows - 1) / rows),
+                     static_cast<std::uint32_t>(rows), layers);
+  }
+
+  void before(vk::PipelineStageFlags next, vk::AccessFlags access) {
+    const vk::MemoryBarrier written(vk::AccessFlagBits::eShaderWrite, access);
+    command.pipelineBarrier(vk::PipelineStageFlagBits::eComputeShader, next, {}, written, {}, {});
+  }
+
+  void submit() {
+    const Gpu::Parts& own = *gpu->parts_;
+    if (own.lost) {
+      throw GpuError(GpuFailure::lost, fmt::format("{} is lost", own.description.name));
+    }
+    own.device.resetFences(*done);
+    const std::lock_guard lock(own.mutex);
+    own.queue.submit(vk::SubmitInfo({}, {}, *command), *done);
+    runs = true;
+  }
+
+  void wait(std::uint64_t longest = 10'000'000'000) {  // ns
+    if (!runs) return;
+    const Gpu::Parts& own = *gpu->parts_;
+    try {
+      if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
+        throw GpuError(GpuFailure::lost, fmt::format("{} does not answer", own.description.name));
+      }
+    } catch (const vk::DeviceLostError&) {  // nothing runs there
+      runs = false;
+      throw;
+    }
+    runs = false;
+    std::vector<vk::MappedMemoryRange> written;
+    for (const auto& buffer : buffers) {
+      if (buffer->data == nullptr || buffer->coherent) continue;
+      written.emplace_back(*buffer->memory, 0, VK_WHOLE_SIZE);
+    }
+    if (!written.empty()) own.device.invalidateMappedMemoryRanges(written);
+  }
+
+  std::shared_ptr<const Gpu> gpu;
+  std::vector<std::shared_ptr<const GpuBuffer::Parts>> buffers;
+  std::vector<std::shared_ptr<const GpuProgram::Parts>> programs;
+  vk::raii::DescriptorPool sets;
+  vk::raii::DescriptorSet set;
+  vk::raii::CommandPool commands;
+  vk::raii::CommandBuffer command;
+  vk::raii::Fence done;
+  bool runs = false;
+  Parts* kept_before = nullptr;  ///< see ~GpuRun
+};
+
+GpuRun::GpuRun(std::shared_ptr<const Gpu> gpu)
+    : parts_(told([&] { return std::make_unique<Parts>(std::move(gpu)); })) {}
+
+GpuRun::GpuRun(GpuRun&&) noexcept = default;
+
+GpuRun::~GpuRun() {
+  if (!parts_ || !parts_->runs) return;
+  try {
+    parts_->gpu->parts_->lost ? parts_->wait(0) : parts_->wait();
+  } catch (const std::runtime_error&) {
+  }
+  if (!parts_->runs) return;
+  // The device may write there yet: kept for good, in a list by which leak checkers know of it.
+  static std::atomic<Parts*> kept = nullptr;
+  Parts* const own = parts_.release();
+  own->kept_before = kept.exchange(own);
+}
+
+void GpuRun::start(std::span<const GpuBuffer* const> buffers,
+                   std::span<const GpuProgram* const> programs, std::uint64_t invocations,
+                   std::uint32_t layers) {
+  told([&] {
+    parts_->buffers.clear();
+    parts_->programs.clear();
+    for (const GpuBuffer* buffer : buffers) parts_->buffers.push_back(buffer->parts_);
+    for (const GpuProgram* program : programs) parts_->programs.push_back(program->parts_);
+    parts_->bind();
+    parts_->command.begin(
+        vk::CommandBufferBeginInfo(vk::CommandBufferUsageFlagBits::eOneTimeSubmit));
+    parts_->command.bindDescriptorSets(vk::PipelineBindPoint::eCompute,
+                                       *parts_->gpu->parts_->layout, 0, *parts_->set, {});
+    const std::uint64_t groups =
+        (invocations + GpuProgram::group_size - 1) / GpuProgram::group_size;
+    for (const GpuProgram* program : programs) {
+      if (program != programs.front()) {
+        parts_->before(vk::PipelineStageFlagBits::eComputeShader,
+                       vk::AccessFlagBits::eShaderRead | vk::AccessFlagBits::eShaderWrite);
+      }
+      parts_->dispatch(program->parts_->pipeline, groups, layers);
+    }
+    parts_->before(vk::PipelineStageFlagBits::eHost, vk::AccessFlagBits::eHostRead);
+    parts_->command.end();
+    parts_->submit();
+  });
+}
+
+void GpuRun::wait() {
+  told([&] { parts_->wait(); });
+}
+
+Gpu::Gpu(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
+Gpu::~Gpu() = default;
+
+std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
+  const std::vector<GpuDescription> devices = gpu_devices();
+  if (devices.empty()) throw WorldError("this machine has no GPU that Vulkan finds");
+  if (!number) {
+    const auto best =
+        std::min_element(devices.begin(), devices.end(), [](const auto& device, const auto& other) {
+          return std::pair(device.software, !device.discrete) <
+                 std::pair(other.software, !other.discrete);
+        });
+    number = static_cast<int>(best - devices.begin());
+  }
+  if (*number < 0 || static_cast<std::size_t>(*number) >= devices.size()) {
+    throw WorldError(fmt::format("there is no GPU {}; this machine has {}, counted from 0", *number,
+                                 devices.size()));
+  }
+  // Drivers take long to open a device, and open few at a time.
+  static std::mutex mutex;
+  static std::map<int, std::weak_ptr<const Gpu>> open;
+  const std::lock_guard lock(mutex);
+  if (auto shared = open[*number].lock(); shared && !shared->parts_->lost) return shared;
+  std::shared_ptr<const Gpu> gpu(told([&] {
+    return new Gpu(std::make_unique<Parts>(loader().devices[static_cast<std::size_t>(*number)]));
+  }));
+  open[*number] = gpu;
+  return gpu;
+}
+
+const GpuDescription& Gpu::description() const {
+  return parts_->description;
+}
+
+std::size_t Gpu::most_bytes() const {
+  return parts_->limits.maxStorageBufferRange;
+}
+
+void Gpu::lose() const {
+  parts_->lost = true;
+}
+
+std::vector<GpuDescription> gpu_devices() {
+  std::vector<GpuDescription> devices;
+  try {
+    for (const auto& device : loader().devices) devices.push_back(describe(device));
+  } catch (const std::runtime_error&) {  // no loader, or no driver: no device
+  }
+  return devices;
+}
+
+}  // namespace slipstream

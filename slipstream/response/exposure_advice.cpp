@@ -1,0 +1,261 @@
+#include "slipstream/response/exposure_advice.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/base/quantile.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/frames/merged_exposures.h"
+
+namespace slipstream {
+namespace {
+
+/// Of exposure 1, grey levels of 255.
+struct LitPixel {
+  double modulation = 0;
+  double peak = 0;  ///< of its brightest frame
+};
+
+struct LitPixels {
+  std::vector<LitPixel> known{};
+  std::size_t saturated = 0;  ///< by all exposures
+  std::size_t all = 0;        ///< pixels of the camera
+
+  [[nodiscard]] std::size_t count() const { return known.size() + saturated; }
+};
+
+/// B of the weakest band.
+Image<double> modulation(const FrameViews& frames, const Layout& layout) {
+  const PhaseDecoder decode(PhaseMethod::equation, {});
+  Image<double> least(frames.size(), std::numeric_limits<double>::infinity());
+  for (const Band& band : layout.bands) {
+    const Image<double> B = decode(frames, band).modulation;
+    std::transform(least.begin(), least.end(), B.begin(), least.begin(),
+                   [](double one, double other) { return std::min(one, other); });
+  }
+  return least;
+}
+
+Image<double> brightest_level(const FrameViews& frames) {
+  Image<double> brightest(frames.size());
+  frames.visit([&](const auto& views) {
+    for (const auto& view : views) {
+      for (int row = 0; row < view.height(); ++row) {
+        for (int column = 0; column < view.width(); ++column) {
+          double& level = brightest(column, row);
+          level = std::max(level, static_cast<double>(view(column, row)));
+        }
+      }
+    }
+  });
+  return brightest;
+}
+
+/// `shortest`: the exposure that a gain of 1 has.
+LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shortest,
+                     double noise_variance) {
+  constexpr double deviations = 5;
+  double variance = 0;
+  for (const Band& band : layout.bands) {
+    variance = std::max(variance, component_variance(band, noise_variance));
+  }
+  const double least = deviations * std::sqrt(variance);
+  const double grey_level = frames.full_scale() / 255;
+  const Image<double> B = modulation(frames, layout), peak = brightest_level(frames);
+  LitPixels lit{.all = B.pixel_count()};
+  for (int row = 0; row < B.height(); ++row) {
+    for (int column = 0; column < B.width(); ++column) {
+      const double level = peak(column, row);
+      if (frames.quantised() && level >= frames.saturation()) {
+        ++lit.saturated;
+      } else if (B(column, row) / grey_level >= least) {
+        const double gain = frames.merged() ? frames.gain()(column, row) : 1;
+        const double scale = 1 / (grey_level * gain * shortest);
+        lit.known.push_back({B(column, row) * scale, level * scale});
+      }
+    }
+  }
+  return lit;
+}
+
+/// So many pixels are asked at most, evenly spread over the picture.
+std::vector<LitPixel> sample(const std::vector<LitPixel>& pixels) {
+  constexpr std::size_t most = 20000;
+  const std::size_t step = pixels.size() / most + 1;
+  std::vector<LitPixel> samples;
+  for (std::size_t i = 0; i < pixels.size(); i += step) samples.push_back(pixels[i]);
+  return samples;
+}
+
+/// What exposures do to the pixels of one scan.
+class Prediction {
+ public:
+  Prediction(const LitPixels& lit, const Layout& layout, const ExposureNeeds& needs)
+      : samples_(sample(lit.known)),
+        unknown_(static_cast<double>(lit.saturated) / static_cast<double>(lit.count())),
+        layout_(layout),
+        needs_(needs),
+        brightest_(255 - 3 * std::sqrt(needs.noise_variance)) {}
+
+  [[nodiscard]] const std::vector<LitPixel>& samples() const { return samples_; }
+  /// What passes it may be saturated, by noise of 3 standard deviations.
+  [[nodiscard]] double brightest() const { return brightest_; }
+  [[nodiscard]] double unknown() const { return unknown_; }
+
+  [[nodiscard]] ExposureChoice of(const std::vector<double>& exposures) const {
+    std::vector<double> measured;
+    std::size_t saturated = 0;
+    for (const LitPixel& pixel : samples_) {
+      const double B = merged_modulation(pixel, exposures);
+      if (B == 0) ++saturated;
+      if (B >= needs_.least_modulation) measured.push_back(B);
+    }
+    const double share =
+        (1 - unknown_) / static_cast<double>(std::max<std::size_t>(samples_.size(), 1));
+    ExposureChoice choice{.exposures = exposures,
+                          .measured = share * static_cast<double>(measured.size()),
+                          .saturated = unknown_ + share * static_cast<double>(saturated)};
+    choice.too_dark = std::max(0.0, 1 - choice.measured - choice.saturated);
+    if (!measured.empty()) {
+      choice.sigma =
+          std::sqrt(coordinate_variance(layout_, quantile(measured, 0.5), needs_.noise_variance));
+    }
+    return choice;
+  }
+
+  /// The share measured, and in one percent of it how well.
+  [[nodiscard]] double worth(const std::vector<double>& exposures) const {
+    double worth = 0;
+    for (const LitPixel& pixel : samples_) {
+      const double B = merged_modulation(pixel, exposures);
+      if (B >= needs_.least_modulation) worth += 1 - 0.01 * needs_.least_modulation / B;
+    }
+    return worth;
+  }
+
+ private:
+  /// As merge_exposures makes it; 0 where every exposure saturates the pixel.
+  [[nodiscard]] double merged_modulation(const LitPixel& pixel,
+                                         const std::vector<double>& exposures) const {
+    double squares = 0;
+    for (const double t : exposures) {
+      if (pixel.peak * t < brightest_) squares += t * t;
+    }
+    return pixel.modulation * std::sqrt(squares);
+  }
+
+  std::vector<LitPixel> samples_;
+  double unknown_;
+  const Layout& layout_;
+  ExposureNeeds needs_;
+  double brightest_;
+};
+
+/// Two to each doubling, from what spares the brightest pixels to what shows the darkest.
+std::vector<double> candidates(const Prediction& prediction, double least_modulation) {
+  constexpr double few = 0.001;  // pixels that no exposure is made for
+  constexpr std::size_t most = 32;
+  std::vector<double> peaks, modulations;
+  for (const LitPixel& pixel : prediction.samples()) {
+    peaks.push_back(pixel.peak);
+    modulations.push_back(pixel.modulation);
+  }
+  const double longest = 1.2 * least_modulation / quantile(modulations, few);
+  std::vector<double> exposures{0.95 * prediction.brightest() / quantile(peaks, 1 - few)};
+  while (exposures.back() < longest && exposures.size() < most) {
+    exposures.push_back(exposures.back() * std::sqrt(2.0));
+  }
+  return exposures;
+}
+
+/// Each exposure in turn is set to what is best beside the others, until none changes.
+std::vector<double> best_of(std::size_t count, const Prediction& prediction,
+                            const std::vector<double>& candidates, std::vector<double> exposures) {
+  exposures.resize(count, candidates.front());
+  for (bool changed = true; std::exchange(changed, false);) {
+    for (std::size_t i = count; i-- > 0;) {
+      for (const double candidate : candidates) {
+        std::vector<double> other = exposures;
+        other[i] = candidate;
+        if (prediction.worth(other) <= prediction.worth(exposures) * (1 + 1e-9)) continue;
+        exposures = other;
+        changed = true;
+      }
+    }
+  }
+  return exposures;
+}
+
+/// To two digits: no camera needs more.
+double rounded(double exposure) {
+  const double digit = std::pow(10, std::floor(std::log10(exposure)) - 1);
+  return std::round(exposure / digit) * digit;
+}
+
+void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureAdvice& advice) {
+  constexpr double worth_one_more = 0.02;
+  const std::vector<double> from = candidates(prediction, needs.least_modulation);
+  std::vector<double> exposures;
+  for (const std::size_t count : {1U, 2U, 3U}) {
+    exposures = best_of(count, prediction, from, exposures);
+    std::vector<double> told = exposures;
+    std::sort(told.begin(), told.end());
+    std::transform(told.begin(), told.end(), told.begin(), rounded);
+    advice.proposed.push_back(prediction.of(told));
+  }
+  while (advice.best + 1 < advice.proposed.size() &&
+         advice.proposed[advice.best + 1].measured >=
+             advice.proposed[advice.best].measured + worth_one_more) {
+    ++advice.best;
+  }
+}
+
+void require_good(const ExposureNeeds& needs) {
+  if (!(needs.least_modulation > 0 && needs.least_modulation <= 127)) {
+    throw Error(fmt::format("least modulation {} is out of range; above 0, up to 127 grey levels",
+                            needs.least_modulation));
+  }
+  if (!(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance))) {
+    throw Error(fmt::format("noise variance {} is out of range; 0 or more", needs.noise_variance));
+  }
+}
+
+}  // namespace
+
+ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence,
+                               const ExposureNeeds& needs) {
+  require_good(needs);
+  const std::vector<double>& exposures = sequence.exposures;
+  if (!given.merged() && exposures.size() > 1) {
+    return exposure_advice(merged_exposures(given, exposures), sequence, needs);
+  }
+  const Layout& layout = sequence.strategy.layout();
+  if (given.count() != layout.frames) {
+    throw Error(
+        fmt::format("{} frames given; the strategy takes {}", given.count(), layout.frames));
+  }
+  const double shortest = *std::min_element(exposures.begin(), exposures.end());
+  const LitPixels lit = lit_pixels(given, layout, shortest, needs.noise_variance);
+  if (lit.known.empty()) {
+    throw Error(lit.saturated > 0 ? "every lit pixel is saturated; expose shorter"
+                                  : "no pixel shows the patterns; expose longer, or look at the "
+                                    "frames with slipstream view");
+  }
+  const Prediction prediction(lit, layout, needs);
+  ExposureAdvice advice{.lit = static_cast<double>(lit.count()) / static_cast<double>(lit.all),
+                        .unknown = prediction.unknown()};
+  for (const double t : exposures) advice.taken.push_back(prediction.of({t}));
+  if (exposures.size() > 1) advice.taken.push_back(prediction.of(exposures));
+  propose(prediction, needs, advice);
+  advice.light = std::min(1.0, advice.proposed.front().exposures.front() / shortest);
+  return advice;
+}
+
+}  // namespace slipstream

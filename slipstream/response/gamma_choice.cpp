@@ -1,0 +1,94 @@
+#include "slipstream/response/gamma_choice.h"
+
+#include <string_view>
+#include <variant>
+
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/base/number_text.h"
+
+namespace slipstream {
+namespace {
+
+GammaChoice corrected_for(const MeasuredResponse& response, std::string_view source) {
+  GammaChoice choice{.response = response, .source = std::string(source)};
+  if (const auto* law = std::get_if<PowerLaw>(&response.response)) {
+    choice.gamma = law->gamma;
+    choice.sentence = fmt::format("phase corrected for gamma {:.5g} ({})", law->gamma, source);
+  } else {
+    choice.sentence = fmt::format("phase corrected for the measured response ({})", source);
+  }
+  return choice;
+}
+
+/// Of the scan's sinusoids the one that is surest of its gamma; where all refuse, the first, and
+/// one that follows no power law before all, because the others may have too few steps to see it.
+BlindGamma surest_gamma(const Layout& layout, const FrameViews& frames) {
+  std::optional<BlindGamma> surest;
+  for (const Band& band : layout.bands) {
+    const auto run = step_run(band);
+    if (!run) continue;
+    const BlindGamma found = find_gamma(frames, run->first, run->steps);
+    if (found.refusal == BlindRefusal::no_power_law) return found;
+    const bool better =
+        !surest || (found.accepted() &&
+                    (!surest->accepted() || found.standard_error < surest->standard_error));
+    if (better) surest = found;
+  }
+  return surest.value_or(BlindGamma{.refusal = BlindRefusal::no_power_law});
+}
+
+GammaChoice blind_choice(const Layout& layout, const FrameViews& frames) {
+  const BlindGamma found = surest_gamma(layout, frames);
+  const std::string value = fmt::format("gamma {:.5g}, standard error {:.2g}, from {} pixels",
+                                        found.gamma, found.standard_error, found.pixels);
+  GammaChoice choice{.source = "blind", .gamma = found.gamma, .blind = found};
+  if (found.accepted()) {
+    MeasuredResponse& measured = choice.response.emplace();
+    measured.response = PowerLaw{found.gamma};
+    measured.gamma = found.gamma;
+    measured.standard_error = found.standard_error;
+    choice.sentence = fmt::format("phase corrected blind: {}", value);
+  } else {
+    choice.sentence =
+        fmt::format("phase left alone: {} ({} would fit best)", reason_of(found.refusal), value);
+  }
+  return choice;
+}
+
+}  // namespace
+
+GammaChoice choose_gamma(const std::string& how,
+                         const std::optional<MeasuredResponse>& of_scanner) {
+  if (how == "blind") {
+    throw Error(
+        "--gamma blind needs a scan of a thing at rest; find the number with slipstream "
+        "reconstruct --gamma blind and give that");
+  }
+  if (how == "scanner" && of_scanner) return corrected_for(*of_scanner, "scanner file");
+  if (how == "scanner" || how == "none") return {};
+  const auto gamma = number_in<double>(how);
+  if (!gamma) {
+    throw Error(
+        fmt::format("--gamma {} is not known; it is scanner, blind, none or a number", how));
+  }
+  require_gamma(*gamma, "--gamma");
+  return corrected_for({PowerLaw{*gamma}, *gamma, 0}, "given");
+}
+
+GammaChoice choose_gamma(const std::string& how, const std::optional<MeasuredResponse>& of_scanner,
+                         const Layout& layout, const FrameViews& frames) {
+  return how == "blind" ? blind_choice(layout, frames) : choose_gamma(how, of_scanner);
+}
+
+GammaChoice choose_response(Scan& scan, const std::string& how) {
+  for (Scan& further : scan.further_cameras) choose_response(further, how);
+  std::optional<MeasuredResponse> known;
+  if (scan.scanner) known = scan.scanner->photometry.response;
+  GammaChoice choice = choose_gamma(how, known, scan.sequence.strategy.layout(), scan.frames);
+  if (scan.scanner) scan.scanner->photometry.response = choice.response;
+  return choice;
+}
+
+}  // namespace slipstream

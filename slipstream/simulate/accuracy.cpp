@@ -1,0 +1,257 @@
+#include "slipstream/simulate/accuracy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/quantile.h"
+#include "slipstream/cloud/cleaner.h"
+#include "slipstream/cloud/depth_step.h"
+#include "slipstream/cloud/measure.h"
+#include "slipstream/cloud/spheres.h"
+
+namespace slipstream {
+namespace {
+
+using Points = std::vector<MeasuredPoint>;
+
+constexpr double left_out = 0.003;
+
+/// The width of the narrowest range that holds a share of the values, which rise.
+double narrowest_range(const std::vector<double>& values, double share) {
+  const auto held = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  double width = values.back() - values.front();
+  for (std::size_t i = 0; i + held <= values.size(); ++i) {
+    width = std::min(width, values[i + held - 1] - values[i]);
+  }
+  return width;
+}
+
+Points points_of(const Cloud& cloud) {
+  return points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
+}
+
+/// The part of a map that holds all its finite values, of which there are some.
+Image<double> cropped(const Image<double>& map) {
+  int left = map.width(), right = -1, top = map.height(), bottom = -1;
+  for (int row = 0; row < map.height(); ++row) {
+    for (int column = 0; column < map.width(); ++column) {
+      if (std::isnan(map(column, row))) continue;
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = row;
+    }
+  }
+  Image<double> part({right - left + 1, bottom - top + 1});
+  for (int row = 0; row < part.height(); ++row) {
+    std::copy_n(map.row(top + row) + left, part.width(), part.row(row));
+  }
+  return part;
+}
+
+/// The cloud with those of its points alone that belong.
+template <class Belongs>
+Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
+  Cloud part = cloud;
+  for (int row = 0; row < cloud.size().height; ++row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      if (belongs(column, row)) continue;
+      part.validity(column, row) = Validity::outside_region;
+      part.z(column, row) = std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return part;
+}
+
+/// Fits the shape to a cloud and says how its points deviate from it.
+template <class Fit>
+auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) {
+  const auto shape = fit(points_of(cloud), left_out);
+  Image<double> map(cloud.size(), nan);
+  for (int row = 0; row < map.height(); ++row) {
+    for (int column = 0; column < map.width(); ++column) {
+      const auto point = point_at(cloud, nullptr, column, row);
+      if (point) map(column, row) = signed_distance(shape, point->position);
+    }
+  }
+  std::vector<double> deviations = finite_values(map);
+  std::sort(deviations.begin(), deviations.end());
+  accuracy.range = narrowest_range(deviations, 1 - left_out);
+  accuracy.range_95 = narrowest_range(deviations, 0.95);
+  accuracy.rms = shape.residuals.rms;
+  accuracy.points = deviations.size();
+  accuracy.deviation = cropped(map);
+  return shape;
+}
+
+std::vector<ShapeAccuracy> measure_spheres(const Artefacts& artefacts, const Cloud& cloud) {
+  std::vector<double> radii;
+  for (const double diameter : artefacts.diameters) radii.push_back(diameter / 2);
+  const std::vector<FittedSphere> found = find_spheres(cloud, radii);
+  std::vector<ShapeAccuracy> accuracies(found.size());
+  std::vector<FittedSphere> fitted;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const FittedSphere &here = found[i], &other = found[found.size() - 1 - i];
+    const Eigen::Vector3d rod = (other.centre - here.centre).normalized();  // 0 of one sphere
+    const Cloud part = part_of(cloud, [&](int column, int row) {
+      const Eigen::Vector3d point = position_at(cloud, column, row);
+      return is_on_cap(here, point, 60 * degree) &&
+             (point - here.centre).normalized().dot(rod) < std::cos(40 * degree);
+    });
+    fitted.push_back(measure_shape(part, fit_sphere_leaving_out, accuracies[i]));
+    accuracies[i].size = 2 * fitted[i].radius - artefacts.diameters[i];
+  }
+  if (artefacts.distance) {
+    accuracies[1].spacing = (fitted[1].centre - fitted[0].centre).norm() - *artefacts.distance;
+  }
+  return accuracies;
+}
+
+/// RMS of the means of squares of pixels, of those that hold enough values.
+double rms_of_means(const Image<double>& map) {
+  constexpr int side = 16, least = side * side / 2;
+  double squares = 0;
+  int means = 0;
+  for (int top = 0; top + side <= map.height(); top += side) {
+    for (int left = 0; left + side <= map.width(); left += side) {
+      double sum = 0;
+      int count = 0;
+      for (int i = 0; i < side * side; ++i) {
+        const double value = map(left + i % side, top + i / side);
+        if (std::isnan(value)) continue;
+        sum += value;
+        ++count;
+      }
+      if (count < least) continue;
+      squares += sum / count * sum / count;
+      ++means;
+    }
+  }
+  return std::sqrt(squares / means);
+}
+
+ShapeAccuracy measure_plane(const Cloud& cloud) {
+  const Points points = points_of(cloud);
+  const FittedPlane rough = fit_plane(points);
+  std::vector<double> reaches;
+  for (const MeasuredPoint& point : points) {
+    reaches.push_back((point.position - rough.centre).norm());
+  }
+  const double length = 2.5 * quantile(reaches, 0.5);
+  Cloud whole = part_of(cloud, [&](int column, int row) {
+    return std::abs(signed_distance(rough, position_at(cloud, column, row))) < 0.01 * length;
+  });
+  CleanSettings largest_piece = CleanSettings::none();
+  largest_piece.smallest_component = static_cast<int>(point_count(whole) / 2);
+  Cleaner{largest_piece}(whole);
+  constexpr int rim = 5;
+  const Cloud inner = part_of(whole, [&](int column, int row) {
+    const auto has_point = [&](int right, int down) {
+      return point_at(whole, nullptr, column + right, row + down).has_value();
+    };
+    return has_point(0, 0) && has_point(-rim, 0) && has_point(rim, 0) && has_point(0, -rim) &&
+           has_point(0, rim);
+  });
+  ShapeAccuracy accuracy;
+  measure_shape(inner, fit_plane_leaving_out, accuracy);
+  accuracy.bending = rms_of_means(accuracy.deviation);
+  return accuracy;
+}
+
+/// Mean and sum of squared deviations of Z by pixel, which grow scan by scan.
+struct Spread {
+  Image<double> mean, squares;
+  int scans = 0;
+
+  void add(const Image<float>& z) {
+    if (scans == 0) mean = squares = Image<double>(z.size());
+    if (z.size() != mean.size()) throw Error("of another size than the first");
+    ++scans;
+    for (std::size_t i = 0; i < z.pixel_count(); ++i) {
+      const double step = static_cast<double>(z.begin()[i]) - mean.begin()[i];
+      mean.begin()[i] += step / scans;
+      squares.begin()[i] += step * step * (scans - 1) / scans;
+    }
+  }
+};
+
+Repeatability repeatability(const Spread& spread) {
+  Repeatability result{spread.scans, spread.squares};
+  for (double& value : result.sigma) value = std::sqrt(value / (spread.scans - 1));
+  std::vector<double> sigmas = finite_values(result.sigma);
+  if (sigmas.empty()) throw Error("repeated: no pixel has a point in all scans");
+  if (quantile(sigmas, 0.5) == 0) throw Error("repeated: the scans are copies of one");
+  result.sigma = cropped(result.sigma);
+  return result;
+}
+
+}  // namespace
+
+Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_of) {
+  Accuracy accuracy;
+  Spread spread;
+  const auto visit = [&](const std::vector<std::string>& scans, const auto& measure) {
+    for (const std::string& scan : scans) {
+      const Cloud cloud = cloud_of(scan);
+      try {
+        for (ShapeAccuracy& shape : measure(cloud)) {
+          shape.scan = scan;
+          accuracy.shapes.push_back(std::move(shape));
+        }
+      } catch (const Error& error) {
+        throw Error(fmt::format("{}: {}", scan, error.what()));
+      }
+    }
+  };
+  using Shapes = std::vector<ShapeAccuracy>;
+  visit(artefacts.spheres, [&](const Cloud& cloud) { return measure_spheres(artefacts, cloud); });
+  visit(artefacts.planes, [&](const Cloud& cloud) { return Shapes{measure_plane(cloud)}; });
+  visit(artefacts.repeated, [&](const Cloud& cloud) {
+    spread.add(cloud.z);
+    return Shapes{};
+  });
+  if (spread.scans > 1) accuracy.repeated = repeatability(spread);
+  return accuracy;
+}
+
+std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy) {
+  AccuracyFigure form{"probing_form", "probing error of form P_F, 99.7 % of the points", nan};
+  AccuracyFigure form_95{"probing_form_95", "probing error of form, 95 % of the points", nan};
+  AccuracyFigure size{"probing_size", "probing error of size P_S", nan};
+  AccuracyFigure spacing{"sphere_spacing", "sphere-spacing error S_D", nan};
+  AccuracyFigure dimension{"dimension", "dimension trueness: mean of sphere-spacing errors", nan};
+  AccuracyFigure flat{"flatness", "flatness error, 99.7 % of the points", nan};
+  AccuracyFigure flat_95{"flatness_95", "flatness error, 95 % of the points", nan};
+  AccuracyFigure bending{"planarity", "planarity trueness: RMS of means over 16x16 pixels", nan};
+  AccuracyFigure precision{"precision", "precision: sigma of Z by pixel, median", nan};
+  const auto take = [](AccuracyFigure& figure, double value) {
+    if (!(std::abs(value) <= std::abs(figure.value))) figure.value = value;
+  };
+  double sum = 0;
+  int distances = 0;
+  for (const ShapeAccuracy& shape : accuracy.shapes) {
+    take(shape.size ? form : flat, shape.range);
+    take(shape.size ? form_95 : flat_95, shape.range_95);
+    if (shape.size) take(size, *shape.size);
+    if (shape.bending) take(bending, *shape.bending);
+    if (!shape.spacing) continue;
+    take(spacing, *shape.spacing);
+    sum += *shape.spacing;
+    dimension.value = sum / ++distances;
+  }
+  if (accuracy.repeated) {
+    std::vector<double> sigmas = finite_values(accuracy.repeated->sigma);
+    precision.value = quantile(sigmas, 0.5);
+  }
+  std::vector<AccuracyFigure> figures{form, form_95, size,    spacing,  dimension,
+                                      flat, flat_95, bending, precision};
+  std::erase_if(figures, [](const AccuracyFigure& figure) { return std::isnan(figure.value); });
+  return figures;
+}
+
+}  // namespace slipstream

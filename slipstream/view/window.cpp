@@ -1,0 +1,122 @@
+#include "slipstream/view/window.h"
+
+#include <cstddef>
+
+#include <GLFW/glfw3.h>
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream::opengl {
+namespace {
+
+std::string last_words() {
+  const char* words = nullptr;
+  glfwGetError(&words);
+  return words != nullptr ? words : "no reason given";
+}
+
+std::vector<GLFWmonitor*> connected_monitors() {
+  int count = 0;
+  GLFWmonitor** const first = glfwGetMonitors(&count);
+  return {first, first + count};
+}
+
+}  // namespace
+
+WindowSystem::WindowSystem() {
+  if (glfwInit() != GLFW_TRUE) {
+    throw WorldError(fmt::format("no desktop to open a window on: {}", last_words()));
+  }
+}
+
+WindowSystem::~WindowSystem() {
+  glfwTerminate();
+}
+
+std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
+  std::vector<Monitor> monitors;
+  for (GLFWmonitor* const monitor : connected_monitors()) {
+    const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
+    if (mode == nullptr) continue;
+    Monitor found{.name = glfwGetMonitorName(monitor),
+                  .size = {mode->width, mode->height},
+                  .refresh_hz = mode->refreshRate};
+    glfwGetMonitorPos(monitor, &found.left, &found.top);
+    monitors.push_back(found);
+  }
+  return monitors;
+}
+
+Window::Window(const WindowSystem& system, const WindowSettings& settings) {
+  static_cast<void>(system);
+  glfwDefaultWindowHints();
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, settings.visible ? GLFW_TRUE : GLFW_FALSE);
+  Size size = settings.size;
+  GLFWmonitor* monitor = nullptr;
+  if (settings.fills_monitor >= 0) {
+    const std::vector<GLFWmonitor*> monitors = connected_monitors();
+    const auto number = static_cast<std::size_t>(settings.fills_monitor);
+    if (number >= monitors.size()) {
+      throw Error(
+          fmt::format("monitor {} is not there; monitors are numbered from 0, and {} {} "
+                      "connected",
+                      number, monitors.size(), monitors.size() == 1 ? "is" : "are"));
+    }
+    monitor = monitors[number];
+    // Its own mode, so that the desktop changes nothing and no pixel is scaled.
+    const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
+    if (mode == nullptr) throw WorldError(fmt::format("monitor {}: {}", number, last_words()));
+    size = {mode->width, mode->height};
+    glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
+  }
+  window_.reset(
+      glfwCreateWindow(size.width, size.height, settings.title.c_str(), monitor, nullptr));
+  if (!window_) throw WorldError(fmt::format("no OpenGL 3.3 window: {}", last_words()));
+  make_current();
+}
+
+void Window::Close::operator()(GLFWwindow* window) const {
+  glfwDestroyWindow(window);
+}
+
+Size Window::size() const {
+  Size size;
+  glfwGetWindowSize(get(), &size.width, &size.height);
+  return size;
+}
+
+Size Window::framebuffer_size() const {
+  Size size;
+  glfwGetFramebufferSize(get(), &size.width, &size.height);
+  return size;
+}
+
+float Window::content_scale() const {
+  float across = 1, down = 1;
+  glfwGetWindowContentScale(get(), &across, &down);
+  return across > 0 ? across : 1;
+}
+
+bool Window::should_close() const {
+  return glfwWindowShouldClose(get()) == GLFW_TRUE;
+}
+
+void Window::make_current() const {
+  glfwMakeContextCurrent(get());
+}
+
+void Window::swap() const {
+  glfwSwapBuffers(get());
+}
+
+void Window::wait_for_refresh(bool wait) const {
+  glfwSwapInterval(wait ? 1 : 0);
+}
+
+}  // namespace slipstream::opengl

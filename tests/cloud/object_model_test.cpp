@@ -1,0 +1,124 @@
+#include "slipstream/cloud/object_model.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/base/error.h"
+#include "tests/cloud/turning_object.h"
+
+namespace slipstream::object_model_test {
+
+using Vector = Eigen::Vector3d;
+
+/// How far the points of a model lie from the surfaces of the scene at time 0, mm.
+struct ModelError {
+  double rms = 0, mean = 0;
+  double flying = 0;  // share farther than 2 mm from all
+};
+
+ModelError error_of(const ModelPoints& model, const Scene& truth) {
+  constexpr double reach = 2;
+  ModelError error;
+  double near = 0;
+  const int count = model.cloud.size().width;
+  for (int i = 0; i < count; ++i) {
+    const Vector point(model.cloud.x(i, 0), model.cloud.y(i, 0), model.cloud.z(i, 0));
+    const Vector normal(model.normals.x(i, 0), model.normals.y(i, 0), model.normals.z(i, 0));
+    const auto surface = first_surface(truth, {point + reach * normal, -normal}, 0);
+    const double distance = surface ? reach - surface->distance : INFINITY;
+    if (!(std::abs(distance) < reach)) {
+      error.flying += 1.0 / count;
+      continue;
+    }
+    ++near;
+    error.mean += distance;
+    error.rms += distance * distance;
+  }
+  error.mean /= near;
+  error.rms = std::sqrt(error.rms / near);
+  return error;
+}
+
+TEST(ObjectModel, OfAWholeTurnIsTheObject) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Scene scene = turning_object(scanner);
+  DepthCamera camera(scanner, 0.05);
+  ObjectModel model(scanner.camera);
+  double worst_turn = 0;
+  for (int view = 0; view < 360; ++view) {
+    ASSERT_TRUE(model.add(camera.see(scene, view), view)) << view;
+    const Eigen::Affine3d moved = scene.front().motion.at(view);
+    const Eigen::Matrix3d off = model.registration().pose.linear() * moved.linear().transpose();
+    worst_turn = std::max(worst_turn, Eigen::AngleAxisd(off).angle());
+  }
+  const ModelError error = error_of(model.points(), scene);
+  RecordProperty("rms", std::to_string(error.rms));
+  RecordProperty("mean", std::to_string(error.mean));
+  RecordProperty("flying", std::to_string(error.flying));
+  RecordProperty("elements", static_cast<int>(model.elements().size()));
+  RecordProperty("points", model.points().cloud.size().width);
+  RecordProperty("worst_turn", std::to_string(worst_turn * 180 / std::numbers::pi));
+  EXPECT_LT(error.rms, 0.1);
+  EXPECT_LT(error.flying, 0.005);
+  EXPECT_LT(worst_turn, 0.1 * std::numbers::pi / 180);
+  EXPECT_EQ(model.left_out(), 0);
+}
+
+TEST(ObjectModel, GoesOnWhereViewsAreMissed) {
+  const Scanner scanner = example_scanner({160, 120});
+  const Scene scene = turning_object(scanner);
+  DepthCamera camera(scanner, 0.05);
+  ObjectModel model(scanner.camera);
+  for (const int view : {0, 1, 2, 3, 4, 5, 20, 22, 24, 40, 44, 65}) {
+    EXPECT_TRUE(model.add(camera.see(scene, view), view)) << view;
+  }
+  const Eigen::Matrix3d truth = scene.front().motion.at(65).linear();
+  EXPECT_LT(Eigen::AngleAxisd(model.registration().pose.linear() * truth.transpose()).angle(),
+            0.01);
+}
+
+TEST(ObjectModel, LeavesOutWhatDoesNotFit) {
+  const Scanner scanner = example_scanner({160, 120});
+  const Scene scene = turning_object(scanner);
+  DepthCamera camera(scanner, 0.05);
+  ObjectModel model(scanner.camera);
+  EXPECT_FALSE(model.add(Cloud({160, 120}), 4));
+  for (int view = 0; view < 4; ++view) EXPECT_TRUE(model.add(camera.see(scene, view), view));
+  EXPECT_FALSE(model.add(camera.see(scene, 120), 4));
+  EXPECT_FALSE(model.add(Cloud({160, 120}), 4));
+  EXPECT_EQ(model.left_out(), 3);
+  EXPECT_EQ(model.views(), 4);
+  EXPECT_TRUE(model.add(camera.see(scene, 4), 4));
+  EXPECT_THROW((void)model.add(Cloud({16, 12}), 5), Error);
+}
+
+TEST(Registration, FindsAPoseFromNearIt) {
+  const Scanner scanner = example_scanner({320, 240});
+  const Scene scene = turning_object(scanner);
+  DepthCamera camera(scanner, 0);
+  ObjectModel model(scanner.camera);
+  (void)model.add(camera.see(scene, 0), 0);
+  const Cloud cloud = camera.see(scene, 2.5);
+  const Registration found = register_to(model.elements(), cloud, smoothed_normals(cloud),
+                                         scanner.camera, Eigen::Isometry3d::Identity());
+  const Eigen::Isometry3d truth(scene.front().motion.at(2.5).matrix());
+  const Vector middle = scene.front().motion.centre;
+  EXPECT_LT((found.pose * middle - truth * middle).norm(), 0.05);
+  EXPECT_TRUE(found.pose.linear().isApprox(truth.linear(), 1e-3));
+  EXPECT_GT(found.share, 0.9);
+}
+
+TEST(Registration, LeavesATurnOfASphereAsItIs) {
+  const Scanner scanner = example_scanner({160, 120});
+  const Scene scene = scene_named("sphere", scanner);
+  DepthCamera camera(scanner, 0.05);
+  ObjectModel model(scanner.camera);
+  for (int view = 0; view < 20; ++view) EXPECT_TRUE(model.add(camera.see(scene, 0), view));
+  const Vector centre = working_volume(scanner).centre;
+  EXPECT_LT((model.registration().pose * centre - centre).norm(), 0.05);
+  EXPECT_LT(Eigen::AngleAxisd(model.registration().pose.linear()).angle(), 0.02);
+}
+
+}  // namespace slipstream::object_model_test

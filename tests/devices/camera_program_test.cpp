@@ -1,0 +1,149 @@
+// `slipstream camera serve` and `slipstream record` as they are run, one against the other.
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/devices/virtual_gige_camera.h"
+#include "slipstream/io/recording.h"
+#include "tests/app/program.h"
+#include "tests/io/recorded_frames.h"
+#include "tests/io/temporary_folder.h"
+
+namespace slipstream::camera_program_test {
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+bool port_is_free() {
+  try {
+    const VirtualGigeCamera camera({some_frame(0)}, "127.0.0.1", "PROBE");
+    return true;
+  } catch (const WorldError&) {
+    return false;
+  }
+}
+
+const std::vector<std::string> small_scan{"--strategy", "pmp", "--steps", "4"};
+
+std::vector<std::string> with(std::vector<std::string> arguments,
+                              const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+class CameraProgram : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!port_is_free()) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  }
+
+  [[nodiscard]] RunningProgram serve() const {
+    return RunningProgram(with({"camera", "serve", "--camera", "160x120", "--scene", "sphere",
+                                "--cycles", "3", "--serial", "PROGRAM"},
+                               small_scan));
+  }
+  [[nodiscard]] RunningProgram record(const std::vector<std::string>& more) const {
+    return RunningProgram(
+        with({"record", "--source", "aravis:127.0.0.1", "-o", recording(), "--rate", "100"},
+             with(small_scan, more)));
+  }
+  [[nodiscard]] std::string recording() const { return folder_.path() / "frames.slip"; }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(CameraProgram, RecordsWhatTheOtherServes) {
+  RunningProgram server = serve();
+  ASSERT_TRUE(server.wait_for_words("serving pmp of 160x120")) << server.words();
+  RunningProgram client = record({"--frames", "50", "--json"});
+  EXPECT_EQ(client.wait(), 0) << client.words();
+  EXPECT_NE(client.words().find("\"frames\": 50"), std::string::npos) << client.words();
+  server.send(SIGINT);
+  EXPECT_EQ(server.wait(), 0) << server.words();
+
+  const RecordingReader reader(recording());
+  EXPECT_TRUE(reader.finished());
+  ASSERT_EQ(reader.count(), 50U);
+  EXPECT_EQ(reader.header().frame_rate, 100);
+  // Three scans over and over: frames twelve apart are the same, neighbours are not.
+  std::vector<Frame> frames(50);
+  for (std::uint64_t i = 0; i < 50; ++i) ASSERT_TRUE(reader.read(i, frames[i]));
+  for (std::size_t i = 12; i < 50; ++i) {
+    const bool whole_round = frames[i].stamp.sequence == frames[i - 12].stamp.sequence + 12;
+    EXPECT_TRUE(!whole_round || same_pixels(frames[i], frames[i - 12])) << i;
+    EXPECT_FALSE(same_pixels(frames[i], frames[i - 1])) << i;
+  }
+}
+
+TEST_F(CameraProgram, ServerThatIsKilledAndRunAgainIsFoundAndInterruptFinishesTheFile) {
+  RunningProgram client = [&] {
+    RunningProgram server = serve();
+    EXPECT_TRUE(server.wait_for_words("serving")) << server.words();
+    RunningProgram recording_client = record({});
+    EXPECT_TRUE(wait_until([&] {
+      std::error_code none;
+      const auto size = fs::file_size(recording(), none);
+      return !none && size > 20 * 160 * 120;
+    }));
+    return recording_client;
+  }();
+  EXPECT_TRUE(client.wait_for_words("is gone; looking for it")) << client.words();
+  RunningProgram server = serve();
+  EXPECT_TRUE(client.wait_for_words("the camera is back")) << client.words();
+  std::this_thread::sleep_for(500ms);
+  client.send(SIGINT);
+  EXPECT_EQ(client.wait(), 0) << client.words();
+  const RecordingReader reader(recording());
+  EXPECT_TRUE(reader.finished());
+  EXPECT_GT(reader.count(), 20U);
+}
+
+TEST_F(CameraProgram, ListsTheServedCameraAsItIsOpened) {
+  RunningProgram server = serve();
+  ASSERT_TRUE(server.wait_for_words("serving")) << server.words();
+  RunningProgram list({"camera", "list", "--json"});
+  EXPECT_EQ(list.wait(), 0) << list.words();
+  EXPECT_NE(list.words().find("aravis:Aravis-Fake-PROGRAM"), std::string::npos) << list.words();
+}
+
+TEST_F(CameraProgram, RefusesBadFlags) {
+  const auto expect_refused = [&](const std::vector<std::string>& arguments, int code,
+                                  const std::string& named) {
+    const ProgramRun run = run_program(arguments);
+    EXPECT_EQ(run.exit_code, code) << run.err;
+    EXPECT_NE(run.err.find(named), std::string::npos) << run.err;
+    EXPECT_FALSE(fs::exists(recording()));
+  };
+  const auto with_source = [&](const std::vector<std::string>& more) {
+    return with({"record", "-o", recording()}, with(small_scan, more));
+  };
+  expect_refused(with_source({"--source", "tape:1"}), 2, "tape");
+  expect_refused(with_source({"--source", "v4l2:x"}), 2, "v4l2:x");
+  expect_refused(with_source({"--source", "v4l2:63"}), 1, "/dev/video63");
+  expect_refused(with_source({"--source", "v4l2:0", "--trigger", "Line1"}), 2, "Line1");
+  expect_refused(with_source({"--source", "virtual", "--frames", "0"}), 2, "--frames 0");
+  expect_refused(with_source({"--source", "aravis:", "--region", "640x480+1"}), 2, "640x480+1");
+  expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB8"}), 2, "RGB8");
+  expect_refused(with_source({"--source", "aravis:", "--pixel-format", "RGB9"}), 2, "RGB9");
+  // Its patterns are grey, and three frames of each picture would be as many as three of them.
+  expect_refused({"record", "-o", recording(), "--source", "virtual", "--strategy", "pmp",
+                  "--steps", "3", "--pixel-format", "RGB8"},
+                 2, "RGB8");
+  expect_refused({"capture", "-o", recording(), "--source", "aravis:", "--monitor", "1",
+                  "--strategy", "pmp", "--steps", "3", "--pixel-format", "RGB8"},
+                 2, "RGB8");
+  expect_refused({"record", "-o", recording(), "--source", "aravis:x"}, 2, "--strategy");
+  expect_refused({"camera", "serve", "--packet-loss", "2"}, 2, "--packet-loss");
+  expect_refused({"camera", "serve", "--cycles", "100000"}, 2, "--cycles 100000");
+  expect_refused({"camera", "serve", "--camera-bits", "12"}, 2, "--camera-bits 12");
+  expect_refused({"camera", "serve", "--projector", "64x48"}, 2, "--projector 64x48");
+  expect_refused(with_source({"--source", "v4l2:0", "--gain", "1e12"}), 2, "--gain");
+  expect_refused({"camera", "serve", "--camera", "32x24", "--address", "nowhere"}, 2, "nowhere");
+}
+
+}  // namespace slipstream::camera_program_test

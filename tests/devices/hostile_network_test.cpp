@@ -1,0 +1,194 @@
+// Who sends what no camera and no client would: at the served camera while a client streams, and at
+// the client while a camera serves it.
+#include <atomic>
+#include <cstdlib>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/devices/genicam.h"
+#include "slipstream/devices/gige_block.h"
+#include "slipstream/devices/virtual_gige_camera.h"
+#include "tests/devices/gvcp_packets.h"
+#include "tests/io/recorded_frames.h"
+
+namespace slipstream::hostile_network_test {
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+/// Of UDP, at any free port.
+class Sender {
+ public:
+  Sender() = default;
+  Sender(const Sender&) = delete;
+  Sender& operator=(const Sender&) = delete;
+  ~Sender() { ::close(socket_); }
+
+  void send(const Bytes& packet, std::uint16_t port) const {
+    const sockaddr_in to = address_of(loopback, port);
+    ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+             sizeof(to));
+  }
+  /// What the camera answers within a second, other answers aside; empty where it does not.
+  [[nodiscard]] Bytes ask(const Bytes& packet) const {
+    send(packet, camera_port);
+    for (const auto end = steady_clock::now() + 1s; steady_clock::now() < end;) {
+      Bytes answer(2048);
+      const ssize_t size = ::recv(socket_, answer.data(), answer.size(), MSG_DONTWAIT);
+      if (size < 8) {
+        std::this_thread::yield();
+      } else if (std::equal(packet.begin() + 6, packet.begin() + 8, answer.begin() + 6)) {
+        return {answer.begin(), answer.begin() + size};
+      }
+    }
+    return {};
+  }
+
+ private:
+  static constexpr std::uint16_t camera_port = 3956;
+  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
+
+/// 10^4, or as many as SLIPSTREAM_HOSTILE_PACKETS says.
+int packets_wanted() {
+  const char* asked = std::getenv("SLIPSTREAM_HOSTILE_PACKETS");
+  return asked == nullptr ? 10'000 : std::atoi(asked);
+}
+
+class HostileNetwork : public testing::Test {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i < 4; ++i) rendered_.push_back(some_frame(i, {{320, 240}, 8}));
+    try {
+      camera_ = std::make_unique<VirtualGigeCamera>(rendered_, "127.0.0.1", "HOSTILE");
+    } catch (const WorldError&) {
+      GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+    }
+  }
+  [[nodiscard]] static std::unique_ptr<FrameSource> open() {
+    return open_genicam_camera("127.0.0.1", {.frame_rate = 100, .packet_size = 8000, .cycle = 4});
+  }
+
+  std::vector<Frame> rendered_;
+  std::unique_ptr<VirtualGigeCamera> camera_;
+};
+
+TEST_F(HostileNetwork, NoPacketEndsTheServedCameraOrCostsItsClientAFrame) {
+  const auto source = open();
+  source->start();
+  Frame frame(source->format());
+  while (source->next(frame, 100ms) != Arrival::frame) {
+  }
+  const std::uint64_t first = frame.stamp.sequence;
+  std::atomic<int> sent = 0, unanswered = 0;
+  std::jthread hostile([&](const std::stop_token& stop) {
+    const Sender sender;
+    std::mt19937 random(18);
+    Bytes last;
+    for (int i = 0; i < packets_wanted() && !stop.stop_requested(); ++i, ++sent) {
+      Bytes packet = random() % 16 == 0 ? last : hostile_packet(random);
+      sender.send(packet, 3956);
+      last = std::move(packet);
+      if (i % 32 == 0 && sender.ask(command(read_register, {0xa00}, 0xbeef)).empty()) ++unanswered;
+    }
+  });
+  std::uint64_t frames = 1;
+  while (sent < packets_wanted() || frames < 100) {
+    if (source->next(frame, 2s) != Arrival::frame) break;
+    ASSERT_EQ(frame.stamp.sequence, first + frames++) << "after " << sent << " hostile packets";
+    ASSERT_TRUE(same_pixels(frame, rendered_[frame.stamp.sequence % 4]));
+  }
+  EXPECT_EQ(sent, packets_wanted());
+  EXPECT_EQ(unanswered, 0);
+  EXPECT_EQ(source->counters().lost, 0U);
+  EXPECT_EQ(source->counters().reconnects, 0U);
+  RecordProperty("packets", sent);
+  RecordProperty("frames", std::to_string(frames));
+}
+
+/// A packet of a stream as no camera sends it: parts out of place, of frames to come and gone, of
+/// other payloads, with sizes at the edges, or cut off.
+Bytes hostile_frame_packet(std::mt19937& random) {
+  Bytes packet(random() % 72);
+  for (std::uint8_t& byte : packet) byte = static_cast<std::uint8_t>(random());
+  if (packet.size() < 8) return packet;
+  if (random() % 8 != 0) packet[0] = packet[1] = 0;         // success
+  if (random() % 2 == 0) packet[2] = 0;                     // a frame of the first
+  packet[4] = static_cast<std::uint8_t>(1 + random() % 3);  // leader, trailer or pixels
+  if (random() % 16 == 0) packet[4] |= 0x80;                // of long numbers
+  if (random() % 4 != 0) packet[5] = packet[6] = 0;         // among the first packets
+  if (packet[4] == 1 && random() % 4 != 0) {
+    packet.resize(8 + 36);
+    packet[8] = packet[9] = packet[10] = 0;
+    packet[11] = static_cast<std::uint8_t>(1 + random() % 8);  // a picture, or another payload
+  }
+  return packet;
+}
+
+TEST_F(HostileNetwork, NoPictureInItsNameEndsTheClient) {
+  const auto source = open();
+  source->start();
+  Frame frame(source->format());
+  while (source->next(frame, 100ms) != Arrival::frame) {
+  }
+  const Sender sender;
+  const Bytes port = sender.ask(command(read_register, {0xd00}));
+  ASSERT_EQ(port.size(), 12U);
+  std::mt19937 random(18);
+  for (int i = 0; i < packets_wanted(); ++i) {
+    sender.send(hostile_frame_packet(random), static_cast<std::uint16_t>(port[10] << 8 | port[11]));
+    if (i % 32 == 0) (void)source->next(frame, 1ms);
+  }
+  // Who speaks in a camera's name can give wrong frames; after that the right ones come again.
+  int right = 0;
+  for (const auto end = steady_clock::now() + 20s; right < 20 && steady_clock::now() < end;) {
+    const bool came = source->next(frame, 100ms) == Arrival::frame;
+    const bool is_right = came && same_pixels(frame, rendered_[frame.stamp.sequence % 4]);
+    right = is_right ? right + 1 : came ? 0 : right;
+  }
+  EXPECT_EQ(right, 20);
+}
+
+/// A packet of a picture as the camera sends it, or longer than was agreed, with noise behind it.
+Bytes stray_packet(const GigeBlock& block, std::mt19937& random) {
+  Bytes packet;
+  write_packet(block, random() % packet_count(block), packet);
+  if (random() % 4 != 0) return packet;
+  const std::size_t agreed = 8 + block.packet_bytes;
+  while (packet.size() < agreed) packet.push_back(static_cast<std::uint8_t>(random()));
+  for (std::size_t more = 1 + random() % 2000; more > 0; --more) {
+    packet.push_back(static_cast<std::uint8_t>(random()));
+  }
+  return packet;
+}
+
+TEST_F(HostileNetwork, PacketsAgainEarlyLateAndTooLongGiveNoWrongFrame) {
+  const auto source = open();
+  source->start();
+  Frame frame(source->format());
+  while (source->next(frame, 100ms) != Arrival::frame) {
+  }
+  const Sender sender;
+  const Bytes port = sender.ask(command(read_register, {0xd00}));
+  ASSERT_EQ(port.size(), 12U);
+  GigeStream stream{};
+  stream.region.size = source->format().size;
+  stream.packet_bytes = 8000 - 36;
+  std::mt19937 random(18);
+  int frames = 0;
+  for (int i = 0; i < packets_wanted() || frames < 100; ++i) {
+    const std::uint64_t other = frame.stamp.sequence + random() % 6;  // 3 gone, this, 2 to come
+    const std::uint64_t sequence = other < 3 ? 0 : other - 3;
+    const auto& picture = std::get<Image<std::uint8_t>>(rendered_[sequence % 4].pixels);
+    const GigeBlock block = block_of(picture, stream, static_cast<std::uint16_t>(sequence + 1));
+    sender.send(stray_packet(block, random), static_cast<std::uint16_t>(port[10] << 8 | port[11]));
+    if (i % 16 != 0 || source->next(frame, 1ms) != Arrival::frame) continue;
+    ++frames;
+    ASSERT_TRUE(same_pixels(frame, rendered_[frame.stamp.sequence % 4])) << frame.stamp.sequence;
+  }
+}
+
+}  // namespace slipstream::hostile_network_test

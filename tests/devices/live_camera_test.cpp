@@ -1,0 +1,85 @@
+// The whole way from UDP packets to clouds.
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/devices/genicam.h"
+#include "slipstream/devices/virtual_gige_camera.h"
+#include "slipstream/live/live_pipeline.h"
+#include "tests/devices/offline.h"
+
+namespace slipstream::live_camera_test {
+using namespace std::chrono_literals;
+using std::chrono::steady_clock;
+
+std::unique_ptr<VirtualGigeCamera> serve(const std::vector<Frame>& loop) {
+  try {
+    return std::make_unique<VirtualGigeCamera>(loop, "127.0.0.1", "LIVE");
+  } catch (const WorldError&) {
+    return nullptr;
+  }
+}
+
+TEST(LiveCamera, EachFrameGivesTheCloudOfTheOfflineScan) {
+  const Offline offline;
+  const auto camera = serve(offline.loop);
+  if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  std::uint64_t clouds = 0, wrong = 0;
+  LivePipeline pipeline(open_genicam_camera("127.0.0.1", settings_for(offline)), offline.setup,
+                        {.indexing = PatternIndexing::counted,
+                         .most_frames = 200,
+                         .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+                           ++clouds;
+                           if (!offline.has(*cloud)) ++wrong;
+                         }});
+  pipeline.start();
+  for (const auto end = steady_clock::now() + 20s;
+       pipeline.running() && steady_clock::now() < end;) {
+    std::this_thread::sleep_for(10ms);
+  }
+  pipeline.stop();
+  const LiveStatistics statistics = pipeline.statistics();
+  EXPECT_EQ(statistics.frames.captured, 200U);
+  EXPECT_EQ(statistics.frames.lost, 0U);
+  EXPECT_EQ(wrong, 0U);
+  if (statistics.frames.overwritten == 0) {
+    EXPECT_EQ(clouds, 197U) << "one for each but the first three";
+  }
+}
+
+TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {
+  const Offline offline;
+  auto camera = serve(offline.loop);
+  if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  std::atomic<std::uint64_t> clouds = 0, wrong = 0;
+  LivePipeline pipeline(
+      open_genicam_camera("127.0.0.1", settings_for(offline)), offline.setup,
+      {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
+         ++clouds;
+         if (!offline.has(*cloud)) ++wrong;
+       }});
+  pipeline.start();
+  const auto wait_for = [&](const auto& condition) {
+    const auto end = steady_clock::now() + 20s;
+    while (!condition() && steady_clock::now() < end) std::this_thread::sleep_for(5ms);
+    return condition();
+  };
+  ASSERT_TRUE(wait_for([&] { return clouds > 30; }));
+  camera.reset();
+  ASSERT_TRUE(wait_for([&] { return !pipeline.statistics().source_state.empty(); }));
+  const std::uint64_t before = clouds;
+  camera = serve(offline.loop);
+  ASSERT_TRUE(camera);
+  ASSERT_TRUE(wait_for([&] { return clouds > before + 30; }));
+  EXPECT_EQ(pipeline.statistics().source_state, "");
+  pipeline.stop();
+  EXPECT_EQ(wrong, 0U);
+}
+
+}  // namespace slipstream::live_camera_test

@@ -1,0 +1,62 @@
+#include "slipstream/frames/pool.h"
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/frames/frame.h"
+
+namespace slipstream::pool_test {
+
+TEST(Pool, gives_each_value_to_one_taker_and_again_after_the_last_share) {
+  Pool<int> pool(2, [made = 0]() mutable { return ++made; });
+  Pooled<int> first = pool.take();
+  const Pooled<int> second = pool.take();
+  ASSERT_TRUE(first && second);
+  EXPECT_NE(*first, *second);
+  EXPECT_FALSE(pool.take());
+  const int value = *first;
+  Pooled<int> copy = first;
+  first = {};
+  EXPECT_FALSE(pool.take());
+  copy = {};
+  const Pooled<int> again = pool.take();
+  ASSERT_TRUE(again);
+  EXPECT_EQ(*again, value);
+}
+
+TEST(Pool, shares_outlive_the_pool) {
+  Pooled<int> share;
+  {
+    Pool<int> pool(1, [] { return 7; });
+    share = pool.take();
+  }
+  EXPECT_EQ(*share, 7);
+}
+
+TEST(Pool, values_pass_between_threads) {
+  Pool<int> pool(1, [] { return 0; });
+  int sum = 0;
+  for (int turn = 1; turn <= 1000; ++turn) {
+    Pooled<int> share = pool.take();
+    while (!share) share = pool.take();
+    share.fill() = turn;
+    std::thread reader([&sum, read = std::move(share)]() mutable {
+      sum += *read;
+      read = {};
+    });
+    reader.join();
+  }
+  EXPECT_EQ(sum, 500500);
+}
+
+TEST(Frame, has_the_pixels_of_its_format) {
+  const FrameFormat format{{5, 3}, 12};
+  EXPECT_EQ(Frame(format).format(), format);
+  EXPECT_EQ(Frame({{5, 3}, 8}).pixels.index(), 0U);
+  EXPECT_THROW(Frame({{0, 3}, 8}), Error);
+  EXPECT_THROW(Frame({{5, 3}, 17}), Error);
+}
+
+}  // namespace slipstream::pool_test

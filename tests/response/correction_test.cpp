@@ -1,0 +1,96 @@
+#include "slipstream/response/correction.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/response/distortion.h"
+
+namespace slipstream::correction_test {
+
+using std::numbers::pi;
+
+double wrapped(double angle) {
+  const double turns = angle / (2 * pi);
+  return std::min(2 * pi * (turns - std::floor(turns)), std::nextafter(2 * pi, 0));
+}
+
+TEST(TruePhase, UndoesTheDistortion) {
+  rc::check([] {
+    const int steps = *rc::gen::inRange(3, 12);
+    // Past gamma 4.5 three steps measure one phase for a range of true ones, to rounding.
+    const double gamma = *rc::gen::inRange(50, steps == 3 ? 450 : 1100) / 100.0;
+    const double phi = *rc::gen::inRange(-10000, 10000) / 1000.0;
+    const Response response = PowerLaw{gamma};
+    const double measured = distorted_phase(response, steps, phi);
+    RC_ASSERT(std::abs(true_phase(response, steps, measured) - phi) < 1e-9);
+  });
+}
+
+TEST(PhaseCorrection, LeavesLessThanAMillionthOfARadian) {
+  for (const int steps : {3, 4, 5, 6, 8}) {
+    for (const double gamma : {0.7, 1.4, 2.21, 3.18, 4.42}) {
+      const Response response = PowerLaw{gamma};
+      const PhaseCorrection correction = phase_correction(response, steps);
+      for (double phi = 0.0005; phi < 2 * pi; phi += 0.001) {
+        const double measured = wrapped(distorted_phase(response, steps, phi));
+        const double error = std::remainder(corrected_phase(correction, measured) - phi, 2 * pi);
+        ASSERT_NEAR(error, 0, 1e-6) << "N " << steps << ", gamma " << gamma << ", phi " << phi;
+      }
+    }
+  }
+}
+
+TEST(PhaseCorrection, TakesAMeasuredCurveToo) {
+  // No power law: a straight line and a cube in equal parts.
+  std::vector<double> values, intensities;
+  for (int i = 0; i <= 64; ++i) {
+    const double value = i / 64.0;
+    values.push_back(value);
+    intensities.push_back(10 + 100 * (value + value * value * value));
+  }
+  const PhaseCorrection correction = phase_correction(response_curve(values, intensities), 3);
+  double before = 0, after = 0;
+  for (double phi = 0; phi < 2 * pi; phi += 0.001) {
+    double S = 0, C = 0;
+    for (int n = 0; n < 3; ++n) {
+      const double value = 0.5 + 0.5 * std::cos(phi - 2 * pi * n / 3);
+      S += (value + value * value * value) * std::sin(2 * pi * n / 3);
+      C += (value + value * value * value) * std::cos(2 * pi * n / 3);
+    }
+    const double measured = wrapped(std::atan2(S, C));
+    before = std::max(before, std::abs(std::remainder(measured - phi, 2 * pi)));
+    after = std::max(after,
+                     std::abs(std::remainder(corrected_phase(correction, measured) - phi, 2 * pi)));
+  }
+  EXPECT_GT(before, 0.1);
+  EXPECT_LT(after, 1e-4);
+}
+
+TEST(PhaseCorrection, IsNoneWithoutDistortion) {
+  for (const double added : phase_correction(PowerLaw{1}, 3).added) EXPECT_NEAR(added, 0, 1e-12);
+}
+
+TEST(PhaseCorrection, IsShortWhereThatSuffices) {
+  EXPECT_EQ(phase_correction(PowerLaw{1}, 3).added.size(), 256U);
+  EXPECT_LE(phase_correction(PowerLaw{2.2}, 3).added.size(), 8192U);
+}
+
+TEST(PhaseCorrections, AreOneForEachN) {
+  const PhaseCorrections corrections = phase_corrections(PowerLaw{2.2}, std::vector{4, 3, 4});
+  EXPECT_EQ(corrections.size(), 2U);
+  EXPECT_EQ(corrections.at(3).steps, 3);
+  EXPECT_EQ(corrections.at(4).steps, 4);
+}
+
+TEST(PhaseCorrection, RefusesWhatItDoesNotModel) {
+  EXPECT_THROW((void)phase_correction(PowerLaw{0.4}, 3), Error);
+  EXPECT_THROW((void)phase_correction(PowerLaw{12}, 3), Error);
+  EXPECT_THROW((void)phase_correction(PowerLaw{2}, 2), Error);
+}
+
+}  // namespace slipstream::correction_test

@@ -1,0 +1,135 @@
+// Light and sensor as scans of the virtual scanner show them.
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/codes/registry.h"
+#include "slipstream/response/ambient_calibration.h"
+#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/noise_calibration.h"
+#include "slipstream/response/response_linearity.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
+#include "tests/io/expect_error.h"
+
+namespace slipstream::photometry_test {
+
+/// Brightest where gamma is to be told, dimmer where no frame may be clipped.
+constexpr PatternLight bright{}, dim{.alpha_p = 200, .beta_p = 40};
+
+Scan scan_of(const Strategy& strategy, const Photometry& photometry,
+             const PatternLight& light = dim) {
+  const Scanner scanner = example_scanner({128, 96});
+  const Sequence sequence{.strategy = strategy, .light = light};
+  return {
+      .frames = take_scan(scanner, scene_named("board", scanner), pattern_set(sequence), photometry)
+                    .frames,
+      .sequence = sequence};
+}
+
+const Strategy six_steps = PhaseMeasuring{.steps = 6};
+
+TEST(ScanAverage, TakesScansOfOneKind) {
+  ScanAverage scans;
+  scans.add(scan_of(six_steps, {}), "one");
+  scans.add(scan_of(six_steps, {.seed = 2}), "two");
+  EXPECT_EQ(scans.count(), 2);
+  expect_error([&] { scans.add(scan_of(PhaseMeasuring{.steps = 5}, {}), "three"); },
+               {"three", "one"});
+}
+
+TEST(AmbientCalibration, FindsTheAmbientLight) {
+  ScanAverage scans;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    scans.add(scan_of(six_steps, {.ambient = -5, .noise_variance = 2, .seed = seed}), "a scan");
+  }
+  EXPECT_NEAR(calibrate_ambient(scans).estimate.mode, -5, 0.2);
+  const Sequence cued{.strategy = PhaseChannelMultiplexing{}};
+  expect_error([&] { require_ambient_measurable({.sequence = cued}, "a cued scan"); },
+               {"a cued scan"});
+}
+
+TEST(AmbientCalibration, KnowsTheResponseOrRefuses) {
+  for (const int steps : {4, 6, 12}) {
+    for (const double gamma : {0.7, 1.3, 2.2}) {
+      ScanAverage scans;
+      scans.add(
+          scan_of(PhaseMeasuring{.steps = steps},
+                  {.ambient = 5, .response = PowerLaw{gamma}, .noise_variance = 2, .seed = 3}),
+          "a scan");
+      EXPECT_NEAR(calibrate_ambient(scans, 0.5, PowerLaw{gamma}).estimate.mode, 5, 0.3)
+          << steps << " steps, gamma " << gamma;
+      expect_error([&] { (void)calibrate_ambient(scans); },
+                   {"not linear", "second harmonic", "calibrate gamma"});
+      expect_error([&] { (void)calibrate_ambient(scans, 0.5, PowerLaw{1.7}); },
+                   {"response in the scanner file", "calibrate gamma again"});
+    }
+  }
+}
+
+TEST(ResponseLinearity, IsTheSecondHarmonic) {
+  for (const int steps : {4, 5, 8}) {
+    const auto of = [&](double gamma) {
+      ScanAverage scans;
+      scans.add(scan_of(PhaseMeasuring{.steps = steps},
+                        {.response = PowerLaw{gamma}, .noise_variance = 2, .seed = 5}, bright),
+                "a scan");
+      return response_linearity(scans).value();
+    };
+    EXPECT_TRUE(has_second_harmonic(of(1), 0)) << of(1).second;
+    EXPECT_FALSE(has_second_harmonic(of(1.05), 0)) << of(1.05).second;
+    EXPECT_TRUE(has_second_harmonic(of(2.2), second_harmonic(bright, PowerLaw{2.2}, steps)))
+        << of(2.2).second;
+    EXPECT_LT(of(1).standard_error, 0.001);
+  }
+  ScanAverage three;
+  three.add(scan_of(PhaseMeasuring{.steps = 3}, {.response = PowerLaw{2}}), "a scan");
+  EXPECT_FALSE(response_linearity(three));
+}
+
+TEST(GammaCalibration, FindsGammaByEachPixelAndByAll) {
+  ScanAverage scans;
+  scans.add(scan_of(six_steps, {.response = PowerLaw{2.2}, .noise_variance = 0.2}, bright),
+            "a scan");
+  const GammaCalibration found = calibrate_gamma(scans);
+  EXPECT_EQ(found.steps, 6);
+  EXPECT_EQ(found.response.value().name, "power law");
+  EXPECT_NEAR(found.pixels.value().estimate.gamma, 2.2, 0.01);
+}
+
+TEST(GammaChoice, IsWhatIsAskedFor) {
+  const MeasuredResponse known{PowerLaw{1.8}, 1.8, 0.01};
+  EXPECT_EQ(choose_gamma("scanner", known).response, known);
+  EXPECT_FALSE(choose_gamma("scanner", std::nullopt).response);
+  EXPECT_FALSE(choose_gamma("none", known).response);
+  EXPECT_EQ(choose_gamma("2.4", known).gamma, 2.4);
+  expect_error([&] { (void)choose_gamma("bright", known); }, {"bright"});
+  expect_error([&] { (void)choose_gamma("blind", known); }, {"scan"});
+  const Scan scan = scan_of(six_steps, {.response = PowerLaw{2.2}}, bright);
+  const GammaChoice blind =
+      choose_gamma("blind", known, scan.sequence.strategy.layout(), scan.frames);
+  EXPECT_EQ(blind.source, "blind");
+  EXPECT_NEAR(blind.gamma.value(), 2.2, 0.05);
+}
+
+TEST(NoiseCalibration, GivesTheVarianceByEveryEquationThatTheScansAllow) {
+  const Photometry photometry{.noise_variance = 2};
+  std::vector<NoiseScan> scans;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    Photometry noisy = photometry;
+    noisy.seed = seed;
+    scans.emplace_back(scan_of(PhaseMeasuring{.steps = 4}, noisy));
+  }
+  const auto found = calibrate_noise(scans);
+  ASSERT_GE(found.size(), 2U);
+  for (const NoiseMeasurement& measured : found) {
+    EXPECT_NEAR(measured.variance, 2 + 1.0 / 12, 0.15) << measured.equation;
+    EXPECT_EQ(measured.reason, "") << measured.equation;
+  }
+  scans.push_back(scans.front());
+  expect_error([&] { (void)calibrate_noise(scans); }, {"very same frames", "--seed"});
+}
+
+}  // namespace slipstream::photometry_test

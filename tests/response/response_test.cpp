@@ -1,0 +1,82 @@
+#include "slipstream/codes/response.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <rapidcheck.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream::response_test {
+
+std::vector<double> evenly_spaced(int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(static_cast<double>(i) / (count - 1));
+  return values;
+}
+
+ResponseCurve curve_of(double gamma, int points) {
+  const std::vector<double> values = evenly_spaced(points);
+  std::vector<double> intensities;
+  for (const double value : values) intensities.push_back(12 + 180 * std::pow(value, gamma));
+  return response_curve(values, intensities);
+}
+
+TEST(Response, APowerLawIsTheValueToThePowerGamma) {
+  EXPECT_DOUBLE_EQ(light_at(PowerLaw{2}, 0.5), 0.25);
+  EXPECT_DOUBLE_EQ(value_for(PowerLaw{2}, 0.25), 0.5);
+  EXPECT_DOUBLE_EQ(light_at(PowerLaw{2}, 1.5), 1);
+  EXPECT_THROW(require_gamma(0.4, "gamma"), Error);
+  EXPECT_THROW(require_gamma(NAN, "gamma"), Error);
+}
+
+TEST(Response, ACurveMeasuredAt33LevelsIsThePowerLawItWasMeasuredFrom) {
+  const Response curve = curve_of(2.2, 33);
+  for (double value = 0; value <= 1; value += 0.001) {
+    EXPECT_NEAR(light_at(curve, value), std::pow(value, 2.2), 5e-5);
+    EXPECT_NEAR(light_at(curve, value_for(curve, value)), value, 1e-12);
+  }
+}
+
+TEST(Response, ACurveRisesThroughAnyPointsThatDo) {
+  rc::check([](std::vector<double> steps) {
+    std::vector<double> intensities{0};
+    for (const double step : steps) {
+      RC_PRE(std::isfinite(step));
+      intensities.push_back(intensities.back() + std::fmod(std::abs(step), 100.0));
+    }
+    RC_PRE(intensities.size() >= 3U && intensities.back() > 1);
+    const auto values = evenly_spaced(static_cast<int>(intensities.size()));
+    const Response curve = response_curve(values, intensities);
+    double before = light_at(curve, 0);
+    RC_ASSERT(before == 0);
+    for (int i = 1; i <= 300; ++i) {
+      const double light = light_at(curve, i / 300.0);
+      RC_ASSERT(light >= before - 1e-12);
+      before = light;
+    }
+    RC_ASSERT(std::abs(before - 1) < 1e-12);
+  });
+}
+
+TEST(Response, NoiseThatReversesNeighboursIsAveraged) {
+  const ResponseCurve curve = response_curve(std::array{0.0, 0.25, 0.5, 0.75, 1.0},
+                                             std::array{0.0, 22.0, 18.0, 60.0, 100.0});
+  EXPECT_DOUBLE_EQ(curve.light[1], 0.2);
+  EXPECT_DOUBLE_EQ(curve.light[2], 0.2);
+}
+
+TEST(Response, RefusesWhatIsNoCurve) {
+  EXPECT_THROW((void)response_curve(std::array{0.0, 1.0}, std::array{0.0, 1.0}), Error);
+  EXPECT_THROW((void)response_curve(std::array{0.0, 0.5, 0.9}, std::array{0.0, 1.0, 2.0}), Error);
+  EXPECT_THROW((void)response_curve(std::array{0.0, 0.0, 1.0}, std::array{0.0, 1.0, 2.0}), Error);
+  EXPECT_THROW((void)response_curve(std::array{0.0, 0.5, 1.0}, std::array{3.0, 2.0, 1.0}), Error);
+  EXPECT_THROW((void)response_curve(std::array{0.0, 0.5, 1.0}, std::array{0.0, std::nan(""), 1.0}),
+               Error);
+  EXPECT_THROW((void)response_curve(std::array{0.0, 0.5, 1.0}, std::array{0.0, 1.0}), Error);
+}
+
+}  // namespace slipstream::response_test

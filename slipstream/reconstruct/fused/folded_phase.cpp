@@ -70,7 +70,7 @@ Values spectrum(const PhaseCorrection& correction, const Fold& fold, double b) {
 }
 
 /// The least that leaves out less than the error allowed.
-int degree(const Values& spectrum) {
+int degree_of(const Values& spectrum) {
   double left_out = 0;
   for (int k = nodes - 1; k > 0; --k) {
     left_out += std::abs(spectrum(k));
@@ -118,7 +118,7 @@ FoldedPhase folded_phase(const PhaseCorrection& correction) {
     // In float, as it will be used.
     const auto b = static_cast<float>(std::exp2(octaves * i) - 1);
     const Values terms = spectrum(correction, *fold, b);
-    const int needed = degree(terms);
+    const int needed = degree_of(terms);
     if (needed >= least) continue;
     const FoldedPhase folded{b, in_turns(terms, needed)};
     if (!holds(folded, correction, *fold)) continue;

@@ -13,7 +13,7 @@ struct CaptureDesktop::Windows {
   }
 
   opengl::WindowSystem system;
-  std::optional<project::MonitorSink> projector;
+  std::optional<monitor::MonitorSink> projector;
   std::optional<view::GuideWindow> guide;
 };
 

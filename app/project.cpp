@@ -78,7 +78,7 @@ Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
 }
 
 /// Returns how many there are.
-std::size_t load_patterns(project::MonitorSink& sink, const Sequence& sequence, bool in_colour) {
+std::size_t load_patterns(monitor::MonitorSink& sink, const Sequence& sequence, bool in_colour) {
   const PatternSet set = pattern_set(sequence);
   if (!in_colour) {
     sink.load(patterns_in_8_bits(set, sequence.projector));
@@ -93,7 +93,7 @@ std::size_t load_patterns(project::MonitorSink& sink, const Sequence& sequence, 
   return count;
 }
 
-void tell(const project::ProjectionReport& report, const project::MonitorSink& projector, int hold,
+void tell(const monitor::ProjectionReport& report, const monitor::MonitorSink& projector, int hold,
           Output& output) {
   const double rate =
       report.seconds > 0 ? static_cast<double>(report.shown - 1) / report.seconds : 0;
@@ -122,24 +122,24 @@ void project_scan(const ProjectFlags& flags, Output& output) {
     return;
   }
   const Monitor& monitor = monitor_at(monitors, flags.monitor);
-  const int hold = project::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
+  const int hold = monitor::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
   const Sequence sequence = sequence_on(flags, monitor);
-  project::MonitorSink projector(system, flags.monitor);
+  monitor::MonitorSink projector(system, flags.monitor);
   const std::size_t count = load_patterns(projector, sequence, flags.in_colour);
 
-  project::SwapLog log;
+  monitor::SwapLog log;
   const RunEnd end(flags.duration);
   output.say("showing {} patterns; Ctrl-C or Esc ends it", count);
   std::fflush(stdout);
-  const project::ProjectionSettings settings{
+  const monitor::ProjectionSettings settings{
       .refresh_hz = projector.refresh_hz(),
       .hold = hold,
       .on_swap =
-          [&](const project::PatternSwap& swap) {
+          [&](const monitor::PatternSwap& swap) {
             if (!flags.log.empty()) log.add(swap);
           },
       .ends = [&] { return projector.closed() || end.reached(); }};
-  const project::ProjectionReport report = project::project_patterns(projector, count, settings);
+  const monitor::ProjectionReport report = monitor::project_patterns(projector, count, settings);
   tell(report, projector, hold, output);
   if (!flags.log.empty()) {
     write_file(flags.log, log.text());

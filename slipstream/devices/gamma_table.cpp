@@ -5,7 +5,7 @@
 
 #include <GLFW/glfw3.h>
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 namespace {
 
 using Table = std::vector<unsigned short>;
@@ -47,4 +47,4 @@ IdentityGammaTable::~IdentityGammaTable() {
   if (exists() && is_connected(monitor_)) set_table(monitor_, red_, green_, blue_);
 }
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

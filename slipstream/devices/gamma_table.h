@@ -4,7 +4,7 @@
 
 struct GLFWmonitor;
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 
 /// A monitor's gamma table made the identity, so that grey levels leave the machine as they are; as
 /// it was again when this goes, unless the monitor has gone before.
@@ -23,4 +23,4 @@ class IdentityGammaTable {
   std::vector<unsigned short> red_, green_, blue_;  ///< as they were
 };
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

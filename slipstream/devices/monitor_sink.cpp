@@ -9,7 +9,7 @@
 
 #include "slipstream/base/error.h"
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 namespace {
 
 // One triangle that covers the picture.
@@ -125,4 +125,4 @@ bool MonitorSink::closed() const {
   return window_.should_close();
 }
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

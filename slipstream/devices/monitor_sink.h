@@ -13,7 +13,7 @@
 #include "slipstream/view/shader_program.h"
 #include "slipstream/view/window.h"
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 
 /// A projector that is a monitor: it is filled pixel for pixel, without frame or cursor, its gamma
 /// table made the identity. In the main thread.
@@ -57,4 +57,4 @@ class MonitorSink : public PatternSink {
   std::uint64_t shown_ = 0;
 };
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

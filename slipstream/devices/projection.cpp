@@ -8,7 +8,7 @@
 
 #include "slipstream/base/error.h"
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -123,4 +123,4 @@ int refreshes_for(std::optional<double> rate, std::optional<int> hold, double re
   return refreshes_for_rate(*rate, refresh_hz);
 }
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

@@ -8,7 +8,7 @@
 
 #include "slipstream/frames/pattern_sink.h"
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 
 /// A pattern that came on the screen: what a camera's frames are matched with.
 struct PatternSwap {
@@ -51,4 +51,4 @@ int refreshes_for_rate(double rate, double refresh_hz);
 /// the projector refreshes (0).
 int refreshes_for(std::optional<double> rate, std::optional<int> hold, double refresh_hz);
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

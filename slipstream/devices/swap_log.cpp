@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 
 void SwapLog::add(const PatternSwap& swap) {
   if (!first_) first_ = swap.time;
@@ -12,4 +12,4 @@ void SwapLog::add(const PatternSwap& swap) {
                        std::chrono::duration<double>(swap.time - *first_).count());
 }
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

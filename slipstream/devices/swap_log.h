@@ -5,7 +5,7 @@
 
 #include "slipstream/devices/projection.h"
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 
 /// Which pattern was shown when, as text: "swap,pattern,seconds" and a line for each, the time from
 /// the first.
@@ -20,4 +20,4 @@ class SwapLog {
   std::optional<std::chrono::steady_clock::time_point> first_;
 };
 
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

@@ -18,7 +18,7 @@
 #include "slipstream/view/off_screen.h"
 #include "tests/view/desktop.h"
 
-namespace slipstream::project {
+namespace slipstream::monitor {
 namespace {
 
 std::vector<Image<std::uint8_t>> patterns_of(const Strategy& strategy, Axis axis, Size size) {
@@ -211,4 +211,4 @@ TEST(RefreshesForRate, AreWholeNumbers) {
 }
 
 }  // namespace
-}  // namespace slipstream::project
+}  // namespace slipstream::monitor

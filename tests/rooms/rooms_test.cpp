@@ -152,15 +152,14 @@ TEST(Rooms, InstalledHeadersIncludeInstalledHeaders) {
 }
 
 TEST(Rooms, AnInnerIncludeIsFound) {
-  EXPECT_FALSE(is_installed("slipstream/phase/detail/fold.h"));
+  EXPECT_FALSE(is_installed("slipstream/decode/detail/fold.h"));
   EXPECT_FALSE(is_installed("slipstream/decode/fold-inl.h"));
   EXPECT_FALSE(is_installed("slipstream/decode/fold.cpp"));
   EXPECT_EQ(inner_includes("#include \"slipstream/decode/fold.h\"\n"
-                           "#include \"slipstream/phase/detail/fold.h\"\n"
+                           "#include \"slipstream/decode/detail/fold.h\"\n"
                            "#include \"slipstream/reconstruct/fused/rows.h\"\n"
-                           "#include <vector>\n",
-                           rooms),
-            (std::vector<std::string>{"slipstream/phase/detail/fold.h",
+                           "#include <vector>\n"),
+            (std::vector<std::string>{"slipstream/decode/detail/fold.h",
                                       "slipstream/reconstruct/fused/rows.h"}));
 }
 

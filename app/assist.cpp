@@ -10,7 +10,7 @@
 #include "app/scan_input.h"
 #include "app/source_flags.h"
 #include "slipstream/base/error.h"
-#include "slipstream/live/exposure_series.h"
+#include "slipstream/live/cyclic_scans.h"
 #include "slipstream/response/exposure_advice.h"
 
 namespace slipstream::app {
@@ -23,41 +23,35 @@ struct AssistFlags {
   std::optional<double> noise_variance;
 };
 
-/// Frames, and what they show; the exposures are those that were taken.
-struct Taken {
-  FrameSet frames{};
-  Sequence sequence{};
-  std::optional<Scanner> scanner{};
-};
-
-Taken from_scan(const AssistFlags& flags, Output& output) {
+/// A scan whose sequence has the exposures that were taken.
+Scan from_scan(const AssistFlags& flags, Output& output) {
   ScanInputFlags input;
-  input.scan = flags.source.scan;
-  input.scanner = flags.source.scanner;
+  input.changes = {.sequence = flags.source.request.sequence,
+                   .scanner = flags.source.request.scanner};
   Scan scan = load_checkable(flags.scan, input, false, output);
   scan.sequence.exposures = scan.exposures;
-  return {std::move(scan.frames), std::move(scan.sequence), std::move(scan.scanner)};
+  return scan;
 }
 
 /// Opens the source once for each exposure, a camera set to it in ms.
-Taken from_source(const AssistFlags& flags, Output& output) {
-  if (scheme_of(flags.source.source) == "replay") {
+Scan from_source(const AssistFlags& flags, Output& output) {
+  if (scheme_of(flags.source.request.source) == "replay") {
     throw Error(
         "--source: frames that were recorded have their exposures; give the recording alone");
   }
   SourceRequest request = request_from(flags.source);
-  const bool is_virtual = scheme_of(flags.source.source) == "virtual";
+  const bool is_virtual = scheme_of(flags.source.request.source) == "virtual";
   const std::vector<double> usual =
       is_virtual ? std::vector<double>{0.25, 1, 4} : std::vector<double>{2, 8, 32};
   const std::vector<double> exposures = request.sequence.exposures.value_or(usual);
-  Taken taken;
+  Scan taken;
   std::vector<FrameSet> each;
   for (const double exposure : exposures) {
     request.sequence.exposures = {exposure};
     request.camera.exposure = exposure / 1e3;
     const NamedSource opened = open_source(request);
     if (!opened.warning.empty()) output.warn(opened.warning);
-    each.push_back(take_window(*opened.frames, opened.sequence, flags.source.source));
+    each.push_back(take_window(*opened.frames, opened.sequence, request.source));
     taken.sequence = opened.sequence;
     taken.scanner = opened.scanner;
   }
@@ -115,7 +109,7 @@ void tell(const ExposureAdvice& advice, const PatternLight& light, Output& outpu
 }
 
 void assist(const AssistFlags& flags, Output& output) {
-  const Taken taken = flags.scan.empty() ? from_source(flags, output) : from_scan(flags, output);
+  const Scan taken = flags.scan.empty() ? from_source(flags, output) : from_scan(flags, output);
   ExposureNeeds needs = flags.needs;
   if (taken.scanner) {
     needs.noise_variance = taken.scanner->photometry.noise_variance.value_or(needs.noise_variance);
@@ -137,22 +131,23 @@ void add_assist(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, assist, "assist",
                   "which exposures measure which share of what the patterns light");
+  SourceRequest& request = flags.source.request;
   CLI::Option* const scan =
       command.add("scan", flags.scan, "a scan, of one or several exposures; or --source");
   command
-      .add("--source", flags.source.source,
+      .add("--source", request.source,
            fmt::format("{}; set to the exposures itself: to 2, 8 and 32 ms, the virtual one to "
                        "0.25, 1 and 4, where --exposures says no others",
                        source_forms()))
       ->excludes(scan);
-  command.add_file("--scanner", flags.source.scanner, "scanner file, for its noise");
+  command.add_file("--scanner", request.scanner, "scanner file, for its noise");
   command.add("--noise-variance", flags.noise_variance,
               "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
   command.add("--min-modulation", flags.needs.least_modulation,
               "of a pixel that counts as measured, grey levels of 255");
-  add_camera_flags(command.app, flags.source.camera);
-  add_pattern_flags(command.app, flags.source.scan);
-  add_virtual_flags(command.app, flags.source.virtual_scanner);
+  add_camera_flags(command.app, request.camera);
+  add_pattern_flags(command.app, request.sequence);
+  add_virtual_flags(command.app, flags.source.world);
   command.app.footer(
       "Examples:\n  slipstream assist scan\n  slipstream assist --source virtual --scene "
       "contrast\n  slipstream assist --source aravis: --strategy pmp --steps 4 --exposures 1,4,16");

@@ -11,7 +11,7 @@
 
 #include "app/commands.h"
 #include "app/manifest.h"
-#include "app/scan_list.h"
+#include "app/reconstruct_flags.h"
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/io/file.h"
@@ -45,7 +45,7 @@ std::uint64_t pixels_of(const ScanFiles& scan) {
 void set_cost(ListedScans& listed, const ReconstructFlags& flags, Output& output) {
   try {
     listed.cost = scan_count(listed, flags.every) *
-                  pixels_of(scan_files_in(listed.path, changes_of(flags.cloud.input)));
+                  pixels_of(scan_files_in(listed.path, flags.cloud.input.changes));
   } catch (const Error& error) {
     output.warn(error.what());
     listed.cost = 1;
@@ -75,7 +75,7 @@ void plan_batch(const BatchFlags& given, Output& output) {
   if (fs::exists(plan)) {
     throw Error(fmt::format("{}: is a batch already; name another folder", flags.folder));
   }
-  apply_settings(flags.reconstruct);
+  require_valid(flags.reconstruct);
   std::vector<ListedScans> listed = listed_scans(flags.reconstruct);
   if (listed.empty()) throw Error("no scans are listed");
   for (ListedScans& scans : listed) {

@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/output.h"
 #include "slipstream/reconstruct/gpu.h"
 #include "tools/bench/bench_report.h"
 #include "tools/bench/bench_rows.h"

@@ -2,50 +2,72 @@
 
 #include <fmt/format.h>
 
-#include "app/flag_group.h"
 #include "app/scan_flags.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/simulate/boards.h"
 
 namespace slipstream::app {
+namespace {
+
+void set_spacing(BoardFlags& flags, const std::string& text) {
+  const std::vector<double> spacings = lengths_from(text, "--spacing");
+  flags.has_spacing = true;
+  flags.board.spacing = spacings.front();
+  if (spacings.size() == 2 && spacings[1] != spacings[0]) flags.board.row_spacing = spacings[1];
+}
+
+void set_dictionary(CalibrationBoard& board, const std::string& text) {
+  const Size bits = size_from(text, "--dictionary");
+  if (bits.width != bits.height) {
+    throw Error(fmt::format("--dictionary {} is not known; it is 4x4, 5x5, 6x6 or 7x7", text));
+  }
+  board.marker_bits = bits.width;
+}
+
+}  // namespace
 
 void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   const FlagGroup group{subcommand, "Board"};
-  group.add("--board", flags.kind, "chessboard, circles (asymmetric grid) or charuco");
-  group.add("--corners", flags.corners, "corners between squares, or circles: in a row x rows");
-  group.add("--spacing", flags.spacing,
-            "mm, as measured on the print: side of a square; for circles from one row to the next; "
-            "10x10.1 of a print stretched down");
-  group.add("--circle-diameter", flags.circle_diameter, "mm; 0.8 of the spacing where not given");
-  group.add("--marker-side", flags.marker_side,
-            "mm, of a ChArUco marker; 0.75 of the spacing where not given");
-  group.add("--dictionary", flags.dictionary, "of the markers: 4x4, 5x5, 6x6 or 7x7");
+  CalibrationBoard& board = flags.board;
+  group.add_named("--board", board.kind, board_kind_named, name_of(board.kind),
+                  "chessboard, circles (asymmetric grid) or charuco");
+  group
+      .add_read<>(
+          "--corners",
+          [&board](const std::string& text) {
+            const auto [columns, rows] = size_from(text, "--corners");
+            board.columns = columns;
+            board.rows = rows;
+          },
+          "corners between squares, or circles: in a row x rows")
+      ->default_str("13x9");
+  group.add_read<>(
+      "--spacing", [&flags](const std::string& text) { set_spacing(flags, text); },
+      "mm, as measured on the print: side of a square; for circles from one row to the next; "
+      "10x10.1 of a print stretched down");
+  group.add_read<double>(
+      "--circle-diameter", [&board](double mm) { board.circle_diameter = mm / board.spacing; },
+      "mm; 0.8 of the spacing where not given");
+  group.add_read<double>(
+      "--marker-side", [&board](double mm) { board.marker_side = mm / board.spacing; },
+      "mm, of a ChArUco marker; 0.75 of the spacing where not given");
+  group
+      .add_read<>(
+          "--dictionary", [&board](const std::string& text) { set_dictionary(board, text); },
+          "of the markers: 4x4, 5x5, 6x6 or 7x7")
+      ->default_str("4x4");
 }
 
 CalibrationBoard board_from(const BoardFlags& flags) {
-  const Size corners = size_from(flags.corners, "--corners");
-  const Size dictionary = size_from(flags.dictionary, "--dictionary");
-  if (dictionary.width != dictionary.height) {
-    throw Error(
-        fmt::format("--dictionary {} is not known; it is 4x4, 5x5, 6x6 or 7x7", flags.dictionary));
-  }
-  if (!flags.spacing) {
+  if (!flags.has_spacing) {
     throw Error(
         "--spacing is missing: measure the side of a square on the print, best across many of "
         "them, "
         "and give it in mm (for circles, from one row to the next)");
   }
-  const std::vector<double> spacings = lengths_from(*flags.spacing, "--spacing");
-  CalibrationBoard board{.kind = board_kind_named(flags.kind),
-                         .columns = corners.width,
-                         .rows = corners.height,
-                         .spacing = spacings.front(),
-                         .marker_bits = dictionary.width};
-  if (spacings.size() == 2 && spacings[1] != spacings[0]) board.row_spacing = spacings[1];
-  if (flags.circle_diameter) board.circle_diameter = *flags.circle_diameter / board.spacing;
-  if (flags.marker_side) board.marker_side = *flags.marker_side / board.spacing;
-  require_valid(board);
-  return board;
+  require_valid(flags.board);
+  return flags.board;
 }
 
 std::vector<double> lengths_from(const std::string& text, const std::string& flag) {
@@ -53,6 +75,60 @@ std::vector<double> lengths_from(const std::string& text, const std::string& fla
   if (lengths.size() == 1 || lengths.size() == 2) return lengths;
   throw Error(
       fmt::format("{} '{}' is not a length; give mm, as 10.2, or two, as 10.2x10.1", flag, text));
+}
+
+void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
+  command
+      .add_file(
+          "folder", flags.folder,
+          "holds a folder for each pose: scans x and y (folders, or recordings x.slip and y.slip), "
+          "or the pictures of both")
+      ->required();
+  command.add("--exclude", flags.excluded, "poses to leave out, by name");
+  command.add("--first-axis", flags.first_axis,
+              "where both scans lie in one folder: x or y, whose pictures come first");
+  command.add("--min-modulation", flags.capture.minimum_modulation,
+              "least modulation of a pixel whose phase is used, grey levels of 255");
+  command.add("--neighbourhood", flags.capture.neighbourhood,
+              "radius about a corner in which phase is used, in distances to the next corner");
+  add_board_flags(command.app, flags.board);
+  add_scan_flags(command.app, flags.scan);
+  command.app.remove_option(command.app.get_option("--axis"));
+}
+
+PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBoard& board,
+                             const std::optional<MeasuredResponse>& response, Output& output) {
+  const std::vector<BoardScans> poses =
+      board_scans(flags.folder, flags.scan, axis_named(flags.first_axis));
+  BoardCaptureSettings settings = flags.capture;
+  settings.response = response;
+  if (response) {
+    output.say("phases are corrected for the response in the scanner file, gamma {:.5g}",
+               response->gamma);
+  }
+  Progress progress("poses", static_cast<int>(poses.size()));
+  PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
+                                        [&](const std::string& words) {
+                                          if (!words.empty()) output.say("{}", words);
+                                          progress.advance();
+                                        });
+  for (const std::string& warning : captures.warnings) output.warn(warning);
+  return captures;
+}
+
+Body sheet_of(const CalibrationBoard& board, const Scanner& scanner) {
+  constexpr int pixels_per_spacing = 100;
+  return printed_sheet(draw_board(board, pixels_per_spacing), board.spacing / pixels_per_spacing,
+                       scanner);
+}
+
+std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scanner& scanner) {
+  constexpr int most_boards = 1000;
+  if (count < 1 || count > most_boards) {
+    throw Error(fmt::format("--boards {} is out of range; 1 to {}", count, most_boards));
+  }
+  const Board& shape = std::get<Board>(sheet.shape);
+  return board_poses(scanner, count, shape.width, shape.height);
 }
 
 }  // namespace slipstream::app

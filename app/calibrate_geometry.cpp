@@ -1,5 +1,3 @@
-#include "app/calibrate_geometry.h"
-
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -8,13 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "app/board_flags.h"
 #include "app/commands.h"
-#include "app/finding_output.h"
+#include "app/findings.h"
 #include "slipstream/base/error.h"
+#include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/calibrate/report.h"
-#include "slipstream/calibrate/ruler.h"
-#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
@@ -94,7 +92,7 @@ void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& qualit
 }
 
 nlohmann::json json_of_poses(const CalibrationReport& report) {
-  const auto& [calibration, views, unused, board, comparison, findings] = report;
+  const auto& [calibration, unused, board, comparison, findings] = report;
   nlohmann::json poses = nlohmann::json::array();
   for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
     const CalibratedPose& pose = calibration.poses[i];
@@ -166,9 +164,8 @@ void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
   for (const auto* more : {&captures.findings, &calibration.findings}) {
     findings.insert(findings.end(), more->begin(), more->end());
   }
-  const CalibrationReport report{
-      calibration, calibration.views, captures.unused, board, comparison ? &*comparison : nullptr,
-      findings};
+  const CalibrationReport report{calibration, captures.unused, board,
+                                 comparison ? &*comparison : nullptr, findings};
   if (flags.report) write_calibration_report(*flags.report, report);
   const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
   output.document = document(flags, report);

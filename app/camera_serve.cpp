@@ -8,17 +8,15 @@
 
 #include <fmt/format.h>
 
+#include "app/board_flags.h"
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/process.h"
 #include "app/scan_flags.h"
-#include "app/simulate_boards.h"
-#include "app/stop_signal.h"
-#include "app/virtual_flags.h"
+#include "app/source_flags.h"
 #include "slipstream/base/error.h"
 #include "slipstream/devices/virtual_gige_camera.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/board_poses.h"
-#include "slipstream/simulate/moved_board.h"
+#include "slipstream/simulate/boards.h"
 #include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream::app {
@@ -36,7 +34,7 @@ struct ServeFlags {
   BoardFlags board;
   int still = 8;
   VirtualFlags scene;
-  ScanFlags scan;
+  SequenceChanges scan;
 };
 
 /// What a person does who calibrates: the board in one pose after another, under patterns along x

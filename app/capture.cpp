@@ -9,20 +9,19 @@
 
 #include <fmt/format.h>
 
-#include "app/calibrate_geometry.h"
-#include "app/capture_desktop.h"
+#include "app/board_flags.h"
 #include "app/commands.h"
-#include "app/finding_output.h"
-#include "app/scan_findings.h"
+#include "app/findings.h"
+#include "app/process.h"
+#include "app/scan_flags.h"
 #include "app/source_flags.h"
-#include "app/stop_signal.h"
+#include "app/windows.h"
 #include "slipstream/base/error.h"
-#include "slipstream/calibrate/guided_poses.h"
-#include "slipstream/calibrate/pose_drawing.h"
-#include "slipstream/codes/pattern_in_8_bits.h"
+#include "slipstream/calibrate/pose_guide.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/frames/shown_scans.h"
+#include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/live/cyclic_scans.h"
@@ -39,7 +38,7 @@ struct CaptureFlags {
   std::optional<int> poses;
   BoardFlags board;
   bool headless = false;
-  std::string size = "1280x800";
+  Size size{1280, 800};
   std::string screenshot;
 };
 
@@ -54,12 +53,13 @@ void require_good(const CaptureFlags& flags) {
   if (!(flags.settle >= 0 && flags.settle <= 10000)) {
     throw Error(fmt::format("--settle {} is out of range; 0 to 10000 ms", flags.settle));
   }
-  const std::string scheme = scheme_of(flags.source.source);
+  const SourceRequest& request = flags.source.request;
+  const std::string scheme = scheme_of(request.source);
   if (flags.monitor && (scheme == "virtual" || scheme == "replay")) {
     throw Error(fmt::format("--monitor {}: {} sees no monitor; leave it out", *flags.monitor,
-                            flags.source.source));
+                            request.source));
   }
-  if (flags.monitor && flags.source.camera.pixel_format == "RGB8") {
+  if (flags.monitor && request.camera.pixel_format == PixelFormat::rgb8) {
     throw Error(
         "--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them, or "
         "`slipstream project --colour` shows them in colour");
@@ -68,15 +68,15 @@ void require_good(const CaptureFlags& flags) {
     throw Error(
         fmt::format("--poses: nobody moves a board before {}; `slipstream camera serve "
                     "--boards 12` serves one as a camera",
-                    flags.source.source));
+                    request.source));
   }
-  if (!flags.monitor && flags.source.camera.trigger == "Software") {
+  if (!flags.monitor && request.camera.trigger == "Software") {
     throw Error("--trigger Software: nothing says when; give --monitor too, or the camera's line");
   }
-  if (flags.poses && flags.source.scan.axis == "both") {
+  if (flags.poses && request.sequence.axes == "both") {
     throw Error("--axis both: poses are taken along both axes as it is; leave it out");
   }
-  if (flags.poses && flags.source.scan.exposures) {
+  if (flags.poses && request.sequence.exposures) {
     throw Error("--exposures: the poses of a board are taken with one, --exposure");
   }
   if (fs::exists(flags.output) &&
@@ -91,7 +91,7 @@ SourceRequest request_for(const CaptureFlags& flags, std::optional<Size> project
   request.scans = flags.poses ? 2 : 1;
   request.as_taken = !flags.poses;
   request.loop = true;  // a single recorded cycle stands still before itself
-  if (!request.sequence.strategy && scheme_of(flags.source.source) != "replay") {
+  if (!request.sequence.strategy && scheme_of(request.source) != "replay") {
     request.sequence.strategy = default_strategy().name();
   }
   if (projector && !request.sequence.projector) request.sequence.projector = projector;
@@ -114,7 +114,7 @@ std::vector<std::vector<Image<std::uint8_t>>> pictures_of(Sequence sequence, boo
 /// Those of --exposures; none where it is not given.
 std::vector<double> exposures_in_seconds(const CaptureFlags& flags, const Sequence& sequence) {
   std::vector<double> seconds;
-  if (!flags.source.scan.exposures) return seconds;
+  if (!flags.source.request.sequence.exposures) return seconds;
   for (const double ms : sequence.exposures) seconds.push_back(ms / 1e3);
   return seconds;
 }
@@ -124,7 +124,7 @@ std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSo
   const Sequence& sequence = opened.sequence;
   if (projector != nullptr) {
     const StepSettings steps{.settling = std::chrono::milliseconds(static_cast<int>(flags.settle)),
-                             .triggered = flags.source.camera.trigger == "Software",
+                             .triggered = flags.source.request.camera.trigger == "Software",
                              .exposures = exposures_in_seconds(flags, sequence)};
     return std::make_unique<ShownScans>(*projector, *opened.frames,
                                         pictures_of(sequence, flags.poses.has_value()), steps);
@@ -194,7 +194,7 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
   SourceNews news(*opened.frames);
   PoseState told = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
-    if (desktop.guides()) desktop.show(guide_of(progress, *flags.poses));
+    if (desktop.show) desktop.show(guide_of(progress, *flags.poses));
     if (told == progress.verdict.state) return;
     told = progress.verdict.state;
     output.say("{}", line_of(progress, *flags.poses));
@@ -211,7 +211,7 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
   const std::size_t taken =
       take_guided_poses(camera, flags.output, board, opened.sequence, settings).size();
   opened.frames->stop();
-  if (!flags.screenshot.empty() && desktop.guides()) {
+  if (!flags.screenshot.empty() && desktop.picture) {
     write_image(flags.screenshot, desktop.picture());
   }
   if (taken == 0) throw Error("no pose was taken");
@@ -275,10 +275,9 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
 
 void capture(const CaptureFlags& flags, Output& output) {
   require_good(flags);
-  CaptureDesktop desktop({.monitor = flags.monitor,
-                          .guides = flags.poses && !flags.headless,
-                          .size = size_from(flags.size, "--size")});
-  PatternSink* const projector = desktop.projector();
+  CaptureDesktop desktop = open_desktop(
+      {.monitor = flags.monitor, .guides = flags.poses && !flags.headless, .size = flags.size});
+  PatternSink* const projector = desktop.projector;
   const NamedSource opened =
       open_source(request_for(flags, projector != nullptr ? projector->size() : std::nullopt));
   if (!opened.warning.empty()) output.warn(opened.warning);
@@ -293,16 +292,25 @@ void capture(const CaptureFlags& flags, Output& output) {
 
 }  // namespace
 
+#ifndef SLIPSTREAM_VIEW
+CaptureDesktop open_desktop(const DesktopWishes& wishes) {
+  if (wishes.monitor) throw Error("--monitor: this build shows nothing on monitors");
+  if (wishes.guides) throw Error("this build has no windows; add --headless");
+  return {};
+}
+#endif
+
 void add_capture(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, capture, "capture",
                   "take a scan, or with --poses a calibration, with camera and projector in step");
+  SourceRequest& request = flags.source.request;
   command
       .add("-o,--output", flags.output,
            "a scan folder, or a recording (.slip); with --poses the folder of the poses, their "
            "scanner.yaml and report")
       ->required();
-  command.add("--source", flags.source.source, source_forms())->required()->default_str("");
+  command.add("--source", request.source, source_forms())->required()->default_str("");
   command.add("--monitor", flags.monitor,
               "shows the patterns on that monitor, by its number in `project --list`; without, "
               "the projector shows them over and over by itself");
@@ -315,15 +323,15 @@ void add_capture(CLI::App& program, Command& chosen) {
       ->expected(0, 1)
       ->default_str("0");
   command.add("--headless", flags.headless, "no window: a line whenever the verdict changes");
-  command.add("--size", flags.size, "of the window that guides, pixels");
+  add_size_flag(command, flags.size, "of the window that guides, pixels");
   command.add_output("--screenshot", flags.screenshot, "that window as it was last: .png");
-  command.add("--rate", flags.source.rate, "frames per second of a camera that runs freely");
-  command.add_file("--scanner", flags.source.scanner, "scanner file, which is kept with the scan");
+  command.add("--rate", request.rate, "frames per second of a camera that runs freely");
+  command.add_file("--scanner", request.scanner, "scanner file, which is kept with the scan");
   add_board_flags(command.app, flags.board);
-  add_camera_flags(command.app, flags.source.camera);
-  add_pattern_flags(command.app, flags.source.scan);
-  add_marker_flag(command.app, flags.source.scan);
-  add_virtual_flags(command.app, flags.source.virtual_scanner);
+  add_camera_flags(command.app, request.camera);
+  add_pattern_flags(command.app, request.sequence);
+  add_marker_flag(command.app, request.sequence);
+  add_virtual_flags(command.app, flags.source.world);
   command.app.footer(
       "Examples:\n  slipstream capture --source aravis: --monitor 1 --exposure 15 --poses "
       "--corners 13x9 --spacing 15 -o poses\n  slipstream capture --source aravis: --monitor 1 "

@@ -2,9 +2,8 @@
 #include <vector>
 
 #include "app/commands.h"
-#include "app/finding_output.h"
-#include "app/progress.h"
-#include "app/scan_findings.h"
+#include "app/findings.h"
+#include "app/output.h"
 #include "app/scan_input.h"
 
 namespace slipstream::app {
@@ -50,7 +49,7 @@ void add_check(CLI::App& program, Command& chosen) {
                   "whether the frames of scans fit their patterns, the scanner and each other");
   command
       .add_file("folders", flags.folders,
-           "scan folders (pictures, and scan.yaml or flags) or recordings")
+                "scan folders (pictures, and scan.yaml or flags) or recordings")
       ->required();
   command.add("--min-modulation", flags.settings.minimum_modulation,
               "of a pixel that becomes a point, grey levels of 255 whatever the camera's bits");

@@ -12,8 +12,11 @@
 
 namespace slipstream::app {
 
-/// A subcommand that has been chosen and its flags read: does the work, tells `Output` about it.
-using Command = std::function<void(Output&)>;
+/// The subcommand that was chosen and what was read for it.
+struct Command {
+  std::function<void(Output&)> work{};  ///< tells `Output` what it did
+  RigSaid rig{};
+};
 
 /// A subcommand that was added: its flags without a heading of their own, and where values go.
 template <class Flags>
@@ -29,12 +32,13 @@ AddedCommand<Flags> add_command(CLI::App& parent, Command& chosen,
                                 const std::string& help) {
   CLI::App* const command = parent.add_subcommand(name, help);
   const auto flags = std::make_shared<Flags>();
-  command->callback(
-      [flags, work, &chosen] { chosen = [flags, work](Output& output) { work(*flags, output); }; });
+  command->callback([flags, work, &chosen] {
+    chosen.work = [flags, work](Output& output) { work(*flags, output); };
+  });
   return {{*command}, *flags};
 }
 
-/// Each adds a subcommand to the program; when it is chosen, `chosen` becomes its work.
+/// Each adds a subcommand to the program; when it is chosen, `chosen` has its work.
 void add_demo(CLI::App& program, Command& chosen);
 void add_patterns(CLI::App& program, Command& chosen);
 void add_simulate(CLI::App& program, Command& chosen);
@@ -52,7 +56,7 @@ void add_compare(CLI::App& program, Command& chosen);
 void add_verify(CLI::App& program, Command& chosen);
 void add_project(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_live(CLI::App& program, Command& chosen);
-void add_serve(CLI::App& program, Command& chosen, const RigSaid& rig);
+void add_serve(CLI::App& program, Command& chosen);
 void add_view(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
 void add_reproduce(CLI::App& program, Command& chosen);
 void add_bench(CLI::App& program, Command& chosen);

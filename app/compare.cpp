@@ -5,12 +5,11 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "app/progress.h"
-#include "app/virtual_flags.h"
+#include "app/output.h"
+#include "app/source_flags.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/plot_file.h"
-#include "slipstream/io/preview.h"
+#include "slipstream/io/plot.h"
 #include "slipstream/simulate/comparison.h"
 
 namespace slipstream::app {

@@ -2,12 +2,12 @@
 #include <string>
 
 #include "app/commands.h"
-#include "slipstream/codes/sequence_changes.h"
+#include "slipstream/codes/sequence.h"
 #include "slipstream/io/result_files.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scan.h"
+#include "slipstream/simulate/virtual_files.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;

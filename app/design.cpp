@@ -1,3 +1,5 @@
+#include "slipstream/codes/design.h"
+
 #include <cmath>
 #include <optional>
 #include <string>
@@ -8,12 +10,10 @@
 #include "app/commands.h"
 #include "slipstream/base/error.h"
 #include "slipstream/codes/motion_window.h"
-#include "slipstream/codes/multiplexing_design.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/codes/strategy_design.h"
-#include "slipstream/io/photometric_file.h"
-#include "slipstream/io/plot_file.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
 namespace {

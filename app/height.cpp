@@ -3,17 +3,16 @@
 
 #include <fmt/format.h>
 
-#include "app/cloud_input.h"
 #include "app/commands.h"
-#include "app/progress.h"
-#include "slipstream/base/converted.h"
+#include "app/output.h"
+#include "app/scan_input.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/image.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/height_file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/preview.h"
+#include "slipstream/io/plot.h"
 #include "slipstream/reconstruct/picture_report.h"
 
 namespace slipstream::app {

@@ -14,22 +14,16 @@
 
 #include <fmt/format.h>
 
-#include "app/cloud_maps.h"
 #include "app/commands.h"
-#include "app/finding_output.h"
-#include "app/live_session.h"
-#include "app/live_settings.h"
-#include "app/save_folder.h"
-#include "app/scan_findings.h"
+#include "app/process.h"
 #include "app/scan_input.h"
-#include "app/stop_signal.h"
 #include "slipstream/base/error.h"
-#include "slipstream/check/checked_scan.h"
-#include "slipstream/frames/window_frames.h"
+#include "slipstream/check/scan_check.h"
+#include "slipstream/frames/pattern_windows.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/cloud_sink.h"
 #include "slipstream/publish/publisher.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/picture_report.h"
@@ -48,20 +42,19 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
                     opened.sequence, flags.settings};
   if (opened.scanner) {
     require_ambient_known(setup, file);
-  } else if (!flags.output.empty() || !flags.model.empty() || !flags.track.empty()) {
+  } else if (!flags.output.empty() || !flags.model.empty() || flags.live.track) {
     throw Error(
         fmt::format("{}: no scanner is known for {}, so there are no points; name its file "
                     "with --scanner",
                     !flags.output.empty()  ? flags.output
                     : !flags.model.empty() ? flags.model
                                            : "--track",
-                    flags.source.source));
+                    flags.source.request.source));
   } else {
     output.say("no scanner is known for {}: pictures without points; --scanner names its file",
-               flags.source.source);
+               flags.source.request.source);
   }
-  set_clean(setup.settings, flags.clean);
-  set_backend(setup.settings, flags.backend);
+  require_valid(setup.settings.clean);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
@@ -217,14 +210,14 @@ nlohmann::json document_of(const LiveSession& session, const Publisher& publishe
   if (statistics.model) document["model"] = json_of(*statistics.model);
   document["findings"] = app::json_of(session.pipeline.findings());
   document["sinks"] = json_of(publisher.statistics());
-  document["source"] = session.source;
+  document["source"] = session.flags.source.request.source;
   document["source_state"] = statistics.source_state;
   return document;
 }
 
 /// What the session measured, and what is to be kept of its last cloud.
-void write_results(LiveSession& session, const LiveFlags& flags, const Publisher& publisher,
-                   Output& output) {
+void write_results(LiveSession& session, const Publisher& publisher, Output& output) {
+  const LiveFlags& flags = session.flags;
   const LiveStatistics statistics = session.pipeline.statistics();
   output.say("{}", text_of(statistics));
   for (const SinkStatistics& sink : publisher.statistics()) {
@@ -247,73 +240,14 @@ void write_results(LiveSession& session, const LiveFlags& flags, const Publisher
 #endif
 }
 
-std::string trouble_of(const LivePipeline& pipeline, const Publisher& publisher) {
-  if (const auto failure = pipeline.failure()) return "the pipeline has failed";
-  const std::string state = pipeline.statistics().source_state;
-  if (!state.empty()) return state;
-  for (const SinkStatistics& sink : publisher.statistics()) {
-    if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
-  }
-  return pipeline.running() ? "" : "the source has ended";
-}
-
-/// When the newest cloud was saved last: once a second at most, whoever asks.
-struct LastSave {
-  std::mutex mutex{};
-  std::chrono::steady_clock::time_point end{};
-};
-
-std::string save_newest(LiveSession& session, LastSave& last) {
-  const std::lock_guard lock(last.mutex);
-  if (std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1)) {
-    throw Error("saved a moment ago");
-  }
-  const Pooled<LiveCloud> newest = session.pipeline.newest();
-  if (!newest) throw Error("no cloud has come that could be saved");
-  std::string folder =
-      save_in_new_folder(views_of(newest->frames), setup_of(session), session.view.save_to,
-                         doubts(session.pipeline.statistics().findings));
-  last.end = std::chrono::steady_clock::now();
-  return folder;
-}
-
-/// Opens the sinks of these names for a session that has not begun; `document`: what --json would
-/// say now, called from any thread.
-void open_sinks(const std::vector<std::string>& names, LiveSession& session,
-                const std::function<nlohmann::json()>& document, Publisher& publisher) {
-  const Scanner& scanner = session.setup.scanner;
-  const auto last = std::make_shared<LastSave>();
-  for (const std::string& name : names) {
-    const auto maps = std::make_shared<CloudMaps>(session);
-    PublishedRun run{
-        .camera = scanner.camera,
-        .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
-        .has_points = has_geometry(scanner),
-        .statistics = [document] { return document().dump(); },
-        .trouble = [&] { return trouble_of(session.pipeline, publisher); },
-        .save = [&session, last] { return save_newest(session, *last); },
-        .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
-        .sequence = [&session] { return setup_of(session).sequence; },
-        .settings = [&session] { return settings_of(session); },
-        .change = [&session](const std::string& setting,
-                             const std::string& value) { change_setting(session, setting, value); },
-    };
-    if (scanner.photometry.noise_variance) {
-      run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
-    }
-    publisher.add(name, open_sink(name, std::move(run)));
-  }
-}
-
 }  // namespace
 
 void require_good(const LiveFlags& flags) {
   require_duration(flags.duration);
-  if (flags.frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
+  if (flags.live.most_frames == 0U) throw Error("--frames 0 is out of range; 1 or more");
   for (const std::string& file : {flags.output, flags.model}) {
     if (!file.empty()) require_cloud_ending(file);
   }
-  if (!flags.track.empty()) (void)tracked_shape_named(flags.track);
   std::set<std::string> sinks;
   for (const std::string& sink : flags.publish) {
     require_sink(sink);
@@ -328,38 +262,34 @@ void require_good(const LiveFlags& flags) {
 
 void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
-  PatternIndexing indexing = pattern_indexing_named(flags.indexing);
-  SourceRequest request = request_from(flags.source, indexing == PatternIndexing::marker);
+  LiveSettings settings = flags.live;
+  SourceRequest request = request_from(flags.source);
+  request.marker = settings.indexing == PatternIndexing::marker;
   request.as_taken = true;  // recorded so
   if (request.world && !flags.headless) {
     output.say("rendering what the virtual camera sees: seconds with --world ideal, else a minute");
   }
   NamedSource opened = open_source(request);
   if (!opened.warning.empty()) output.warn(opened.warning);
-  if (opened.sequence.marker) indexing = PatternIndexing::marker;
+  if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   EngineSetup setup = setup_from(opened, flags, output);
-  const std::string scheme = scheme_of(flags.source.source);
+  const std::string scheme = scheme_of(request.source);
   // A replay may end with its first cycle; the channels of a picture in colour move with each
   // other.
-  const bool motion_when_seen = scheme != "replay" && !opened.in_colour &&
-                                !flags.source.scan.motion && setup.sequence.motion == 0 &&
-                                takes_motion(setup.sequence);
-  if (motion_when_seen) setup.sequence.motion = 2;
+  settings.motion_when_seen = scheme != "replay" && !opened.in_colour && !request.sequence.motion &&
+                              setup.sequence.motion == 0 && takes_motion(setup.sequence);
+  if (settings.motion_when_seen) setup.sequence.motion = 2;
 
   const RecordingHeader header{
       .format = opened.frames->format(),
-      .frame_rate = flags.source.rate.value_or(0),
+      .frame_rate = request.rate.value_or(0),
       .sequence = opened.sequence,
       .scanner = has_geometry(setup.scanner) ? std::optional(setup.scanner) : std::nullopt,
       .in_colour = opened.in_colour,
       .white = opened.white};
   auto source = std::make_unique<RecordedSource>(std::move(opened.frames), header);
   RecordedSource& recorder = *source;
-  LiveSettings settings{.indexing = indexing,
-                        .motion_when_seen = motion_when_seen,
-                        .most_frames = flags.frames,
-                        .model = !flags.model.empty()};
-  if (!flags.track.empty()) settings.track = tracked_shape_named(flags.track);
+  settings.model = !flags.model.empty();
   Publisher publisher;
   if (!flags.publish.empty()) {
     settings.held_clouds += flags.publish.size() * Publisher::held_clouds;
@@ -368,25 +298,25 @@ void live(const LiveFlags& flags, Output& output) {
   LivePipeline pipeline(colours_apart(std::move(source), opened), setup, settings);
 
   const RunEnd end(flags.duration);
-  LiveSession session{pipeline,
-                      recorder,
-                      setup,
-                      [&] {
-                        tell_news(publisher, output);
-                        if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
-                        const bool at_end = flags.headless || flags.frames;
-                        return end.reached() || pipeline.failure() ||
-                               (at_end && !pipeline.running());
-                      },
-                      flags.source.source,
-                      scheme != "virtual" && scheme != "replay",
-                      motion_when_seen,
-                      setup.sequence.strategy,
-                      flags.view};
+  LiveSession session{.flags = flags,
+                      .pipeline = pipeline,
+                      .recorder = recorder,
+                      .setup = setup,
+                      .is_over =
+                          [&] {
+                            tell_news(publisher, output);
+                            if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
+                            const bool at_end = flags.headless || settings.most_frames;
+                            return end.reached() || pipeline.failure() ||
+                                   (at_end && !pipeline.running());
+                          },
+                      .patterns_can_change = scheme != "virtual" && scheme != "replay",
+                      .motion_when_seen = settings.motion_when_seen,
+                      .strategy = setup.sequence.strategy};
   const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
       &publisher, [](Publisher* ending) { ending->finish(); });
   open_sinks(
-      flags.publish, session, [&] { return document_of(session, publisher); }, publisher);
+      session, [&] { return document_of(session, publisher); }, publisher);
   tell_news(publisher, output);
   if (!flags.record.empty()) recorder.record_to(flags.record);
   {
@@ -409,7 +339,7 @@ void live(const LiveFlags& flags, Output& output) {
   } catch (const WorldError&) {
     unfinished = std::current_exception();
   }
-  write_results(session, flags, publisher, output);
+  write_results(session, publisher, output);
   if (unfinished) std::rethrow_exception(unfinished);
   for (const SinkStatistics& sink : publisher.statistics()) {
     if (!sink.error.empty()) throw WorldError(fmt::format("{}: {}", sink.name, sink.error));
@@ -418,16 +348,18 @@ void live(const LiveFlags& flags, Output& output) {
 }
 
 void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
-  flags.source.virtual_scanner.idle_motion = {0.5, 0, 0};
-  command.add("--source", flags.source.source, source_forms());
-  command.add("--rate", flags.source.rate,
+  SourceRequest& request = flags.source.request;
+  flags.source.world.idle_motion = {0.5, 0, 0};
+  command.add("--source", request.source, source_forms());
+  command.add("--rate", request.rate,
               "frames per second; 0: as fast as it goes; else the source's own");
-  command.add("--loop", flags.source.loop, "a recording begins again at its end");
+  command.add("--loop", request.loop, "a recording begins again at its end");
   command.add("--duration", flags.duration, "seconds, then it ends");
-  command.add("--frames", flags.frames, "so many frames, then it ends");
+  command.add("--frames", flags.live.most_frames, "so many frames, then it ends");
   command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
-  command.add(
-      "--track", flags.track,
+  command.add_read<>(
+      "--track",
+      [&flags](const std::string& text) { flags.live.track = tracked_shape_named(text); },
       "a thing of known form that every cloud is searched for: sphere:RADIUS (mm) or plane");
   command.add_output("--model", flags.model,
                      "all clouds made one, of a rigid object that turns and that they show alone: "
@@ -438,23 +370,23 @@ void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
            fmt::format("where clouds go besides, once for each: {}", sink_forms()))
       ->expected(1)
       ->take_all();
-  command.add("--indexing", flags.indexing,
-              "how it is known which pattern a frame shows: told (by the source), counted "
-              "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
-  command.add_file("--scanner", flags.source.scanner,
+  command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "told",
+                    "how it is known which pattern a frame shows: told (by the source), counted "
+                    "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
+  command.add_file("--scanner", request.scanner,
                    "scanner file; where not that of the recording or of the virtual scanner");
   command.add("--gamma", flags.gamma,
               "the response the phase is corrected for: scanner (as its file says, if it "
               "does), none, or a number");
-  command.add("--backend", flags.backend, backend_forms);
+  add_backend_flag(command, flags.settings);
   add_point_flags(command.app, flags.settings);
-  add_clean_flags(command.app, flags.clean);
+  add_clean_flags(command.app, flags.settings);
 #ifdef SLIPSTREAM_VIEW
   add_view_flags(command.app, flags.view);
 #endif
-  add_pattern_flags(command.app, flags.source.scan);
-  add_virtual_flags(command.app, flags.source.virtual_scanner);
-  add_camera_flags(command.app, flags.source.camera);
+  add_pattern_flags(command.app, request.sequence);
+  add_virtual_flags(command.app, flags.source.world);
+  add_camera_flags(command.app, request.camera);
 }
 
 void add_live(CLI::App& program, Command& chosen) {

@@ -1,33 +1,32 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/clean_flags.h"
-#include "app/flag_group.h"
-#include "app/output.h"
 #include "app/rig_flag.h"
 #include "app/source_flags.h"
-#include "app/view_flags.h"
-#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "app/windows.h"
+#include "slipstream/frames/frame_set.h"
+#include "slipstream/io/recorder.h"
+#include "slipstream/live/live_pipeline.h"
+#include "slipstream/publish/cloud_sink.h"
+#include "slipstream/publish/publisher.h"
 
 namespace slipstream::app {
 
 struct LiveFlags {
   SourceFlags source;
+  LiveSettings live;  ///< as far as flags say it
   std::optional<double> duration;
-  std::optional<std::uint64_t> frames;
   bool headless = false;
-  std::string indexing = "told";
-  std::string gamma = "scanner", backend = "fused";
+  std::string gamma = "scanner";
   ReconstructSettings settings;
-  CleanFlags clean;
-  std::string track, model;
-  std::string output;
-  std::string record;
+  std::string output, model, record;  ///< files; none where empty
   std::vector<std::string> publish;
   ViewFlags view;
   // Of serve:
@@ -41,13 +40,63 @@ struct LiveFlags {
 /// Adds all but --headless.
 void add_live_flags(const FlagGroup& command, LiveFlags& flags);
 
-/// Tells systemd, where it started the program and wants to know: "READY=1", "STATUS=...".
-void tell_service_manager(const std::string& state);
-
 /// Throws Error for what cannot be meant, as far as that is known before anything is opened.
 void require_good(const LiveFlags& flags);
 
 /// From the source to clouds until it ends, or a signal ends it.
 void live(const LiveFlags& flags, Output& output);
+
+/// A live scan that runs, for what shows it.
+struct LiveSession {
+  const LiveFlags& flags;
+  LivePipeline& pipeline;
+  RecordedSource& recorder;
+  EngineSetup setup;  ///< what is looked for in the frames now; see setup_of
+  /// Whether it is to end: asked for, all frames there, time over, or failed.
+  std::function<bool()> is_over;
+  bool patterns_can_change;  ///< the frames show what a projector shows, not what is in memory
+  bool motion_when_seen;     ///< as LiveSettings has it
+  Strategy strategy;         ///< at the start
+  std::mutex mutex{};        ///< of the setup and of what changes the pipeline
+  std::atomic<std::uint64_t> changes{0};  ///< of setup and camera, but for the viewer's of that
+};
+
+/// Whether windows of more than a cycle may do for things that move: the patterns are one sinusoid
+/// shown over and over, and are read by the fused pass.
+bool takes_motion(const Sequence& sequence);
+
+/// What is looked for in the frames now. From any thread, as the next three.
+EngineSetup setup_of(LiveSession& session);
+/// Looks for that in the frames from now on. Throws as LivePipeline::change.
+void change_setup(LiveSession& session, const EngineSetup& setup);
+
+/// What can be changed while the session runs: of the camera, of what becomes points, and the
+/// recording, into a new file in the folder of --save-to.
+std::vector<RunSetting> settings_of(LiveSession& session);
+/// Throws Error as require_settable, as the camera and as LivePipeline::change, WorldError as
+/// RecordedSource.
+void change_setting(LiveSession& session, const std::string& name, const std::string& value);
+
+/// Opens the sinks that --publish names for a session that has not begun; `document`: what --json
+/// would say now, called from any thread.
+void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document,
+                Publisher& publisher);
+
+/// What Save does in viewer and page: writes frames, and all that is made of them, into a new
+/// folder in `parent` named by the time, which reconstruct reads again. `remarks` are for the
+/// cloud's header, see doubts. Without a scanner there are no points to write; frames that were
+/// merged from several exposures are not written, the scan has them. Returns the folder.
+/// Throws Error where the frames are not of the setup's strategy, WorldError where they cannot be
+/// written.
+std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
+                               const std::string& parent, const std::vector<std::string>& remarks);
+
+/// Shows it in a window until that is closed or the session is over; then writes the screenshot
+/// that the flags ask for. With SLIPSTREAM_VIEW, as the next.
+void show_in_window(LiveSession& session, Output& output);
+
+/// Writes the pictures that the flags ask for, drawn without a window, of the newest cloud. Throws
+/// WorldError where there is none.
+void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
 
 }  // namespace slipstream::app

@@ -17,9 +17,10 @@
 #include <tbb/global_control.h>
 
 #include "app/commands.h"
-#include "app/distinct_files.h"
+#include "app/flag_group.h"
+#include "app/process.h"
 #include "app/rig_flag.h"
-#include "app/stop_signal.h"
+#include "app/scan_flags.h"
 #include "slipstream/base/did_you_mean.h"
 #include "slipstream/base/error.h"
 
@@ -41,15 +42,14 @@ constexpr std::string_view in_whole_program =
 struct SharedFlags {
   bool json = false;  ///< seen by main
   int threads = 0;    ///< 0: as many as the machine has cores
-  RigSaid rig{};
 };
 
 /// Adds them, and --rig, to each subcommand of `app` that does work.
-void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared) {
+void add_shared_flags(CLI::App& app, const CLI::App& program, SharedFlags& shared, RigSaid& rig) {
   for (CLI::App* const command : app.get_subcommands(nullptr)) {
-    add_shared_flags(*command, program, shared);
+    add_shared_flags(*command, program, shared, rig);
     if (!command->get_subcommands(nullptr).empty()) continue;
-    add_rig_flag(*command, program, shared.rig);
+    add_rig_flag(*command, program, rig);
     const FlagGroup group{*command};
     group.add("--json", shared.json, "one JSON document on stdout, words to stderr");
     group.add("--threads", shared.threads, "at most so many; 0: one for each core");
@@ -111,7 +111,7 @@ std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
 }
 
 /// Returns the exit code.
-int run(const Command& command, const SharedFlags& shared, Output& output) {
+int run(const std::function<void(Output&)>& work, const SharedFlags& shared, Output& output) {
   if (shared.threads < 0) {
     throw Error(fmt::format("--threads {} is out of range; 0 (all cores) or more", shared.threads));
   }
@@ -120,14 +120,14 @@ int run(const Command& command, const SharedFlags& shared, Output& output) {
     limit.emplace(tbb::global_control::max_allowed_parallelism,
                   static_cast<std::size_t>(shared.threads));
   }
-  command(output);
+  work(output);
   output.finish();
   return output.exit_code;
 }
 
 struct ProgramCommand {
   std::string_view name;
-  void (*add)(CLI::App& program, Command& chosen);  ///< none: add_serve
+  void (*add)(CLI::App& program, Command& chosen);
 };
 
 /// In the order of --help.
@@ -141,7 +141,7 @@ constexpr ProgramCommand program_commands[] = {
     {"unwrap", add_unwrap},     {"height", add_height},
     {"verify", add_verify},     {"compare", add_compare},
     {"assist", add_assist},     {"live", add_live},
-    {"serve", nullptr},
+    {"serve", add_serve},
 #ifdef SLIPSTREAM_VIEW
     {"project", add_project},   {"view", add_view},
 #endif
@@ -153,8 +153,7 @@ constexpr ProgramCommand program_commands[] = {
 
 /// Only the one that the arguments begin with, as all of them take milliseconds to add; all where
 /// that is none, or a rig file is read, which may hold settings of any.
-void add_commands(CLI::App& program, Command& chosen, [[maybe_unused]] const RigSaid& rig,
-                  std::span<char* const> arguments) {
+void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
   const bool has_rig =
       first == "serve" || std::any_of(arguments.begin(), arguments.end(), [](const char* argument) {
@@ -165,27 +164,37 @@ void add_commands(CLI::App& program, Command& chosen, [[maybe_unused]] const Rig
       !has_rig && std::any_of(std::begin(program_commands), std::end(program_commands), is_first);
   for (const ProgramCommand& command : program_commands) {
     if (alone && !is_first(command)) continue;
-#ifdef SLIPSTREAM_ALL_COMMANDS
-    if (command.add == nullptr) {
-      add_serve(program, chosen, rig);
-      continue;
-    }
-#endif
     command.add(program, chosen);
   }
 }
 
-int run_program(int argc, char** argv, Output& output) {
+/// The last first, as CLI11 takes them; "--backwards true" becomes "--backwards=true".
+std::vector<std::string> reversed(std::span<char* const> arguments) {
+  std::vector<std::string> words;
+  for (const std::string word : arguments) {
+    const bool is_value = word == "true" || word == "false";
+    if (is_value && !words.empty() && is_pattern_switch(words.back())) {
+      words.back() += "=" + word;
+    } else {
+      words.push_back(word);
+    }
+  }
+  std::reverse(words.begin(), words.end());
+  return words;
+}
+
+int run_program(std::span<char* const> arguments, Output& output) {
   CLI::App program("slipstream: 3-D reconstruction by structured light", "slipstream");
   program.require_subcommand(1);
   program.set_version_flag("--version", program_version);
   Command chosen;
   SharedFlags shared;
-  add_commands(program, chosen, shared.rig, {argv, static_cast<std::size_t>(argc)});
-  add_shared_flags(program, program, shared);
+  add_commands(program, chosen, arguments);
+  add_shared_flags(program, program, shared, chosen.rig);
 
+  chosen.rig.arguments = reversed(arguments.subspan(arguments.empty() ? 0 : 1));
   try {
-    program.parse(argc, argv);
+    program.parse(std::vector<std::string>(chosen.rig.arguments));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() != 0) {
       return fail(output, bad_input, refusal(program, error) + "; see --help");
@@ -201,12 +210,12 @@ int run_program(int argc, char** argv, Output& output) {
   }
   try {
     require_distinct_files(chosen_command(program));
-    const Command command = chosen;  // serve reads the flags again meanwhile
-    return run(command, shared, output);
+    const auto work = chosen.work;  // serve reads the flags again meanwhile
+    return run(work, shared, output);
   } catch (const Error& error) {
-    throw Error(located(shared.rig, error.what()));
+    throw Error(located(chosen.rig, error.what()));
   } catch (const WorldError& error) {
-    throw WorldError(located(shared.rig, error.what()));
+    throw WorldError(located(chosen.rig, error.what()));
   }
 }
 
@@ -220,7 +229,7 @@ int main(int argc, char** argv) {
   const auto is_json = [](const char* argument) { return std::string_view(argument) == "--json"; };
   app::Output output(std::any_of(argv, argv + argc, is_json));  // also where flags are not read
   try {
-    return app::run_program(argc, argv, output);
+    return app::run_program({argv, static_cast<std::size_t>(argc)}, output);
   } catch (const Error& error) {
     return app::fail(output, app::bad_input, error.what());
   } catch (const std::filesystem::filesystem_error& error) {  // a name too long, links in a ring

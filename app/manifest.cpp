@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream::app {

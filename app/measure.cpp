@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "app/cloud_input.h"
 #include "app/commands.h"
+#include "app/scan_input.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream::app {
 namespace {

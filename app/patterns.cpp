@@ -5,14 +5,13 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/output.h"
 #include "app/scan_flags.h"
 #include "slipstream/base/error.h"
-#include "slipstream/codes/multiplexing_design.h"
+#include "slipstream/codes/design.h"
 #include "slipstream/io/pattern_pictures.h"
-#include "slipstream/io/photometric_file.h"
-#include "slipstream/io/uniform_pictures.h"
-#include "slipstream/response/precompensation.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/response/correction.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
@@ -20,7 +19,7 @@ namespace {
 
 struct PatternsFlags {
   std::string folder;
-  ScanFlags scan;
+  SequenceChanges scan;
   int bits = 8;
   std::optional<std::string> precompensate;
   int uniform = 0;
@@ -35,7 +34,7 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
   if (flags.uniform < 4 || flags.uniform > 256) {
     throw Error(fmt::format("--uniform {} is out of range; 4 to 256 pictures", flags.uniform));
   }
-  const Size projector = changes_from(flags.scan).projector.value_or(usual_projector);
+  const Size projector = flags.scan.projector.value_or(usual_projector);
   for (const fs::path& file : write_uniform_pictures(flags.folder, projector, flags.uniform)) {
     output.list("patterns").push_back(file.string());
   }
@@ -46,7 +45,7 @@ void write_uniform(const PatternsFlags& flags, Output& output) {
 }
 
 void write_patterns(const PatternsFlags& flags, Output& output) {
-  const Sequence sequence = default_sequence(usual_projector, changes_from(flags.scan));
+  const Sequence sequence = default_sequence(usual_projector, flags.scan);
   if (const std::string doubt = doubt_about(sequence); !doubt.empty()) output.warn(doubt);
   PatternSet patterns = pattern_set(sequence);
   if (flags.precompensate) {

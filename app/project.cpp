@@ -9,13 +9,11 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
+#include "app/process.h"
 #include "app/scan_flags.h"
-#include "app/stop_signal.h"
 #include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_in_8_bits.h"
-#include "slipstream/devices/monitor_sink.h"
-#include "slipstream/devices/projection.h"
-#include "slipstream/devices/swap_log.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/devices/monitor.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream::app {
@@ -26,7 +24,7 @@ using Monitor = opengl::WindowSystem::Monitor;
 struct ProjectFlags {
   bool list = false;
   int monitor = 0;
-  ScanFlags scan;
+  SequenceChanges scan;
   std::optional<double> rate;
   std::optional<int> hold;
   std::optional<double> duration;
@@ -65,7 +63,7 @@ const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
 
 /// What is shown, of the monitor's size.
 Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
-  Sequence sequence = default_sequence(monitor.size, changes_from(flags.scan));
+  Sequence sequence = default_sequence(monitor.size, flags.scan);
   const Size projector = sequence.projector;
   if (projector != monitor.size) {
     throw Error(

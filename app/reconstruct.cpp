@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <deque>
 #include <filesystem>
 #include <future>
@@ -8,21 +9,19 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/commands.h"
-#include "app/finding_output.h"
-#include "app/kept_memory.h"
+#include "app/findings.h"
 #include "app/manifest.h"
-#include "app/progress.h"
+#include "app/output.h"
+#include "app/process.h"
 #include "app/reconstruct_flags.h"
-#include "app/scan_list.h"
-#include "app/stopwatch.h"
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/normals.h"
-#include "slipstream/cloud/subsampled.h"
 #include "slipstream/decode/frame_motion.h"
-#include "slipstream/io/checksum.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/reconstruct/epipolar_check.h"
@@ -64,27 +63,47 @@ struct ManifestLog {
   Manifest before;
 };
 
+nlohmann::json json_of(const GammaChoice& choice) {
+  nlohmann::json document{{"source", choice.source}};
+  if (choice.gamma) document["gamma"] = *choice.gamma;
+  if (choice.blind) {
+    document["standard_error"] = choice.blind->standard_error;
+    document["pixels"] = choice.blind->pixels;
+    if (!choice.blind->accepted()) document["refused"] = reason_of(choice.blind->refusal);
+  }
+  return document;
+}
+
+struct ScanTime {
+  const char *name, *words;
+  double seconds;
+};
+
+std::array<ScanTime, 6> times_of(const ReconstructedScan& scan) {
+  return {{{"read", "ms to read", scan.read},
+           {"gamma", "for gamma", scan.sound.choosing},
+           {"check", "to check", scan.sound.checking},
+           {"tables", "for tables", scan.tables},
+           {"reconstruct", "to reconstruct", scan.computed},
+           {"write", "to write", scan.written}}};
+}
+
 nlohmann::json document_of(const ReconstructedScan& scan) {
-  nlohmann::json files = nlohmann::json::object();
+  nlohmann::json files = nlohmann::json::object(), seconds;
   for (const auto& [name, path] : scan.files.named()) files[name] = path;
+  for (const ScanTime& time : times_of(scan)) seconds[time.name] = time.seconds;
   nlohmann::json told = {{"scan", scan.name.path},
                          {"points", scan.counts[0]},
                          {"pixels", scan.cloud.validity.pixel_count()},
                          {"counts", app::json_of(scan.counts)},
                          {"backend", scan.backend},
                          {"least_modulation", scan.least_modulation},
-                         {"gamma", app::json_of(scan.sound.gamma)},
+                         {"gamma", json_of(scan.sound.gamma)},
                          {"files", std::move(files)},
                          {"warnings", scan.warnings},
                          {"findings", app::json_of(scan.sound.checked.findings)},
                          {"repairs", scan.sound.checked.repairs},
-                         {"seconds",
-                          {{"read", scan.read},
-                           {"gamma", scan.sound.choosing},
-                           {"check", scan.sound.checking},
-                           {"tables", scan.tables},
-                           {"reconstruct", scan.computed},
-                           {"write", scan.written}}}};
+                         {"seconds", std::move(seconds)}};
   if (scan.name.window) told["window"] = *scan.name.window;
   // Only what --anyway went on with is wrong and was reconstructed.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
@@ -122,11 +141,11 @@ void tell(const ReconstructedScan& scan, Output& output) {
   if (scan.median_sigma) {
     output.say("  uncertainty of depth: median sigma {:.4g} mm", *scan.median_sigma);
   }
-  output.say(
-      "  time: {:.0f} ms to read, {:.0f} for gamma, {:.0f} to check, {:.0f} for tables, {:.0f} to "
-      "reconstruct, {:.0f} to write",
-      1e3 * scan.read, 1e3 * scan.sound.choosing, 1e3 * scan.sound.checking, 1e3 * scan.tables,
-      1e3 * scan.computed, 1e3 * scan.written);
+  std::vector<std::string> times;
+  for (const auto& [name, words, seconds] : times_of(scan)) {
+    times.push_back(fmt::format("{:.0f} {}", 1e3 * seconds, words));
+  }
+  output.say("  time: {}", fmt::join(times, ", "));
   for (const auto& [name, path] : scan.files.named()) output.say("  {}: {}", name, path);
 }
 
@@ -168,34 +187,31 @@ void compute(const ReconstructFlags& flags, const Scan& scan, Engine& engine,
   result.backend = engine.backend_for(scan.frames);
 }
 
+void add_finding(Finding finding, ReconstructedScan& result) {
+  result.words.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
+  result.sound.checked.findings.push_back(std::move(finding));
+}
+
 /// What both axes say of the calibration.
-void tell_contradiction(ReconstructedScan& result, Output& output) {
-  const EpipolarCheck& check = *result.epipolar;
-  const Finding finding{
-      .what = "the coordinates along x and y are not those of one projector pixel",
-      .evidence = {{"median distance from the epipolar lines, projector pixels",
-                    check.median_length},
-                   {"sigma by noise", check.median_sigma}},
-      .likely =
-          "camera or projector moved since they were calibrated, or frames are in a wrong "
-          "order",
-      .advice =
-          "calibrate again: slipstream calibrate geometry; patterns along x alone are not held to "
-          "this"};
-  output.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
-  result.sound.checked.findings.push_back(finding);
+Finding contradiction(const EpipolarCheck& check) {
+  return {.what = "the coordinates along x and y are not those of one projector pixel",
+          .evidence = {{"median distance from the epipolar lines, projector pixels",
+                        check.median_length},
+                       {"sigma by noise", check.median_sigma}},
+          .likely =
+              "camera or projector moved since they were calibrated, or frames are in a wrong "
+              "order",
+          .advice =
+              "calibrate again: slipstream calibrate geometry; patterns along x alone are not held "
+              "to this"};
 }
 
 /// What the check does not see by its pixels, or leaves to --nearest and --farthest.
-void tell_no_points(ReconstructedScan& result, Output& output) {
-  const auto& counts = result.counts;
+Finding no_points(const ValidityCounts& counts) {
   const auto most = std::max_element(counts.begin() + 1, counts.end()) - counts.begin();
-  const Finding finding{
-      .what = "not one pixel became a point",
-      .likely = fmt::format("{} in most of them", name_of(static_cast<Validity>(most))),
-      .advice = "look at the frames with slipstream view"};
-  output.warn(fmt::format("{}: {}", text_of(result.name), text_of(finding)));
-  result.sound.checked.findings.push_back(finding);
+  return {.what = "not one pixel became a point",
+          .likely = fmt::format("{} in most of them", name_of(static_cast<Validity>(most))),
+          .advice = "look at the frames with slipstream view"};
 }
 
 /// The cloud with its normals and uncertainty on the grid asked for; maps and preview on the
@@ -245,10 +261,10 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   Stopwatch watch;
   try {
     ScanInputFlags input = flags.cloud.input;
-    input.window = name.window;
-    input.recording = opened.at(name.path);
+    input.changes.window = name.window;
+    input.changes.recording = opened.at(name.path);
     if (before != nullptr) {
-      const ScanFiles files = scan_files_in(name.path, changes_of(input));
+      const ScanFiles files = scan_files_in(name.path, input.changes);
       result.entry["input"] = fmt::format("{:08x}", checksum_of(files));
       const auto outputs = files_of_scan(flags.files, name).written();
       result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
@@ -317,9 +333,10 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   if (engine && !reused.gpu_failure_told) {
     reused.gpu_failure_told = warn_of_gpu(engine->gpu_failure(), output);
   }
-  if (result.epipolar && result.epipolar->contradicts()) tell_contradiction(result, output);
+  if (result.epipolar && result.epipolar->contradicts())
+    add_finding(contradiction(*result.epipolar), result);
   result.counts = count_by_validity(result.cloud);
-  if (result.counts[0] == 0) tell_no_points(result, output);
+  if (result.counts[0] == 0) add_finding(no_points(result.counts), result);
   result.computed = watch.lap();
   if (flags.uncertainty) {
     result.uncertainty = engine->uncertainty(result.cloud, result.maps, scan.frames);
@@ -353,8 +370,9 @@ ReconstructedScan written(ReconstructedScan result, const ReconstructFlags& flag
 
 std::string line_of(const ReconstructedScan& scan) {
   nlohmann::json entry = scan.entry;
-  entry["seconds"] = scan.read + scan.sound.choosing + scan.sound.checking + scan.tables +
-                     scan.computed + scan.written;
+  double seconds = 0;
+  for (const ScanTime& time : times_of(scan)) seconds += time.seconds;
+  entry["seconds"] = seconds;
   if (!scan.failure.empty()) entry["error"] = scan.failure;
   if (scan.failure.empty()) entry["counts"] = app::json_of(scan.counts);
   return app::line_of(entry);
@@ -434,18 +452,9 @@ void reconstruct(const ReconstructFlags& given, Output& output) {
 
 }  // namespace
 
-void apply_settings(ReconstructFlags& flags) {
-  set_backend(flags.cloud.settings, flags.backend);
-  flags.cloud.settings.cue_rule = cue_rule_named(flags.unwrapping);
-  set_clean(flags.cloud.settings, flags.cloud.clean);
-  if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
-    throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
-  }
-}
-
 void reconstruct_scans(ReconstructFlags flags, Output& output) {
   require_writable(flags.files, flags.scans);
-  apply_settings(flags);
+  require_valid(flags);
   keep_memory();
   output.document["scans"] = nlohmann::json::array();
   if (!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest)) {

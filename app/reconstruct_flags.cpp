@@ -1,13 +1,18 @@
 #include "app/reconstruct_flags.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include <fmt/format.h>
 
-#include "app/flag_group.h"
+#include "slipstream/base/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
 
 namespace slipstream::app {
+namespace fs = std::filesystem;
 namespace {
 
 void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
@@ -33,6 +38,33 @@ void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
             "standard deviation of each point, by the frames' noise, into the cloud");
 }
 
+/// With paths as from where the program runs: in the list they are relative to it.
+std::vector<ListedScans> scans_in_list(const fs::path& list) {
+  const std::vector<std::uint8_t> bytes = read_file(list);
+  std::vector<ListedScans> scans =
+      scan_list_from({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, list.string());
+  for (ListedScans& listed : scans) listed.path = (list.parent_path() / listed.path).string();
+  return scans;
+}
+
+void set_end(ListedScans& listed, const ScanChanges& changes) {
+  const std::string& path = listed.path;
+  if (!is_recording(path)) {
+    if (fs::exists(path)) throw Error(fmt::format("{}: windows are of recordings", path));
+    return listed.windows.reset();  // who reads it says why, and goes on
+  }
+  std::uint64_t count = 0;
+  try {
+    count = window_count(RecordingReader(path), scan_files_in(path, changes).sequence);
+  } catch (const Error&) {
+    return listed.windows.reset();
+  }
+  if (listed.windows->first >= count) {
+    throw Error(fmt::format("{}: {} windows; none is in {}:", path, count, listed.windows->first));
+  }
+  listed.windows->end = std::min(listed.windows->end, count);
+}
+
 }  // namespace
 
 void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags) {
@@ -49,15 +81,40 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   const FlagGroup command{subcommand};
   flags.command = &subcommand;
   command.add("--every", flags.every, "of a range's windows every so many");
-  command.add("--backend", flags.backend, backend_forms);
-  command.add("--cue-rule", flags.unwrapping,
-              "fringe order from a cue in the same frames: consensus, likelihood or published");
+  ReconstructSettings& settings = flags.cloud.settings;
+  add_backend_flag(command, settings);
+  command.add_named(
+      "--cue-rule", settings.cue_rule, cue_rule_named, name_of(settings.cue_rule),
+      "fringe order from a cue in the same frames: consensus, likelihood or published");
   command.add("--one-camera", flags.one_camera,
               "use the first camera alone where the scan has two");
   command.add("--match-window", flags.match.window,
               "two cameras: half the width of the window whose plane gives the depth, pixels");
   add_output_flags(subcommand, flags);
   add_cloud_input_flags(subcommand, flags.cloud);
+}
+
+std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
+  if (flags.every < 1) throw Error("--every 0 is out of range; 1 or more");
+  std::vector<ListedScans> scans;
+  for (const std::string& path : flags.paths) {
+    if (lower_case_extension(path) != ".txt") {
+      scans.push_back({.path = path});
+      continue;
+    }
+    const std::vector<ListedScans> listed = scans_in_list(path);
+    scans.insert(scans.end(), listed.begin(), listed.end());
+  }
+  for (ListedScans& listed : scans) {
+    if (flags.windows && !listed.windows) {
+      listed.windows = window_range_from(*flags.windows);
+      listed.cost = 0;
+    }
+    const bool known =
+        listed.cost > 0 && listed.windows && listed.windows->end != WindowRange::last;
+    if (listed.windows && !known) set_end(listed, flags.cloud.input.changes);
+  }
+  return scans;
 }
 
 std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted) {
@@ -71,11 +128,18 @@ std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments want
     const bool is_path = type == file_type || type == output_type;
     if (wanted == Arguments::settings && (is_path || name == "every")) continue;
     for (const std::string& value : option->results()) {
-      arguments.push_back(fmt::format("--{}={}", name,
-                                      is_path ? std::filesystem::absolute(value).string() : value));
+      arguments.push_back(
+          fmt::format("--{}={}", name, is_path ? fs::absolute(value).string() : value));
     }
   }
   return arguments;
+}
+
+void require_valid(const ReconstructFlags& flags) {
+  require_valid(flags.cloud.settings.clean);
+  if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
+    throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
+  }
 }
 
 }  // namespace slipstream::app

@@ -7,10 +7,10 @@
 
 #include <CLI/App.hpp>
 
-#include "app/cloud_input.h"
 #include "app/flag_group.h"
 #include "app/output.h"
-#include "slipstream/io/result_files.h"
+#include "app/scan_input.h"
+#include "slipstream/io/scan_list.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
@@ -20,8 +20,6 @@ struct ReconstructFlags {
   std::optional<std::string> windows;
   std::uint64_t every = 1;
   CloudInputFlags cloud;
-  std::string backend = "fused";
-  std::string unwrapping = "consensus";
   bool one_camera = false;
   PhaseMatchSettings match;
   int subsample = 1;
@@ -41,6 +39,12 @@ void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags);
 /// Adds those that say how they are reconstructed, and what is written where.
 void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags);
 
+/// The scans that are asked for: folders, recordings, and lists of them, whose names end in .txt.
+/// --windows is the range of recordings without one of their own. A range ends at the end of its
+/// recording, which is opened for that unless the list says end and cost; one that cannot be read
+/// is one scan. Throws Error for a range that is none or has no window.
+std::vector<ListedScans> listed_scans(const ReconstructFlags& flags);
+
 enum class Arguments {
   all,
   settings  ///< that decide what outputs hold, beside files that are read
@@ -49,8 +53,8 @@ enum class Arguments {
 /// "--subsample=2", with paths that are absolute.
 std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted);
 
-/// Puts what they say where `cloud` has its settings. Throws Error for values that are none.
-void apply_settings(ReconstructFlags& flags);
+/// Throws Error for values that cannot be.
+void require_valid(const ReconstructFlags& flags);
 
 /// Reconstructs `scans` and tells each. Throws Error for flags that do not fit together.
 void reconstruct_scans(ReconstructFlags flags, Output& output);

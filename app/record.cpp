@@ -7,10 +7,11 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "app/finding_output.h"
-#include "app/progress.h"
+#include "app/findings.h"
+#include "app/output.h"
+#include "app/process.h"
+#include "app/scan_flags.h"
 #include "app/source_flags.h"
-#include "app/stop_signal.h"
 #include "slipstream/base/error.h"
 #include "slipstream/check/scan_check.h"
 #include "slipstream/io/recorder.h"
@@ -54,7 +55,7 @@ void record(const RecordFlags& flags, Output& output) {
   if (!opened.warning.empty()) output.warn(opened.warning);
   FrameSource& source = *opened.frames;
   Recorder recorder(flags.file, {.format = source.format(),
-                                 .frame_rate = flags.source.rate.value_or(0),
+                                 .frame_rate = request.rate.value_or(0),
                                  .sequence = opened.sequence,
                                  .scanner = opened.scanner,
                                  .in_colour = opened.in_colour,
@@ -98,19 +99,19 @@ void record(const RecordFlags& flags, Output& output) {
 void add_record(CLI::App& program, Command& chosen) {
   const auto [command, flags] = add_command(program, chosen, record, "record",
                                             "frames of a camera to disk, lossless, to be replayed");
+  SourceRequest& request = flags.source.request;
   command.add_output("-o,--output", flags.file, "the recording")->required();
-  command.add("--source", flags.source.source, source_forms())->required()->default_str("");
+  command.add("--source", request.source, source_forms())->required()->default_str("");
   command.add("--frames", flags.frames, "so many; until Ctrl-C without");
   command.add("--duration", flags.duration, "so long, s");
-  command.add("--rate", flags.source.rate,
+  command.add("--rate", request.rate,
               "frames per second; 0: as fast as it goes; else the source's own");
-  command.add("--loop", flags.source.loop, "a replay begins again at its end");
-  command.add_file("--scanner", flags.source.scanner,
-                   "scanner file, which is kept in the recording");
-  add_camera_flags(command.app, flags.source.camera);
-  add_pattern_flags(command.app, flags.source.scan);
-  add_marker_flag(command.app, flags.source.scan);
-  add_virtual_flags(command.app, flags.source.virtual_scanner);
+  command.add("--loop", request.loop, "a replay begins again at its end");
+  command.add_file("--scanner", request.scanner, "scanner file, which is kept in the recording");
+  add_camera_flags(command.app, request.camera);
+  add_pattern_flags(command.app, request.sequence);
+  add_marker_flag(command.app, request.sequence);
+  add_virtual_flags(command.app, flags.source.world);
   command.app.footer(
       "Example:\n  slipstream record --source aravis: -o scan.slip --frames 1000 --strategy pmp "
       "--steps 4 --scanner scanner.yaml\nCtrl-C finishes the file.");

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "app/commands.h"
-#include "app/progress.h"
+#include "app/output.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/plot_file.h"
+#include "slipstream/io/plot.h"
 #include "tools/reproduce/report.h"
 #include "tools/reproduce/reproduction.h"
 

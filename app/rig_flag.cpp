@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <set>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -53,15 +55,18 @@ std::string resolved(const CLI::Option& option, const std::string& value, const 
 
 bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
   if (option.count() > 0 || is_ruled_out(option)) return false;
+  const bool is_switch = option.get_expected_max() == 0;  // whose name may begin with no-
   for (const std::string& value : setting.values) {
-    option.add_result(resolved(option, value, folder));
+    option.add_result(is_switch ? option.get_flag_value(setting.name, value)
+                                : resolved(option, value, folder));
   }
   option.run_callback();
   return true;
 }
 
 void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
-  said = {.file = file.string()};
+  said.file = file.string();
+  said.settings.clear();
   std::set<std::string> known;
   collect_settings(program, known);
   for (const RigSetting& setting : read_rig(file)) {
@@ -80,7 +85,14 @@ void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, 
       refuse(fmt::format("{} '{}': true or false is wanted", setting.name, setting.values.front()));
     } catch (const CLI::ParseError& error) {
       refuse(error.what());
+    } catch (const Error& error) {
+      refuse(error.what());
     }
+  }
+  // As on the command line in the order of the flags: --raw comes before the filters it leaves on.
+  for (CLI::Option* const option : subcommand.get_options()) {
+    const bool is_rig = option->check_name("--rig") || option->check_name("rig");
+    if (option->count() > 0 && !is_rig) option->run_callback();
   }
 }
 
@@ -95,19 +107,19 @@ bool has_word(const std::string& text, const std::string& word) {
   return false;
 }
 
-/// How much speaks for the message being about the setting: its name, or what it says.
-int kinship(const RigSetting& setting, const std::string& message) {
+/// How clearly the message names the setting: its flag, its name, or what it is set to.
+int clarity(const RigSetting& setting, const std::string& message) {
   // "minimum modulation" is min-modulation.
   const std::string last = setting.name.substr(setting.name.rfind('-') + 1);
-  const auto says = [&](const std::string& value) {
-    const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
-    return what.size() > 1 && has_word(message, what);
-  };
-  const bool flagged = has_word(message, "--" + setting.name) ||
-                       message.find("'" + setting.name + "'") != message.npos;
-  const bool named = has_word(message, last.size() > 5 ? last : setting.name);
-  const bool said = std::any_of(setting.values.begin(), setting.values.end(), says);
-  return (flagged ? 4 : 0) + (named ? 2 : 0) + (said ? 1 : 0);
+  const bool names_flag = has_word(message, "--" + setting.name) ||
+                          message.find("'" + setting.name + "'") != message.npos;
+  const bool names_setting = has_word(message, last.size() > 5 ? last : setting.name);
+  const bool names_value =
+      std::any_of(setting.values.begin(), setting.values.end(), [&](const std::string& value) {
+        const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
+        return what.size() > 1 && has_word(message, what);
+      });
+  return (names_flag ? 4 : 0) + (names_setting ? 2 : 0) + (names_value ? 1 : 0);
 }
 
 }  // namespace
@@ -124,12 +136,13 @@ void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) 
 }
 
 std::string located(const RigSaid& said, const std::string& message) {
-  const auto less = [&](const RigSetting& a, const RigSetting& b) {
-    return kinship(a, message) < kinship(b, message);
-  };
-  const auto setting = std::max_element(said.settings.begin(), said.settings.end(), less);
-  if (setting == said.settings.end() || kinship(*setting, message) == 0) return message;
-  return fmt::format("{}: line {}: {}", said.file, setting->line, message);
+  if (message.starts_with(said.file + ": line ")) return message;
+  int clearest = 0, line = 0;
+  for (const RigSetting& setting : said.settings) {
+    const int clear = clarity(setting, message);
+    if (clear > clearest) std::tie(clearest, line) = std::pair(clear, setting.line);
+  }
+  return clearest == 0 ? message : fmt::format("{}: line {}: {}", said.file, line, message);
 }
 
 }  // namespace slipstream::app

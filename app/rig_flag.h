@@ -11,7 +11,8 @@ namespace slipstream::app {
 
 /// What a rig file said that the command line did not.
 struct RigSaid {
-  std::string file{};  ///< empty where there is none
+  std::vector<std::string> arguments{};  ///< of the command line, the last first
+  std::string file{};                    ///< empty where there is none
   std::vector<RigSetting> settings{};
 };
 
@@ -22,8 +23,8 @@ struct RigSaid {
 /// file.
 void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said);
 
-/// The message with the place in front where the setting stands that it is about, as far as its
-/// words tell: "rig.yaml: line 3: ..."; as it was where they tell none.
+/// The message with the line of the setting in front that it names most clearly: "rig.yaml: line 3:
+/// ..."; as it was if it names none. What the flags themselves refuse has its line already.
 std::string located(const RigSaid& said, const std::string& message);
 
 }  // namespace slipstream::app

@@ -5,12 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "app/flag_group.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
-#include "slipstream/base/rectangle.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/size.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/io/limits.h"
+#include "slipstream/io/file.h"
 
 namespace slipstream::app {
 namespace {
@@ -30,49 +29,64 @@ std::vector<double> exposures_from(const std::string& text) {
   return exposures;
 }
 
+std::vector<double> settings_in(const std::string& text) {
+  std::vector<double> numbers;
+  SettingValue(text).read(numbers);
+  return numbers;
+}
+
 /// What is wrong with a setting that is no number; empty where nothing is.
 std::string numbers_only(const std::string& text) {
   try {
-    std::vector<double> numbers;
-    SettingValue(text).read(numbers);
+    settings_in(text);
     return {};
   } catch (const Error& error) {
     return error.what();
   }
 }
 
-void add_sequence_flags(const FlagGroup& group, ScanFlags& flags) {
-  group.add("--strategy", flags.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
+void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
+  group.add("--strategy", changes.strategy, fmt::format("{}", fmt::join(strategy_names(), ", ")));
   for (const SettingDescription& setting : strategy_settings()) {
-    CLI::Option* const option = group.add(flag_of(setting.name), flags.settings[setting.name],
-                                          fmt::format("{} [{}]", setting.help, setting.strategies));
+    const std::string flag = flag_of(setting.name),
+                      help = fmt::format("{} [{}]", setting.help, setting.strategies);
+    std::optional<std::string>& value = changes.settings[setting.name];
     if (setting.is_switch) {
-      option->expected(0, 1)->default_str("true");
-    } else if (!setting.is_word) {
+      group.app.add_flag(fmt::format("{},!--no-{}", flag, flag.substr(2)), value, help)
+          ->group(group.name);
+    } else if (CLI::Option* const option = group.add(flag, value, help); !setting.is_word) {
       option->check(numbers_only);
     }
   }
-  group.add("--period-pixels", flags.period_pixels, "--periods, each in projector pixels");
-  group.add("--stripe", flags.stripe_pixels, "--stripes as the width of one in projector pixels");
-  group.add("--axis", flags.axis,
+  group.add_read<>(
+      "--period-pixels",
+      [&changes](const std::string& text) { changes.period_pixels = settings_in(text); },
+      "--periods, each in projector pixels");
+  group.add("--stripe", changes.stripe_pixels, "--stripes as the width of one in projector pixels");
+  group.add("--axis", changes.axes,
             "x: the pattern varies along projector columns; y: rows; both: first x, then y");
-  group.add("--projector", flags.projector, "projector pixels, as 1824x1140");
-  group.add("--alpha-p", flags.alpha_p, "amplitude of the patterns, grey levels of 255");
-  group.add("--beta-p", flags.beta_p, "darkest grey level of the patterns");
-  group.add("--exposures", flags.exposures,
-            "all patterns once for each, as 1,4,16: relative, or in ms; merged to one scan");
+  group.add_read<>(
+      "--projector",
+      [&changes](const std::string& text) { changes.projector = size_from(text, "--projector"); },
+      "projector pixels, as 1824x1140");
+  group.add("--alpha-p", changes.alpha_p, "amplitude of the patterns, grey levels of 255");
+  group.add("--beta-p", changes.beta_p, "darkest grey level of the patterns");
+  group.add_read<>(
+      "--exposures",
+      [&changes](const std::string& text) { changes.exposures = exposures_from(text); },
+      "all patterns once for each, as 1,4,16: relative, or in ms; merged to one scan");
   group.add(
-      "--motion", flags.motion,
+      "--motion", changes.motion,
       "so many frames more than a cycle of one sinusoid, shown over and over, become a cloud: "
       "2 or 4 where things move");
 }
 
 }  // namespace
 
-void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
+void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes) {
   const FlagGroup group{subcommand, "What the patterns are"};
-  add_sequence_flags(group, flags);
-  group.add("--binary", flags.binary,
+  add_sequence_flags(group, changes);
+  group.add("--binary", changes.binary,
             "in pixels that are dark or bright alone, whose mean is the pattern: for a DMD that "
             "shows a bit at a time");
   const Sequence usual = default_sequence({1024, 1024}, {});
@@ -82,43 +96,30 @@ void add_pattern_flags(CLI::App& subcommand, ScanFlags& flags) {
   subcommand.get_option("--beta-p")->default_str(fmt::format("{:g}", usual.light.beta_p));
 }
 
-void add_marker_flag(CLI::App& subcommand, ScanFlags& flags) {
+void add_marker_flag(CLI::App& subcommand, SequenceChanges& changes) {
   const FlagGroup group{subcommand, "What the patterns are"};
-  group.add("--marker", flags.marker,
+  group.add("--marker", changes.marker,
             "a dark frame ends each cycle, so that a camera that begins anywhere finds its place");
 }
 
-void add_scan_flags(CLI::App& subcommand, ScanFlags& flags) {
+void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
   const FlagGroup group{subcommand, "What the patterns are, where not as the scan says"};
-  add_sequence_flags(group, flags);
-  group.add("--order", flags.order,
+  add_sequence_flags(group, changes.sequence);
+  group.add("--order", changes.order,
             "which frame shows each pattern, counted from 0, as 2,0,1; or code,sinusoids where the "
             "code comes first; else as they come");
 }
 
-SequenceChanges changes_from(const ScanFlags& flags) {
-  SequenceChanges changes{.strategy = flags.strategy,
-                          .settings = flags.settings,
-                          .stripe_pixels = flags.stripe_pixels,
-                          .axes = flags.axis,
-                          .alpha_p = flags.alpha_p,
-                          .beta_p = flags.beta_p,
-                          .marker = flags.marker,
-                          .binary = flags.binary,
-                          .motion = flags.motion};
-  if (flags.period_pixels) {
-    changes.period_pixels.emplace();
-    SettingValue(*flags.period_pixels).read(*changes.period_pixels);
-  }
-  if (flags.exposures) changes.exposures = exposures_from(*flags.exposures);
-  if (flags.projector) changes.projector = size_from(*flags.projector, "--projector");
-  return changes;
+bool is_pattern_switch(const std::string& word) {
+  const std::vector<SettingDescription> settings = strategy_settings();
+  return std::any_of(settings.begin(), settings.end(), [&](const SettingDescription& setting) {
+    return setting.is_switch && flag_of(setting.name) == word;
+  });
 }
 
-ScanChanges scan_changes_from(const ScanFlags& flags) {
-  ScanChanges changes{.sequence = changes_from(flags)};
-  changes.order = flags.order.value_or("");
-  return changes;
+void add_size_flag(const FlagGroup& group, Size& size, const std::string& help) {
+  const auto read = [&size](const std::string& text) { size = size_from(text, "--size"); };
+  group.add_read<>("--size", read, help)->default_str(text_of(size));
 }
 
 Size size_from(const std::string& text, const std::string& flag) {

@@ -1,35 +1,20 @@
-#include <algorithm>
-#include <cstddef>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
-#include <fstream>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include "app/commands.h"
 #include "app/live.h"
-#include "app/stop_signal.h"
+#include "app/process.h"
 #include "slipstream/base/error.h"
 #include "slipstream/io/saved_scan.h"
 
 namespace slipstream::app {
 namespace {
-
-std::vector<std::string> own_arguments() {
-  std::ifstream file("/proc/self/cmdline");
-  std::vector<std::string> words;
-  for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
-  return words;
-}
 
 /// What can be served of that.
 LiveFlags served(LiveFlags flags) {
@@ -96,35 +81,15 @@ void serve(const LiveFlags& given, Output& output) {
 
 }  // namespace
 
-void tell_service_manager(const std::string& state) {
-  const char* const named = std::getenv("NOTIFY_SOCKET");
-  sockaddr_un address{};
-  const std::string path = named == nullptr ? "" : named;
-  if (path.size() < 2 || path.size() > sizeof address.sun_path) return;
-  address.sun_family = AF_UNIX;
-  std::copy(path.begin(), path.end(), address.sun_path);
-  if (path.front() == '@') address.sun_path[0] = '\0';  // a name that is no file's
-  const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM, 0);
-  if (descriptor < 0) return;
-  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
-  // The manager's is the only ear; where it does not listen there is nobody to tell.
-  static_cast<void>(::sendto(descriptor, state.data(), state.size(), 0,
-                             reinterpret_cast<const sockaddr*>(&address), length));
-  ::close(descriptor);
-}
-
-void add_serve(CLI::App& program, Command& chosen, const RigSaid& rig) {
+void add_serve(CLI::App& program, Command& chosen) {
   const auto [command, flags] =
       add_command(program, chosen, serve, "serve",
                   "live without a window, as one file says, until SIGTERM; SIGHUP reads it again");
   add_live_flags(command, flags);
-  flags.rig = &rig;
-  flags.again = [&program, &read = flags, none = flags] {
-    std::vector<std::string> words = own_arguments();
-    std::reverse(words.begin(), words.end());
-    words.pop_back();
+  flags.rig = &chosen.rig;
+  flags.again = [&program, &rig = chosen.rig, &read = flags, none = flags] {
     read = none;
-    program.parse(words);
+    program.parse(std::vector<std::string>(rig.arguments));
     return read;
   };
   command.app.footer("Example:\n  slipstream serve rig.yaml");

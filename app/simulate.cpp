@@ -1,22 +1,23 @@
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "app/board_flags.h"
 #include "app/commands.h"
+#include "app/process.h"
 #include "app/scan_flags.h"
-#include "app/simulate_boards.h"
-#include "app/stopwatch.h"
-#include "app/virtual_flags.h"
+#include "app/source_flags.h"
 #include "slipstream/base/error.h"
-#include "slipstream/codes/primaries.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/simulate/colour_camera.h"
-#include "slipstream/simulate/second_camera.h"
-#include "slipstream/simulate/virtual_scan.h"
+#include "slipstream/simulate/boards.h"
+#include "slipstream/simulate/virtual_files.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::app {
 namespace fs = std::filesystem;
@@ -25,8 +26,9 @@ namespace {
 struct SimulateFlags {
   std::string folder;
   VirtualFlags devices;
-  ScanFlags scan;
-  SimulateBoardsFlags boards;
+  SequenceChanges scan;
+  std::optional<int> boards;  ///< poses of a board; none: a scene is wanted
+  BoardFlags board;
   bool unquantised = false;
   bool second_camera = false;
   bool in_colour = false;
@@ -49,14 +51,40 @@ void write_primaries(const SimulateFlags& flags, const VirtualWorld& world, Outp
   output.say("took pictures under black, red, green and blue; they are in {}", flags.folder);
 }
 
+/// Takes scans of the board along x and along y in each pose, as `sequence` says, into folders
+/// board01/x, board01/y and so on.
+void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
+                     const Sequence& sequence, Output& output) {
+  const fs::path folder = flags.folder;
+  const CalibrationBoard board = board_from(flags.board);
+  const Scanner& scanner = world.scanner;
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    require_resolved(sequence.strategy, axis, scanner.projector.size);
+  }
+  const Body sheet = sheet_of(board, scanner);
+  const int count = *flags.boards;
+  const std::vector<Eigen::Isometry3d> poses = poses_of(sheet, count, scanner);
+  Progress progress("boards", count);
+  const std::vector<std::string> names =
+      save_board_scans(folder, sequence, world, misprinted(sheet, world.photometry.physics), poses,
+                       [&] { progress.advance(); });
+  progress.finish();
+  output.say("took a {} of {}x{}, {:g} mm apart, in {} poses of {}; they are in {}",
+             name_of(board.kind), board.columns, board.rows, board.spacing, count,
+             text_of(scanner.camera.size), folder.string());
+  output.document = {{"folder", folder.string()},
+                     {"poses", names},
+                     {"width", scanner.camera.size.width},
+                     {"height", scanner.camera.size.height}};
+}
+
 void simulate(const SimulateFlags& flags, Output& output) {
   VirtualWorld world = world_from(flags.devices);
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
   if (flags.unquantised) world.photometry.bits.reset();
-  if (flags.boards.count) {
+  if (flags.boards) {
     if (flags.second_camera) throw Error("--second-camera is of a scene; --boards takes none");
-    simulate_boards(flags.folder, flags.boards, world, sequence, output);
-    return;
+    return simulate_boards(flags, world, sequence, output);
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
@@ -91,6 +119,23 @@ void simulate(const SimulateFlags& flags, Output& output) {
                      {"width", world.scanner.camera.size.width},
                      {"height", world.scanner.camera.size.height},
                      {"render_s", seconds}};
+}
+
+/// Adds --boards, which excludes the flags of a scene and --axis, and the flags of the board, which
+/// need it. Those must have been added before.
+void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
+  CLI::Option* boards = simulate.add_option(
+      "--boards", flags.boards,
+      "instead of a scene: a calibration board in so many poses, scanned along x and y");
+  boards->group("Board");
+  for (const char* of_scene : {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move",
+                               "--turn", "--vibrate", "--breathe", "--axis"}) {
+    boards->excludes(simulate.get_option(of_scene));
+  }
+  add_board_flags(simulate, flags.board);
+  for (CLI::Option* option : simulate.get_options()) {
+    if (option->get_group() == "Board" && option != boards) option->needs(boards);
+  }
 }
 
 void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
@@ -128,7 +173,7 @@ void add_simulate(CLI::App& program, Command& chosen) {
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
   add_pattern_flags(command.app, flags.scan);
-  add_simulate_boards_flags(command.app, flags.boards);
+  add_boards_flags(command.app, flags);
   command.app.footer(
       "Example:\n  slipstream simulate scan --scene statue --strategy dual-frequency --steps 3 "
       "--high 16 --low 1");

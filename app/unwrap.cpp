@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include "app/commands.h"
-#include "app/stopwatch.h"
-#include "slipstream/base/converted.h"
+#include "app/process.h"
 #include "slipstream/base/error.h"
+#include "slipstream/base/image.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/preview.h"
+#include "slipstream/io/plot.h"
 #include "slipstream/spatial/spatial_unwrapping.h"
 
 namespace slipstream::app {

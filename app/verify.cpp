@@ -3,15 +3,14 @@
 
 #include <fmt/format.h>
 
-#include "app/cloud_input.h"
 #include "app/commands.h"
-#include "app/progress.h"
-#include "app/virtual_flags.h"
+#include "app/output.h"
+#include "app/scan_input.h"
+#include "app/source_flags.h"
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/accuracy_report.h"
-#include "slipstream/simulate/rehearsal.h"
+#include "slipstream/simulate/accuracy.h"
 
 namespace slipstream::app {
 namespace {
@@ -51,14 +50,13 @@ struct Test {
 Test rehearsed(const VerifyFlags& flags) {
   VirtualFlags devices = flags.devices;
   devices.scene = "board";  // it makes way for the artefacts
-  devices.scanner = flags.input.input.scanner;
+  devices.scanner = flags.input.input.changes.scanner;
   const VirtualWorld world = world_from(devices);
   const Scanner calibrated =
       flags.calibrated ? read_scanner(*flags.calibrated) : as_calibrated(world);
-  ReconstructSettings settings = flags.input.settings;
-  set_clean(settings, flags.input.clean);
-  const Sequence sequence = sequence_for(flags.input.input.scan, world.scanner);
-  return {rehearsal(world, sequence, calibrated, settings),
+  require_valid(flags.input.settings.clean);
+  const Sequence sequence = sequence_for(flags.input.input.changes.sequence, world.scanner);
+  return {rehearsal(world, sequence, calibrated, flags.input.settings),
           fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
                       label_of(sequence.strategy))};
 }

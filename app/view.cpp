@@ -8,19 +8,18 @@
 
 #include <fmt/format.h>
 
-#include "app/cloud_input.h"
 #include "app/commands.h"
-#include "app/finding_output.h"
+#include "app/findings.h"
 #include "app/live.h"
-#include "app/save_folder.h"
-#include "app/view_files.h"
+#include "app/scan_input.h"
+#include "app/windows.h"
 #include "slipstream/base/error.h"
+#include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/io/stored_cloud.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/response/gamma_choice.h"
-#include "slipstream/view/still_source.h"
+#include "slipstream/view/view_source.h"
 #include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
@@ -37,8 +36,8 @@ struct ViewPathFlags {
 };
 
 view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
-  CloudInputFlags asked = flags.cloud;
-  set_clean(asked.settings, asked.clean);
+  const CloudInputFlags& asked = flags.cloud;
+  require_valid(asked.settings.clean);
   Scan scan = load(flags.path, asked.input, false, output);
   const SoundScan sound = sound_scan(scan, flags.path, asked, output);
   const EngineSetup& setup = sound.setup;
@@ -105,12 +104,12 @@ void serve_page(const ViewPathFlags& flags, Output& output) {
   LiveFlags replay;
   replay.headless = true;
   replay.gamma = input.gamma;
-  replay.clean = flags.cloud.clean;
-  replay.source.source = "replay:" + flags.path;
-  replay.source.loop = true;
-  replay.source.scanner = input.scanner;
-  replay.source.scan = input.scan;
-  if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no times of its own
+  replay.settings.clean = flags.cloud.settings.clean;
+  replay.source.request = {.source = "replay:" + flags.path,
+                           .loop = true,
+                           .sequence = input.changes.sequence,
+                           .scanner = input.changes.scanner};
+  if (fs::is_directory(flags.path)) replay.source.request.rate = 60;  // it has no times of its own
   replay.publish = {"web:" + flags.web};
   replay.view = flags.view;
   live(replay, output);
@@ -128,21 +127,21 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   view::ViewSource source = flags.path.empty() ? source_of_nothing() : source_of(flags, output);
   output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
   if (scan) output.document["findings"] = app::json_of(source.findings);
-  write_snapshot(source, flags.view, output);
-  write_screenshot(source, flags.view, output);
+  write_pictures(source, flags.view, true, output);
   if (!output.document["files"].empty()) return;
   const fs::path beside = fs::absolute(flags.path / fs::path()).parent_path().parent_path();
   source.openable = [beside = flags.path.empty() ? fs::current_path() : beside] {
     return viewable_in(beside);
   };
-  source.open = [view = flags.view, clean = flags.cloud.clean, &output](const std::string& path) {
+  source.open = [view = flags.view, settings = flags.cloud.settings,
+                 &output](const std::string& path) {
     ViewPathFlags other;
     other.path = path;
     other.view = view;
-    other.cloud.clean = clean;
+    other.cloud.settings = settings;
     return source_of(other, output);
   };
-  view::run_viewer(source, {.view = view_settings_from(flags.view), .size = size_from(flags.view)});
+  view::run_viewer(source, {.view = flags.view.settings, .size = flags.view.size});
 }
 
 }  // namespace
@@ -159,7 +158,7 @@ void add_view(CLI::App& program, Command& chosen) {
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
   add_scan_input_flags(command.app, flags.cloud.input);
-  add_clean_flags(command.app, flags.cloud.clean);
+  add_clean_flags(command.app, flags.cloud.settings);
   add_anyway_flag(command.app, flags.cloud.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
   flags.command = &command.app;

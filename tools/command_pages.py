@@ -24,6 +24,8 @@ def commands_of(program, *words):
     # What it means is one space on, or on the line below, where the flag's own is full.
     flags = dict(re.findall(r"^  (?:-\w,)?(--[\w-]+).*?(?:  |REQUIRED |\n) *(\S.*)$", head,
                             re.MULTILINE))
+    for flag, opposite in re.findall(r"^  (--[\w-]+),(--no-[\w-]+)\{false\}", head, re.MULTILINE):
+        flags[opposite] = flags[flag]
     yield words, flags, below
     for name in below:
         yield from commands_of(program, *words, name)

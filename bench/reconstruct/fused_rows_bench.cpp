@@ -7,7 +7,7 @@
 #include <benchmark/benchmark.h>
 
 #include "slipstream/base/vector_target.h"
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/fused/fused_stages.h"
 #include "tools/bench/bench_scan.h"

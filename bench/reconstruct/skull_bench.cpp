@@ -5,7 +5,7 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
-#include "slipstream/codes/dual_frequency.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"

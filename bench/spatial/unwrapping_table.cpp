@@ -16,7 +16,7 @@
 #include <opencv2/phase_unwrapping/histogramphaseunwrapping.hpp>
 #endif
 
-#include "slipstream/base/converted.h"
+#include "slipstream/base/image.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/spatial/spatial_unwrapping.h"

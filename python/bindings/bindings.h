@@ -16,8 +16,10 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "slipstream/base/image.h"
-#include "slipstream/check/checked_scan.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/check/scan_check.h"
+#include "slipstream/frames/frame_set.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace pybind11::detail {
 
@@ -145,5 +147,72 @@ void refuse_or_warn(const CheckedScan& checked, const std::string& name, bool an
 /// A Scan, or the path of one, checked and put in order, and what messages call it. `of_gamma`:
 /// what blames the response is no finding. Throws Error where it is refused.
 std::pair<Scan, std::string> checked_scan(const py::handle& scan, bool of_gamma);
+
+/// Keyword arguments, taken one by one. Given a list as `_describe`, it describes those that it
+/// takes instead: python/stub.py asks for that.
+class Keywords {
+ public:
+  explicit Keywords(const py::kwargs& given);
+
+  /// Those that were given, by name: take("rate", rate, "loop", loop). Throws TypeError for what is
+  /// no such value.
+  template <class Value, class... More>
+  void take(const char* name, Value& value, More&... more) {
+    known_.emplace_back(name);
+    if (described_) describe<Value>(name, py::cast(value));
+    if (left_.contains(name)) {
+      const py::object given = left_.attr("pop")(name);
+      try {
+        value = given.cast<Value>();
+      } catch (const py::cast_error&) {
+        refuse(name, given);
+      }
+    }
+    if constexpr (sizeof...(more) > 0) take(more...);
+  }
+  /// The same of one that must be given.
+  template <class Value>
+  void need(const char* name, Value& value) {
+    if (described_) return describe<Value>(name, py::ellipsis());
+    if (!left_.contains(name)) throw py::type_error(std::string(name) + " is missing");
+    take(name, value);
+  }
+  /// Throws TypeError, and says what was meant, where any is left, or once they are described.
+  void require_none_left() const;
+
+ private:
+  [[noreturn]] static void refuse(const char* name, const py::object& given);
+
+  /// Its name, a signature that has its type, and its default.
+  template <class Value>
+  void describe(const char* name, const py::object& usual) {
+    described_->append(py::make_tuple(name, py::cpp_function([](const Value&) {}).doc(), usual));
+  }
+
+  py::dict left_;
+  std::optional<py::list> described_;
+  std::vector<std::string> known_;
+};
+
+// Those of CleanSettings, ReconstructSettings and FringeOrderConsensus by the names they have
+// there; of the second also `backend`, see set_backend, and `raw` for no cleaning and no range of
+// depth.
+void take(Keywords& keywords, CleanSettings& clean);
+void take(Keywords& keywords, ReconstructSettings& settings);
+
+/// Settings of keywords that say nothing else.
+template <class Settings>
+Settings settings_from(const py::kwargs& given) {
+  Keywords keywords(given);
+  Settings settings;
+  take(keywords, settings);
+  keywords.require_none_left();
+  return settings;
+}
+
+/// By `scene` or `mesh`, `world`, `scanner` or `camera`, `ambient`, `noise_variance`,
+/// `reflectivity`, `response`, `bits`, `seed`, `rays`, and how it moves from frame to frame:
+/// `step`, mm, and `turn`, degrees about the upright axis.
+VirtualWorld world_from(Keywords& keywords);
 
 }  // namespace slipstream::python

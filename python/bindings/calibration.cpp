@@ -1,13 +1,12 @@
 #include <cmath>
 #include <limits>
 
-#include "python/bindings/keywords.h"
+#include "python/bindings/bindings.h"
 #include "slipstream/base/error.h"
-#include "slipstream/calibrate/board_scans.h"
-#include "slipstream/calibrate/pose_captures.h"
+#include "slipstream/calibrate/report.h"
 #include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/decode/temporal_unwrapping.h"
 #include "slipstream/response/ambient_calibration.h"
 #include "slipstream/response/gamma_calibration.h"
 #include "slipstream/response/noise_calibration.h"
@@ -123,7 +122,7 @@ py::object calibrated(const fs::path& folder, const std::optional<fs::path>& rep
     return calibrate_geometry(captures.views, board, captures.camera, captures.projector, model);
   });
   warn_of("", captures.warnings);
-  CalibrationReport report{found, found.views, captures.unused, board};
+  CalibrationReport report{found, captures.unused, board};
   report.findings = captures.findings;
   report.findings.insert(report.findings.end(), found.findings.begin(), found.findings.end());
   if (report_folder) write_calibration_report(*report_folder, report);

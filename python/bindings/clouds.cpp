@@ -1,16 +1,13 @@
 #include <cmath>
 
 #include "python/bindings/engines.h"
-#include "python/bindings/keywords.h"
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/normals.h"
 #include "slipstream/cloud/surface.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/preview.h"
-#include "slipstream/io/stored_cloud.h"
-#include "slipstream/io/surface_file.h"
+#include "slipstream/io/plot.h"
 #include "slipstream/spatial/spatial_unwrapping.h"
 
 namespace slipstream::python {

@@ -1,6 +1,5 @@
 #include "python/bindings/engines.h"
 
-#include "python/bindings/keywords.h"
 #include "slipstream/reconstruct/epipolar_check.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 #include "slipstream/response/gamma_choice.h"

@@ -2,7 +2,6 @@
 #include <condition_variable>
 
 #include "python/bindings/engines.h"
-#include "python/bindings/keywords.h"
 #include "slipstream/base/error.h"
 #include "slipstream/devices/named_source.h"
 #include "slipstream/live/live_pipeline.h"

@@ -3,9 +3,9 @@
 #include <pybind11/eigen.h>
 #include <pybind11/operators.h>
 
-#include "python/bindings/keywords.h"
+#include "python/bindings/bindings.h"
+#include "slipstream/codes/design.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/codes/strategy_design.h"
 #include "slipstream/io/pattern_pictures.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/response/correction.h"

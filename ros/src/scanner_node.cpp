@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <rclcpp/rclcpp.hpp>
 #include <rclcpp_components/register_node_macro.hpp>
@@ -14,7 +15,7 @@
 #include <slipstream/io/cloud_file.h>
 #include <slipstream/io/saved_scan.h>
 #include <slipstream/live/live_pipeline.h>
-#include <slipstream/publish/disjoint_clouds.h>
+#include <slipstream/publish/cloud_sink.h>
 #include <slipstream/publish/publisher.h>
 #include <slipstream/publish/ros_messages.h>
 #include <std_srvs/srv/trigger.hpp>
@@ -23,50 +24,35 @@ namespace slipstream_ros {
 namespace {
 
 /// Clouds as messages of a node, which are CDR already.
-class NodeSink final : public slipstream::CloudSink {
+class NodeSink final : public slipstream::DisjointCloudSink {
  public:
   NodeSink(rclcpp_lifecycle::LifecycleNode& node, slipstream::Lens camera)
-      : camera_(std::move(camera)),
-        points_(publisher(node, "points", "PointCloud2")),
-        image_(publisher(node, "image", "Image")),
-        depth_(publisher(node, "depth", "Image")),
-        info_(publisher(node, "camera_info", "CameraInfo")) {}
+      : run_{.camera = std::move(camera)} {
+    for (const auto& topic : {slipstream::camera_info_topic(), slipstream::image_topic(),
+                              slipstream::depth_topic(), slipstream::points_topic()}) {
+      topics_.emplace_back(topic, rclcpp::create_generic_publisher(
+                                      node.get_node_topics_interface(), "~/" + topic.name,
+                                      topic.type.name, rclcpp::SensorDataQoS()));
+    }
+  }
 
-  bool wants(const slipstream::LiveCloud& cloud) override { return clouds_.is_next(cloud); }
-
-  void put(const slipstream::Pooled<slipstream::LiveCloud>& live, bool /*alone*/) override {
-    const slipstream::Cloud& cloud = live->cloud;
-    const auto time = slipstream::world_time(live->newest.host_time);
-    publish(*info_, [&](auto& to) { write_camera_info(camera_, cloud.size(), time, to); });
-    publish(*image_, [&](auto& to) { write_image(*live, time, to); });
-    publish(*depth_, [&](auto& to) { write_depth(cloud, time, to); });
-    publish(*points_, [&](auto& to) { write_point_cloud(cloud, time, to); });
+  void put(const slipstream::Pooled<slipstream::LiveCloud>& cloud, bool alone) override {
+    const slipstream::PublishedCloud published{*cloud, run_, alone};
+    for (const auto& [topic, publisher] : topics_) {
+      if (publisher->get_subscription_count() == 0) continue;
+      topic.write(published, message_);
+      rclcpp::SerializedMessage serialized(message_.size());
+      auto& raw = serialized.get_rcl_serialized_message();
+      std::memcpy(raw.buffer, message_.data(), message_.size());
+      raw.buffer_length = message_.size();
+      publisher->publish(serialized);
+    }
   }
 
  private:
-  using Topic = rclcpp::GenericPublisher;
-
-  static Topic::SharedPtr publisher(rclcpp_lifecycle::LifecycleNode& node, const std::string& name,
-                                    const std::string& type) {
-    return rclcpp::create_generic_publisher(node.get_node_topics_interface(), "~/" + name,
-                                            "sensor_msgs/msg/" + type, rclcpp::SensorDataQoS());
-  }
-
-  template <class Write>
-  void publish(Topic& topic, Write write) {
-    if (topic.get_subscription_count() == 0) return;
-    write(message_);
-    rclcpp::SerializedMessage serialized(message_.size());
-    auto& raw = serialized.get_rcl_serialized_message();
-    std::memcpy(raw.buffer, message_.data(), message_.size());
-    raw.buffer_length = message_.size();
-    topic.publish(serialized);
-  }
-
-  const slipstream::Lens camera_;
-  Topic::SharedPtr points_, image_, depth_, info_;
+  const slipstream::PublishedRun run_;
+  std::vector<std::pair<slipstream::CloudTopic, rclcpp::GenericPublisher::SharedPtr>> topics_;
   slipstream::RosMessage message_;
-  slipstream::DisjointClouds clouds_;
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace slipstream {
@@ -28,5 +29,8 @@ class WorldError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// Throws Error, "name value is out of range; range", unless the value `holds`.
+void require_in_range(bool holds, std::string_view name, double value, std::string_view range);
 
 }  // namespace slipstream

@@ -6,12 +6,9 @@
 #include <utility>
 #include <vector>
 
+#include "slipstream/base/disabled_targets-inl.h"
 #include "slipstream/base/parallel_rows.h"
 
-// The loops are compiled once for each vector target, which is chosen at run time; the oldest is
-// not worth it, and one adds nothing.
-#define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/base/moving_mean.cpp"
 #include <hwy/foreach_target.h>

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/calibrate/projector_corners.h"
+#include "slipstream/calibrate/board_corners.h"
 #include "slipstream/check/scan_check.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/decoder.h"

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -11,13 +12,10 @@
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/quantile.h"
-#include "slipstream/base/robust.h"
-#include "slipstream/calibrate/charuco.h"
-#include "slipstream/calibrate/quiet_opencv.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/calibrate/opencv.h"
 #include "slipstream/io/mat.h"
 
 namespace slipstream {
@@ -161,7 +159,7 @@ std::optional<Detection> find_circles(const cv::Size& size, const cv::Mat& mean,
 
 std::vector<int> all_places(const CalibrationBoard& board) {
   std::vector<int> places(static_cast<std::size_t>(place_count(board)));
-  for (int i = 0; i < place_count(board); ++i) places[static_cast<std::size_t>(i)] = i;
+  std::iota(places.begin(), places.end(), 0);
   return places;
 }
 
@@ -206,24 +204,22 @@ void require_whole(const CalibrationBoard& board, const cv::Mat& mean, const Cor
   const auto at = [&](int column, int row) {
     return corners[static_cast<std::size_t>(row * board.columns + column)];
   };
-  // Contrast `outwards` places beyond the end of each line of corners that starts at begin(i).
-  const auto contrast = [&](int count, const auto& end, const auto& before, const auto& beside,
-                            float outwards) {
+  // Contrast `outwards` places beyond the end of each line of corners; corner_of(i, k) is k places
+  // inwards of the end of line i.
+  const auto contrast = [&](int count, const auto& corner_of, float outwards) {
     std::vector<double> seen;
     for (int i = 0; i + 1 < count; ++i) {
-      const cv::Point2f step = end(i) - before(i);
-      const auto value = corner_contrast(mean, end(i) + outwards * step, step, beside(i) - end(i));
+      const cv::Point2f end = corner_of(i, 0), step = end - corner_of(i, 1);
+      const auto value =
+          corner_contrast(mean, end + outwards * step, step, corner_of(i + 1, 0) - end);
       if (value) seen.push_back(*value);
     }
     return seen;
   };
   const int right = board.columns - 1, bottom = board.rows - 1;
   const auto check = [&](int count, const auto& corner_of) {
-    const auto end = [&](int i) { return corner_of(i, 0); };
-    const auto before = [&](int i) { return corner_of(i, 1); };
-    const auto beside = [&](int i) { return corner_of(i + 1, 0); };
-    const std::vector<double> inside = contrast(count, end, before, beside, 0);
-    const std::vector<double> outside = contrast(count, end, before, beside, 1);
+    const std::vector<double> inside = contrast(count, corner_of, 0);
+    const std::vector<double> outside = contrast(count, corner_of, 1);
     if (inside.size() < fewest_seen || outside.size() < fewest_seen) return;
     if (median(outside) < share_of_contrast * median(inside)) return;
     throw Error(fmt::format("the board goes on beyond {}x{} corners; check --corners",

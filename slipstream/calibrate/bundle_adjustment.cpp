@@ -19,7 +19,7 @@
 #include <glog/logging.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/robust.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/calibrate/pixel_derivatives.h"
 
 namespace slipstream {
@@ -387,13 +387,6 @@ class BundleProblem {
                               .manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP}};
 };
 
-/// Standard deviation of the components, by the median of their sizes.
-double robust_deviation(std::vector<double> sizes) {
-  if (sizes.empty()) return 1;
-  constexpr double least = 1e-3;  // pixels: noise-free pictures must not weigh without bound
-  return std::max(deviation_from_median(median(std::move(sizes))), least);
-}
-
 }  // namespace
 
 void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings) {
@@ -433,68 +426,6 @@ BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scan
   for (const Scanner& scanner : without_one) squares += (numbers_of(scanner) - mean).cwiseAbs2();
   const RigNumbers jackknife = ((m - 1) / m * squares).cwiseSqrt();
   return deviation_of(jackknife.cwiseMax(numbers_of(deviation)));
-}
-
-PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {
-  std::vector<double> camera, projector;
-  const auto collect = [](const Eigen::Vector2d& residual, std::vector<double>& sizes) {
-    if (!residual.allFinite()) return;
-    sizes.push_back(std::abs(residual.x()));
-    sizes.push_back(std::abs(residual.y()));
-  };
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto of_camera = camera_residuals(views[v], state.scanner, state.poses[v], state.places);
-    const auto of_projector =
-        projector_residuals(views[v], state.scanner, state.poses[v], state.places);
-    for (std::size_t i = 0; i < of_camera.size(); ++i) {
-      collect(of_camera[i], camera);
-      if (!of_projector[i].allFinite()) continue;
-      collect(of_projector[i] - slope_at(views[v], i) * of_camera[i], projector);
-    }
-  }
-  return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
-}
-
-double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
-                          const PixelDeviations& deviations) {
-  double sum = 0;
-  int count = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const auto of_camera = camera_residuals(views[v], state.scanner, state.poses[v], state.places);
-    const auto of_projector =
-        projector_residuals(views[v], state.scanner, state.poses[v], state.places);
-    for (std::size_t i = 0; i < of_camera.size(); ++i) {
-      if (!of_projector[i].allFinite()) continue;
-      const Eigen::Vector2d own = of_projector[i] - slope_at(views[v], i) * of_camera[i];
-      sum += (of_camera[i] / deviations.camera).squaredNorm() +
-             (own / deviations.projector).squaredNorm();
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : 0;
-}
-
-std::vector<Eigen::Vector2d> camera_residuals(const BoardView& view, const Scanner& scanner,
-                                              const Eigen::Isometry3d& pose,
-                                              const std::vector<Eigen::Vector3d>& places) {
-  std::vector<Eigen::Vector2d> residuals;
-  for (std::size_t i = 0; i < view.places.size(); ++i) {
-    const Eigen::Vector3d point = pose * places[static_cast<std::size_t>(view.places[i])];
-    residuals.emplace_back(view.camera[i] - project(scanner.camera, point));
-  }
-  return residuals;
-}
-
-std::vector<Eigen::Vector2d> projector_residuals(const BoardView& view, const Scanner& scanner,
-                                                 const Eigen::Isometry3d& pose,
-                                                 const std::vector<Eigen::Vector3d>& places) {
-  std::vector<Eigen::Vector2d> residuals;
-  for (std::size_t i = 0; i < view.places.size(); ++i) {
-    const Eigen::Vector3d point = pose * places[static_cast<std::size_t>(view.places[i])];
-    residuals.emplace_back(view.projector[i] -
-                           project(scanner.projector, in_projector_frame(scanner, point)));
-  }
-  return residuals;
 }
 
 }  // namespace slipstream

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstddef>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -83,12 +86,68 @@ PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const Bund
 double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
                           const PixelDeviations& deviations);
 
-/// Seen minus predicted, pixels, for each corner of a view; NaN where it was not seen.
-std::vector<Eigen::Vector2d> camera_residuals(const BoardView& view, const Scanner& scanner,
-                                              const Eigen::Isometry3d& pose,
-                                              const std::vector<Eigen::Vector3d>& places);
-std::vector<Eigen::Vector2d> projector_residuals(const BoardView& view, const Scanner& scanner,
-                                                 const Eigen::Isometry3d& pose,
-                                                 const std::vector<Eigen::Vector3d>& places);
+/// Some of the poses, and the state of those.
+struct SomePoses {
+  std::vector<BoardView> views;
+  BundleState state;
+};
+/// Those of whose index `takes` says so.
+SomePoses some_poses(const std::vector<BoardView>& views, const BundleState& state,
+                     const std::function<bool(std::size_t pose)>& takes);
+
+/// Seen minus predicted, pixels, for each corner of a view that is pose `v` of the state; NaN where
+/// the device does not see it.
+std::vector<Eigen::Vector2d> residuals(const BoardView& view, const BundleState& state,
+                                       std::size_t v, Device device);
+
+/// Sum of squares, and of how many.
+struct Squares {
+  double sum = 0;
+  int count = 0;
+
+  void add(double square) {
+    sum += square;
+    ++count;
+  }
+  void add(const Squares& other) {
+    sum += other.sum;
+    count += other.count;
+  }
+  /// 0 of none.
+  [[nodiscard]] double rms() const { return count > 0 ? std::sqrt(sum / count) : 0; }
+};
+
+/// RMS distances between corners as seen and as predicted, pixels of the device; `stereo` over the
+/// corners of both devices together.
+struct ReprojectionRms {
+  double camera = 0;
+  double projector = 0;
+  double stereo = 0;
+};
+
+/// The same distances, squared.
+struct Reprojection {
+  Squares camera, projector;
+
+  void add(const Reprojection& other) {
+    camera.add(other.camera);
+    projector.add(other.projector);
+  }
+  [[nodiscard]] ReprojectionRms rms() const;
+};
+
+/// Of a view that is pose `v` of the state.
+Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v);
+
+/// A board measured with a scanner, corner by corner, against what a board is.
+struct BoardQuality {
+  double flatness = 0;        ///< RMS distance of the corners from their best plane, mm
+  double scale_error = 0;     ///< mean over all pairs of corners of distance / printed distance - 1
+  double distance_error = 0;  ///< RMS over all pairs of distance - printed distance, mm
+};
+
+/// Nothing where less than four corners are lit.
+std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
+                                          const std::vector<Eigen::Vector3d>& printed);
 
 }  // namespace slipstream

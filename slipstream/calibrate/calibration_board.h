@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "slipstream/base/image.h"
+#include "slipstream/check/finding.h"
 
 namespace slipstream {
 
@@ -49,5 +50,17 @@ std::vector<Eigen::Vector3d> printed_places(const CalibrationBoard& board);
 /// The board to print, dark on white, with a white margin of one spacing. Throws Error unless a
 /// spacing is 8 to 1000 pixels, and for a board of two spacings.
 Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spacing);
+
+/// What a ruler says of a print, mm: from the first to the last corner of a row and of a column.
+struct MeasuredPrint {
+  double along_row = 0;
+  double along_column = 0;
+};
+
+/// Whether the print is as large as the board says and stretched along neither axis, as well as a
+/// ruler can tell: nothing else can, since a calibration of any scale fits the frames as well. The
+/// advice holds the spacing to give. Throws Error for lengths that are not above 0.
+std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
+                                       const MeasuredPrint& measured);
 
 }  // namespace slipstream

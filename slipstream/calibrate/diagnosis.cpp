@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -9,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/robust.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 
 namespace slipstream {
@@ -26,11 +27,11 @@ std::vector<FringeSigns> measured_scans(const std::vector<BoardView>& views) {
   return scans;
 }
 
-template <class Value>
-double median_of(const std::vector<FringeSigns>& scans, const Value& value) {
+/// The median of a member or of a function of the items.
+template <class Items, class Value>
+double median_of(const Items& items, const Value& value) {
   std::vector<double> values;
-  values.reserve(scans.size());
-  for (const FringeSigns& signs : scans) values.push_back(value(signs));
+  for (const auto& item : items) values.push_back(std::invoke(value, item));
   return median(std::move(values));
 }
 
@@ -38,7 +39,7 @@ void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& s
   const auto rippled = std::count_if(scans.begin(), scans.end(), has_ripple);
   // A response is the same in all scans; what only a few show is something else.
   if (2 * rippled < static_cast<std::ptrdiff_t>(scans.size()) || rippled == 0) return;
-  const double ripple = median_of(scans, [](const FringeSigns& signs) { return signs.ripple; });
+  const double ripple = median_of(scans, &FringeSigns::ripple);
   const double pixels = median_of(scans, [](const FringeSigns& signs) {
     return signs.ripple * signs.period / (2 * std::numbers::pi);
   });
@@ -55,14 +56,13 @@ void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& view
               const std::vector<FringeSigns>& scans) {
   // Half as much modulation doubles the noise of the phase; sharp fringes keep over 0.9.
   constexpr double least_contrast = 0.6;
-  std::vector<double> pixels, spacings;
+  std::vector<EdgeSoftness> edges;
   for (const BoardView& view : views) {
-    if (view.signs.edges.pixels <= 0) continue;
-    pixels.push_back(view.signs.edges.pixels);
-    spacings.push_back(view.signs.edges.spacings);
+    if (view.signs.edges.pixels > 0) edges.push_back(view.signs.edges);
   }
-  if (!pixels.empty()) {
-    const double wide = median(std::move(pixels)), share = median(std::move(spacings));
+  if (!edges.empty()) {
+    const double wide = median_of(edges, &EdgeSoftness::pixels);
+    const double share = median_of(edges, &EdgeSoftness::spacings);
     if (is_soft({wide, share})) {
       findings.push_back({.what = "the edges of the board's print are soft",
                           .evidence = {{"softness, px", wide}, {"softness, squares", share}},
@@ -72,7 +72,7 @@ void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& view
     }
   }
   if (scans.empty()) return;
-  const double contrast = median_of(scans, [](const FringeSigns& signs) { return signs.contrast; });
+  const double contrast = median_of(scans, &FringeSigns::contrast);
   if (contrast >= least_contrast) return;
   findings.push_back(
       {.what = "fine fringes are much fainter than coarse ones, though the print is sharp",
@@ -83,12 +83,9 @@ void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& view
 
 void add_overexposure(std::vector<Finding>& findings, const std::vector<BoardView>& views) {
   constexpr double most_saturated = 0.25;  // half of the bright squares
-  std::vector<double> shares;
-  shares.reserve(views.size());
-  for (const BoardView& view : views) {
-    shares.push_back(std::max(view.signs.x.saturated, view.signs.y.saturated));
-  }
-  const double share = median(std::move(shares));
+  const double share = median_of(views, [](const BoardView& view) {
+    return std::max(view.signs.x.saturated, view.signs.y.saturated);
+  });
   if (share <= most_saturated) return;
   findings.push_back({.what = "much of the board is saturated, and its phase left out",
                       .evidence = {{"saturated share, %", 100 * share}},

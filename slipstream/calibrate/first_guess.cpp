@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/calibrate/quiet_opencv.h"
+#include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
 namespace {
 
-/// The corners that both devices see, view by view, as OpenCV wants them.
+/// Corners, view by view, as OpenCV wants them.
 struct SharedCorners {
   std::vector<std::vector<cv::Point3f>> board;
   std::vector<std::vector<cv::Point2f>> camera, projector;
@@ -23,15 +25,16 @@ cv::Point2f point_of(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
 
-SharedCorners shared_corners(const std::vector<BoardView>& views,
-                             const std::vector<Eigen::Vector3d>& printed) {
+/// Those that the device sees.
+SharedCorners corners_seen_by(Device device, const std::vector<BoardView>& views,
+                              const std::vector<Eigen::Vector3d>& printed) {
   SharedCorners shared;
   for (const BoardView& view : views) {
     shared.board.emplace_back();
     shared.camera.emplace_back();
     shared.projector.emplace_back();
     for (std::size_t i = 0; i < view.places.size(); ++i) {
-      if (!view.projector[i].allFinite()) continue;
+      if (!corners_of(view, device)[i].allFinite()) continue;
       const Eigen::Vector3d& place = printed[static_cast<std::size_t>(view.places[i])];
       shared.board.back().emplace_back(static_cast<float>(place.x()), static_cast<float>(place.y()),
                                        0.0F);
@@ -122,22 +125,23 @@ BundleState guess(const SharedCorners& shared, const std::vector<Eigen::Vector3d
   return state;
 }
 
-}  // namespace
-
-BundleState first_guess(const std::vector<BoardView>& views,
-                        const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector) {
-  const QuietOpenCv quiet;
-  try {
-    return guess(shared_corners(views, printed), printed, camera, projector);
-  } catch (const cv::Exception& exception) {
-    throw Error(fmt::format(
-        "the corners give no calibration to start from: {}; likely too few tilts of the "
-        "board, or corners that are not of one flat board",
-        exception.err));
+/// A of the best projector pixel = A camera pixel + b.
+Eigen::Matrix2d affine_map(const BoardView& view) {
+  const int count = lit_corners(view);
+  Eigen::MatrixX3d camera(count, 3);
+  Eigen::MatrixX2d projector(count, 2);
+  int row = 0;
+  for (std::size_t i = 0; i < view.camera.size(); ++i) {
+    if (!view.projector[i].allFinite()) continue;
+    camera.row(row) << view.camera[i].transpose(), 1;
+    projector.row(row) = view.projector[i].transpose();
+    ++row;
   }
+  const Eigen::Matrix<double, 3, 2> solution = camera.colPivHouseholderQr().solve(projector);
+  return solution.topRows<2>().transpose();
 }
 
-BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed) {
+void remove_wrong_fringes(BoardView& view, const std::vector<Eigen::Vector3d>& printed) {
   constexpr std::size_t fewest = 6;
   constexpr double reach = 8;
   std::vector<cv::Point2f> board, projector;
@@ -149,7 +153,7 @@ BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3
     projector.push_back(point_of(view.projector[i]));
     corners.push_back(i);
   }
-  if (corners.size() < fewest) return view;
+  if (corners.size() < fewest) return;
   cv::Mat inliers;
   const QuietOpenCv quiet;
   cv::findHomography(board, projector, inliers, cv::RANSAC, reach);
@@ -157,7 +161,58 @@ BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3
     const bool agrees = !inliers.empty() && inliers.at<std::uint8_t>(static_cast<int>(k)) != 0;
     if (!agrees) view.projector[corners[k]] = {nan, nan};
   }
-  return view;
+}
+
+void require_same_handedness(const BoardView& view) {
+  const Eigen::Matrix2d A = affine_map(view);
+  if (A.determinant() > 0) return;
+  if (A.diagonal().squaredNorm() < A.squaredNorm() / 2) {
+    throw Error(fmt::format(
+        "{}: projector x and y are swapped; the scan along x seems to be the one along y: "
+        "check the order of the frames or --first-axis",
+        view.name));
+  }
+  throw Error(
+      fmt::format("{}: the projector's picture is mirrored along {} (or the camera's is); "
+                  "turn the mirroring off in the device",
+                  view.name, A(0, 0) < 0 ? "x" : "y"));
+}
+
+}  // namespace
+
+BundleState first_guess(const std::vector<BoardView>& views,
+                        const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector) {
+  const QuietOpenCv quiet;
+  try {
+    return guess(corners_seen_by(Device::projector, views, printed), printed, camera, projector);
+  } catch (const cv::Exception& exception) {
+    throw Error(fmt::format(
+        "the corners give no calibration to start from: {}; likely too few tilts of the "
+        "board, or corners that are not of one flat board",
+        exception.err));
+  }
+}
+
+std::vector<BoardView> checked_views(std::vector<BoardView> views,
+                                     const std::vector<Eigen::Vector3d>& printed) {
+  for (BoardView& view : views) remove_wrong_fringes(view, printed);
+  for (const BoardView& view : views) require_same_handedness(view);
+  return views;
+}
+
+Lens simple_lens(const std::vector<BoardView>& views, const std::vector<Eigen::Vector3d>& printed,
+                 Size camera) {
+  const SharedCorners seen = corners_seen_by(Device::camera, views, printed);
+  const QuietOpenCv quiet;
+  const cv::Mat found =
+      cv::initCameraMatrix2D(seen.board, seen.camera, {camera.width, camera.height}, 1);
+  // Boards that hardly lean say nothing of it.
+  const double focal = found.at<double>(0, 0), usual = 1.3 * camera.width;
+  const double used = focal > 0.5 * camera.width && focal < 10 * camera.width ? focal : usual;
+  Lens lens;
+  lens.size = camera;
+  lens.intrinsic << used, 0, 0.5 * camera.width, 0, used, 0.5 * camera.height, 0, 0, 1;
+  return lens;
 }
 
 Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,

@@ -16,9 +16,17 @@ namespace slipstream {
 BundleState first_guess(const std::vector<BoardView>& views,
                         const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector);
 
-/// The view without corners whose projector pixel is none of a plane's: more than 8 projector
-/// pixels from the homography that most of them agree on. They are set to NaN.
-BoardView without_wrong_fringes(BoardView view, const std::vector<Eigen::Vector3d>& printed);
+/// The views without corners whose projector pixel is none of a plane's: more than 8 projector
+/// pixels from the homography that most of them agree on. They are set to NaN. Throws Error, naming
+/// the pose, where camera and projector see the board mirrored to each other: a projector or camera
+/// picture is mirrored, or the scan along x was taken for that along y. Seen from the same side of
+/// the board, two devices differ by a turn, never by a reflection.
+std::vector<BoardView> checked_views(std::vector<BoardView> views,
+                                     const std::vector<Eigen::Vector3d>& printed);
+
+/// A camera's lens, without distortion, by what it saw of boards: enough to tell how they lean.
+Lens simple_lens(const std::vector<BoardView>& views, const std::vector<Eigen::Vector3d>& printed,
+                 Size camera);
 
 /// Where the board of a view stands by what a camera of known lens sees of it: its frame to the
 /// camera's.

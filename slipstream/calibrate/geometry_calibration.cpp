@@ -5,51 +5,79 @@
 #include <limits>
 #include <utility>
 
+#include <Eigen/LU>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/calibrate/coverage.h"
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
-#include "slipstream/calibrate/orientation.h"
 
 namespace slipstream {
 namespace {
 
-template <class Item>
-std::vector<Item> without(std::vector<Item> items, std::size_t left_out) {
-  items.erase(items.begin() + static_cast<std::ptrdiff_t>(left_out));
-  return items;
-}
-
-/// What a calibration of the other poses makes of one.
-struct LeftOut {
-  Scanner scanner;  ///< of the others
-  std::optional<BoardQuality> quality;
-  ProjectorOffset offset;
-  double misfit = 1;  ///< CalibratedPose::misfit
+/// Least squares of A x = b: x and its standard deviations by what is left.
+struct Fitted {
+  Eigen::VectorXd values, deviations;
 };
 
-std::vector<LeftOut> each_left_out(const std::vector<BoardView>& views, const BundleState& state,
-                                   const std::vector<Eigen::Vector3d>& printed,
-                                   BundleSettings settings) {
+Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  Fitted fit{A.colPivHouseholderQr().solve(b), {}};
+  const double variance = (A * fit.values - b).squaredNorm() /
+                          static_cast<double>(std::max<Eigen::Index>(1, A.rows() - A.cols()));
+  fit.deviations = ((A.transpose() * A).inverse().diagonal() * variance).cwiseSqrt();
+  return fit;
+}
+
+/// By the corners as a calibration estimated them, mm, in the frame of the `printed` ones.
+PrintShape print_shape(const std::vector<Eigen::Vector3d>& places,
+                       const std::vector<Eigen::Vector3d>& printed) {
+  const auto count = static_cast<Eigen::Index>(printed.size());
+  const Eigen::Map<const Eigen::Matrix3Xd> is(places.front().data(), 3, count);
+  const Eigen::Map<const Eigen::Matrix3Xd> ought(printed.front().data(), 3, count);
+  const Eigen::Vector3d least = ought.rowwise().minCoeff(), most = ought.rowwise().maxCoeff();
+  const Eigen::ArrayXd u = (2 * ought.row(0).array() - most.x() - least.x()) / (most - least).x();
+  const Eigen::ArrayXd v = (2 * ought.row(1).array() - most.y() - least.y()) / (most - least).y();
+  Eigen::MatrixXd terms(count, 6);
+  terms << Eigen::VectorXd::Ones(count), u, v, u * u, u * v, v * v;
+
+  PrintShape shape{.size = (most - least).norm()};
+  const Fitted heights = fitted(terms, is.row(2).transpose());
+  for (const Eigen::Index term : {3, 4, 5}) {
+    if (std::abs(heights.values[term]) < shape.bend) continue;
+    shape.bend = std::abs(heights.values[term]);
+    shape.bend_deviation = heights.deviations[term];
+  }
+  const Fitted across = fitted(terms.leftCols<3>(), is.row(0).transpose());
+  const Fitted down = fitted(terms.leftCols<3>(), is.row(1).transpose());
+  const double wide = (most - least).x() / 2, high = (most - least).y() / 2;
+  shape.stretch = down.values[2] / high / (across.values[1] / wide) - 1;
+  shape.stretch_deviation = std::hypot(down.deviations[2] / high, across.deviations[1] / wide);
+  return shape;
+}
+
+/// What a calibration of the other poses makes of each one, in `poses`; returns the scanners of
+/// these calibrations.
+std::vector<Scanner> leave_each_out(const std::vector<BoardView>& views, const BundleState& state,
+                                    const std::vector<Eigen::Vector3d>& printed,
+                                    BundleSettings settings, std::vector<CalibratedPose>& poses) {
   settings.pixel_deviations = pixel_deviations(views, state);
   const auto count = static_cast<double>(views.size());
   const double all = count * mean_squared_error(views, state, *settings.pixel_deviations);
-  std::vector<LeftOut> left_out(views.size());
+  std::vector<Scanner> scanners(views.size());
   for_each_row(static_cast<int>(views.size()), [&](int pose) {
     const auto v = static_cast<std::size_t>(pose);
-    BundleState rest = state;
-    rest.poses = without(state.poses, v);
-    const std::vector<BoardView> others = without(views, v);
-    rest = bundle_adjusted(others, std::move(rest), printed, settings);
-    const double of_others = mean_squared_error(others, rest, *settings.pixel_deviations);
-    left_out[v] = {rest.scanner, board_quality(views[v], rest.scanner, printed),
-                   projector_offset(views[v], rest.scanner, state.poses[v], rest.places),
-                   all / of_others - (count - 1)};
+    SomePoses others = some_poses(views, state, [&](std::size_t i) { return i != v; });
+    const BundleState rest =
+        bundle_adjusted(others.views, std::move(others.state), printed, settings);
+    const double of_others = mean_squared_error(others.views, rest, *settings.pixel_deviations);
+    poses[v].left_out = board_quality(views[v], rest.scanner, printed);
+    poses[v].offset = projector_offset(views[v], rest.scanner, state.poses[v], rest.places);
+    poses[v].misfit = all / of_others - (count - 1);
+    scanners[v] = rest.scanner;
   });
-  return left_out;
+  return scanners;
 }
 
 double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
@@ -112,8 +140,7 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
                             fewest_poses));
   }
   const std::vector<Eigen::Vector3d> printed = printed_places(board);
-  for (BoardView& view : views) view = without_wrong_fringes(std::move(view), printed);
-  for (const BoardView& view : views) require_same_handedness(view);
+  views = checked_views(std::move(views), printed);
 
   GeometryCalibration result;
   BundleState& state = result.state;
@@ -133,19 +160,18 @@ GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const Calib
   state.scanner.calibrated_depths = depths_of(views, state);
   require_valid(state.scanner);
 
-  const std::vector<LeftOut> left_out = each_left_out(views, state, printed, bundle);
-  std::vector<Scanner> without_one;
-  for (const LeftOut& of_pose : left_out) without_one.push_back(of_pose.scanner);
-  result.deviation = widened(result.deviation, without_one);
   Reprojection all;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const Reprojection of_pose = reprojection(views[v], state, v);
     all.add(of_pose);
-    result.poses.push_back({views[v].name, static_cast<int>(views[v].places.size()),
-                            lit_corners(views[v]), of_pose.rms(), left_out[v].quality,
-                            left_out[v].offset, left_out[v].misfit});
+    result.poses.push_back({.name = views[v].name,
+                            .corners = static_cast<int>(views[v].places.size()),
+                            .lit = lit_corners(views[v]),
+                            .rms = of_pose.rms()});
   }
   result.rms = all.rms();
+  result.deviation =
+      widened(result.deviation, leave_each_out(views, state, printed, bundle, result.poses));
   result.covered_camera = covered_share(coverage_map(views, Device::camera, camera));
   result.covered_projector = covered_share(coverage_map(views, Device::projector, projector));
   result.largest_tilt = largest_angle(state.poses);

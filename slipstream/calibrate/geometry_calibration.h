@@ -1,22 +1,77 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "slipstream/calibrate/board_quality.h"
+#include <Eigen/Core>
+
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/bundle_adjustment.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/calibrate/lens_choice.h"
-#include "slipstream/calibrate/one_rig.h"
-#include "slipstream/calibrate/print_shape.h"
-#include "slipstream/calibrate/projector_offset.h"
-#include "slipstream/calibrate/reprojection.h"
 #include "slipstream/check/finding.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
+
+/// Numbers of distortion coefficients, in OpenCV's order, that make a lens model: none, k1, and k2,
+/// and tangential, and k3, rational, and thin prism.
+inline constexpr std::array<int, 7> lens_models{0, 1, 2, 4, 5, 8, 12};
+
+/// "none", "k1", "k1 k2", ... as reported.
+const char* name_of_lens_model(int coefficients);
+
+/// The coefficients of a lens model by a text: one of `lens_models`, or none for "auto". Throws
+/// Error, by `name` what a message calls the text, for another.
+std::optional<int> lens_model_named(const std::string& text, const std::string& name);
+
+/// How well a lens model foresees poses that it was not calibrated with.
+struct LensModelScore {
+  int coefficients = 0;
+  double error = 0;  ///< RMS of the left-out poses' corners, in standard deviations
+};
+
+struct LensChoice {
+  int coefficients = 0;
+  std::vector<LensModelScore> scores;  ///< of the models that were tried; empty where by flag
+};
+
+/// The simplest lens model that the data support: each is calibrated without some of the
+/// poses, a quarter or, of six and fewer, one, for each in turn, and then has to explain how
+/// both devices see those with nothing free but the board's place. Chosen is the one with the
+/// fewest coefficients that is not worse than the best by more than the standard error of the
+/// difference; k1 k2 without the tangential ones is not tried. `state` is what the calibrations
+/// start from; the board's corners stay where it says.
+LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
+                             Device device);
+
+/// How a board differs from a flat print of the right proportions.
+struct PrintShape {
+  double bend = 0;            ///< height of its arch or twist, mm: quadratic in the board's places
+  double bend_deviation = 0;  ///< standard deviation of that, mm, by how rough the places are
+  double size = 0;            ///< diagonal, mm
+  double stretch = 0;         ///< how much longer, for its length, it is down than across, - 1
+  double stretch_deviation = 0;
+};
+
+/// Where the projector sees a board's corners, against where it should if the board stands where
+/// the camera alone sees it: projector pixels.
+struct ProjectorOffset {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double spread = 0;  ///< RMS about the mean, of both components together
+
+  friend bool operator==(const ProjectorOffset&, const ProjectorOffset&) = default;
+};
+
+/// Where camera and projector were moved against each other.
+struct MovedRig {
+  std::size_t first = 0;  ///< pose of the rig as it then stood
+  double gain = 1;        ///< mean squared error with one rig, over that with two
+};
+
+inline constexpr std::size_t fewest_poses = 3;
 
 struct GeometryCalibrationSettings {
   /// Distortion coefficients, one of `lens_models`; none: as many as the data support.
@@ -34,8 +89,8 @@ struct CalibratedPose {
   int lit = 0;      ///< of them, with a projector pixel
   ReprojectionRms rms;
   /// Measured with a calibration of all the other poses. None where too few corners are lit.
-  std::optional<BoardQuality> left_out;
-  ProjectorOffset offset;  ///< under that calibration
+  std::optional<BoardQuality> left_out{};
+  ProjectorOffset offset{};  ///< under that calibration
   /// The squared error that it brings in, over what each of the others has without it: about 1,
   /// and the more the worse it fits.
   double misfit = 1;

@@ -1,6 +1,7 @@
-#include "slipstream/calibrate/lens_choice.h"
-
 #include <cmath>
+#include <functional>
+#include <map>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/calibrate/geometry_calibration.h"
 
 namespace slipstream {
 namespace {
@@ -18,32 +20,16 @@ std::size_t fold_count(std::size_t poses) {
   return poses <= few ? poses : parts;
 }
 
-/// Some of the poses.
-struct Part {
-  std::vector<BoardView> views;
-  BundleState state;
-};
-
-Part part_of(const std::vector<BoardView>& views, const BundleState& state, std::size_t fold,
-             std::size_t folds, bool left_out) {
-  Part part{{}, {state.scanner, {}, state.places}};
-  for (std::size_t pose = 0; pose < views.size(); ++pose) {
-    if ((pose % folds == fold) != left_out) continue;
-    part.views.push_back(views[pose]);
-    part.state.poses.push_back(state.poses[pose]);
-  }
-  return part;
-}
-
 /// Mean squared error of the poses that a fold leaves out.
 double left_out_error(const std::vector<BoardView>& views, const BundleState& state,
                       BundleSettings settings, std::size_t fold, std::size_t folds) {
-  Part kept = part_of(views, state, fold, folds, false);
+  const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
+  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
   forget_held_coefficients(kept.state.scanner, settings);
   const BundleState calibrated =
       bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
 
-  Part left_out = part_of(views, state, fold, folds, true);
+  SomePoses left_out = some_poses(views, state, is_left_out);
   left_out.state.scanner = calibrated.scanner;
   settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
   const BundleState explained =
@@ -52,9 +38,7 @@ double left_out_error(const std::vector<BoardView>& views, const BundleState& st
 }
 
 double mean(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 /// Whether `errors` are worse than `best`, fold by fold, by more than the standard error, and by
@@ -73,22 +57,14 @@ bool clearly_worse(const std::vector<double>& errors, const std::vector<double>&
 }  // namespace
 
 const char* name_of_lens_model(int coefficients) {
-  switch (coefficients) {
-    case 0:
-      return "none";
-    case 1:
-      return "k1";
-    case 2:
-      return "k1 k2";
-    case 4:
-      return "k1 k2, tangential";
-    case 5:
-      return "k1 k2 k3, tangential";
-    case 8:
-      return "rational, tangential";
-    default:
-      return "rational, tangential, thin prism";
-  }
+  static const std::map<int, const char*> names{{0, "none"},
+                                                {1, "k1"},
+                                                {2, "k1 k2"},
+                                                {4, "k1 k2, tangential"},
+                                                {5, "k1 k2 k3, tangential"},
+                                                {8, "rational, tangential"},
+                                                {12, "rational, tangential, thin prism"}};
+  return names.at(coefficients);
 }
 
 LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,

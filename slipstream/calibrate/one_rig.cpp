@@ -1,26 +1,23 @@
-#include "slipstream/calibrate/one_rig.h"
-
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/base/robust.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
-#include "slipstream/calibrate/projector_offset.h"
-#include "slipstream/calibrate/reprojection.h"
 
 namespace slipstream {
 namespace {
 
 using Views = std::vector<BoardView>;
 
-Views part(const Views& views, std::size_t first, std::size_t end) {
-  return {views.begin() + static_cast<std::ptrdiff_t>(first),
-          views.begin() + static_cast<std::ptrdiff_t>(end)};
+auto from_to(std::size_t first, std::size_t end) {
+  return [=](std::size_t pose) { return pose >= first && pose < end; };
 }
 
 /// RMS over both devices, of each pose.
@@ -57,8 +54,7 @@ std::optional<OddPose> odd_pose(const Views& views, const BundleState& state,
   const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
   std::optional<OddPose> odd;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    Views rest = views;
-    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(v));
+    const Views rest = some_poses(views, state, [&](std::size_t i) { return i != v; }).views;
     const BundleState others = simple_calibration(rest, printed, camera, projector);
     const double rms = largest_rms(rest, others);
     if (rms > blunder(camera) || (odd && rms > odd->rms_of_others)) continue;
@@ -79,7 +75,8 @@ std::optional<OtherRig> other_rig(const Views& views, const BundleState& state,
   std::optional<OtherRig> other;
   for (std::size_t k = fewest_poses; k + fewest_poses <= views.size(); ++k) {
     double largest = 0;
-    for (const Views& half : {part(views, 0, k), part(views, k, views.size())}) {
+    for (const auto& takes : {from_to(0, k), from_to(k, views.size())}) {
+      const Views half = some_poses(views, state, takes).views;
       const BundleState own = simple_calibration(half, printed, camera, projector);
       largest = std::max(largest, largest_rms(half, own));
     }
@@ -88,19 +85,39 @@ std::optional<OtherRig> other_rig(const Views& views, const BundleState& state,
   return other;
 }
 
-/// Those poses with the rig free to stand otherwise than `state` says, and nothing else of it.
-double error_of_own_rig(const Views& views, BundleState state, std::size_t first, std::size_t end,
-                        const BundleSettings& settings) {
-  const Views some = part(views, first, end);
-  state.poses = {state.poses.begin() + static_cast<std::ptrdiff_t>(first),
-                 state.poses.begin() + static_cast<std::ptrdiff_t>(end)};
-  const std::vector<Eigen::Vector3d> places = state.places;
-  const BundleState own = bundle_adjusted(some, std::move(state), places, settings);
-  return mean_squared_error(some, own, *settings.pixel_deviations) *
+/// Squared error of those poses with the rig free to stand otherwise than `state` says, and nothing
+/// else of it.
+double error_of_own_rig(const Views& views, const BundleState& state, std::size_t first,
+                        std::size_t end, const BundleSettings& settings) {
+  SomePoses some = some_poses(views, state, from_to(first, end));
+  const BundleState own =
+      bundle_adjusted(some.views, std::move(some.state), state.places, settings);
+  return mean_squared_error(some.views, own, *settings.pixel_deviations) *
          static_cast<double>(end - first);
 }
 
 }  // namespace
+
+ProjectorOffset projector_offset(const BoardView& view, const Scanner& scanner,
+                                 const Eigen::Isometry3d& start,
+                                 const std::vector<Eigen::Vector3d>& places) {
+  BoardView by_camera = view;
+  for (Eigen::Vector2d& pixel : by_camera.projector) pixel = {nan, nan};
+  const BundleState seen = bundle_adjusted({by_camera}, {scanner, {start}, places}, places,
+                                           {.hold_camera = true, .hold_rig = true});
+  ProjectorOffset offset;
+  int count = 0;
+  for (const Eigen::Vector2d& residual :
+       residuals(view, {scanner, seen.poses, places}, 0, Device::projector)) {
+    if (!residual.allFinite()) continue;
+    offset.mean += residual;
+    offset.spread += residual.squaredNorm();
+    ++count;
+  }
+  offset.mean /= count;
+  offset.spread = std::sqrt(std::max(0.0, offset.spread / count - offset.mean.squaredNorm()));
+  return offset;
+}
 
 BundleState simple_calibration(const Views& views, const std::vector<Eigen::Vector3d>& printed,
                                Size camera, Size projector) {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/geometry/distortion_formula.h"
+#include "slipstream/geometry/lens.h"
 
 namespace slipstream {
 

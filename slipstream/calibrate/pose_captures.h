@@ -1,14 +1,36 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "slipstream/calibrate/board_capture.h"
-#include "slipstream/calibrate/board_scans.h"
-#include "slipstream/calibrate/report.h"
+#include "slipstream/io/scan_folder.h"
 
 namespace slipstream {
+
+/// The two scans of a board pose: what their pictures are and where.
+struct BoardScans {
+  std::string name;  ///< of the pose's folder
+  ScanFiles x;
+  ScanFiles y;
+};
+
+/// The poses in a folder, in the order of their names with numbers counted: each a folder that
+/// holds
+///   - scans x and y: folders, with scan.yaml or without, or recordings x.slip and y.slip; or
+///   - the pictures of both scans, those along `first_axis` first in order of their names.
+/// A folder with a report.md is none, and a folder that is itself a pose with x and y is the one.
+/// Throws Error where there is none, one is neither, or as scan_files_in.
+std::vector<BoardScans> board_scans(const std::filesystem::path& folder, const ScanChanges& changes,
+                                    Axis first_axis);
+
+/// A pose that took no part.
+struct UnusedPose {
+  std::string name;
+  std::string why;
+};
 
 /// What all poses of a board together gave.
 struct PoseCaptures {

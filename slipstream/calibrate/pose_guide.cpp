@@ -10,27 +10,21 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/quantile.h"
-#include "slipstream/calibrate/coverage.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/first_guess.h"
-#include "slipstream/calibrate/quiet_opencv.h"
-#include "slipstream/io/mat.h"
+#include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
 namespace {
 
 /// Grey levels of the board's pixels, all within the hull of its corners.
 std::vector<float> greys_of(const Image<float>& picture, const BoardCorners& board) {
-  std::vector<cv::Point> corners, hull;
-  for (const Eigen::Vector2d& pixel : board.pixels) {
-    corners.emplace_back(cvRound(pixel.x()), cvRound(pixel.y()));
-  }
-  cv::convexHull(corners, hull);
-  cv::Mat inside(picture.height(), picture.width(), CV_8U, cv::Scalar(0));
-  cv::fillConvexPoly(inside, hull, cv::Scalar(1));
+  std::vector<cv::Point> corners;
+  std::ranges::transform(board.pixels, std::back_inserter(corners), nearest_pixel);
+  const cv::Mat inside = within_hull(corners, {picture.width(), picture.height()});
   std::vector<float> greys;
   for (int row = 0; row < picture.height(); ++row) {
     for (int column = 0; column < picture.width(); ++column) {
@@ -72,63 +66,36 @@ std::optional<PoseVerdict> unfit(const FringeFreePictures& pictures, const Calib
                                  const BoardCorners& seen) {
   constexpr float full_scale = 254.5F;
   constexpr double most_saturated = 0.25, least_white = 40;
+  const auto verdict = [&](PoseState state, std::string words) {
+    return PoseVerdict{state, std::move(words), seen};
+  };
   std::vector<float> greys = greys_of(pictures.brightest, seen);
-  if (greys.empty()) return PoseVerdict{PoseState::unseen, "the board is too small", seen};
+  if (greys.empty()) return verdict(PoseState::unseen, "the board is too small");
   const auto saturated =
       std::count_if(greys.begin(), greys.end(), [](float grey) { return grey >= full_scale; });
   const double share = static_cast<double>(saturated) / static_cast<double>(greys.size());
   if (share >= most_saturated) {
-    return PoseVerdict{
+    return verdict(
         PoseState::overexposed,
         fmt::format("{:.0f} % of the board is saturated: expose less, close the aperture or dim "
                     "the projector",
-                    100 * share),
-        seen};
+                    100 * share));
   }
   const double white = quantile(greys, 0.9);
   if (white < least_white) {
-    return PoseVerdict{PoseState::dark,
-                       fmt::format("the board's white is {:.0f} of 255 grey levels: expose longer, "
-                                   "open the aperture or hold it into the projector's light",
-                                   white),
-                       seen};
+    return verdict(PoseState::dark,
+                   fmt::format("the board's white is {:.0f} of 255 grey levels: expose longer, "
+                               "open the aperture or hold it into the projector's light",
+                               white));
   }
   const EdgeSoftness edges = edge_softness(pictures.mean, board, seen.places, seen.pixels);
   if (is_soft(edges)) {
-    return PoseVerdict{
-        PoseState::blurred,
-        fmt::format("edges are {:.1f} pixels wide: focus the camera on the board, or "
-                    "hold it still",
-                    edges.pixels),
-        seen};
+    return verdict(PoseState::blurred,
+                   fmt::format("edges are {:.1f} pixels wide: focus the camera on the board, or "
+                               "hold it still",
+                               edges.pixels));
   }
   return std::nullopt;
-}
-
-/// A camera's lens, without distortion, by what it saw of boards: enough to tell how they lean.
-Lens lens_by(const std::vector<BoardView>& views, const std::vector<Eigen::Vector3d>& printed,
-             Size size) {
-  std::vector<std::vector<cv::Point3f>> board;
-  std::vector<std::vector<cv::Point2f>> pixels;
-  for (const BoardView& view : views) {
-    board.emplace_back();
-    pixels.emplace_back();
-    for (std::size_t i = 0; i < view.places.size(); ++i) {
-      const Eigen::Vector3f place = printed[static_cast<std::size_t>(view.places[i])].cast<float>();
-      const Eigen::Vector2f pixel = view.camera[i].cast<float>();
-      board.back().emplace_back(place.x(), place.y(), place.z());
-      pixels.back().emplace_back(pixel.x(), pixel.y());
-    }
-  }
-  const QuietOpenCv quiet;
-  const cv::Mat found = cv::initCameraMatrix2D(board, pixels, {size.width, size.height}, 1);
-  // Boards that hardly lean say nothing of it.
-  const double focal = found.at<double>(0, 0), usual = 1.3 * size.width;
-  const double used = focal > 0.5 * size.width && focal < 10 * size.width ? focal : usual;
-  Lens lens;
-  lens.size = size;
-  lens.intrinsic << used, 0, 0.5 * size.width, 0, used, 0.5 * size.height, 0, 0, 1;
-  return lens;
 }
 
 std::array<bool, 4> tilts_of(const std::vector<BoardView>& taken, const CalibrationBoard& board,
@@ -137,7 +104,7 @@ std::array<bool, 4> tilts_of(const std::vector<BoardView>& taken, const Calibrat
   std::array<bool, 4> tilted{};
   if (taken.empty()) return tilted;
   const std::vector<Eigen::Vector3d> printed = printed_places(board);
-  const Lens lens = lens_by(taken, printed, camera);
+  const Lens lens = simple_lens(taken, printed, camera);
   for (const BoardView& view : taken) {
     // How much farther the board's right and its lower edge are.
     const Eigen::Matrix3d turn = pose_before_camera(view, lens, printed).linear();
@@ -194,6 +161,67 @@ std::string advice_for(const PoseNeeds& needs, std::size_t turn) {
   return fmt::format("{}", fmt::join(advice, ", and "));
 }
 
+constexpr Colour green{90, 220, 110}, yellow{250, 210, 60}, red{255, 95, 80}, orange{255, 150, 50};
+
+cv::Scalar scalar_of(Colour colour) {
+  return {static_cast<double>(colour.red), static_cast<double>(colour.green),
+          static_cast<double>(colour.blue)};
+}
+
+/// What is drawn, `scale` of its pixels for one of the camera's.
+struct Drawing {
+  cv::Mat picture;  ///< red, green, blue
+  int scale = 1;
+  int line = 2;  ///< width, pixels
+
+  [[nodiscard]] cv::Point place(const Eigen::Vector2d& pixel) const {
+    return {cvRound((pixel.x() + 0.5) * scale), cvRound((pixel.y() + 0.5) * scale)};
+  }
+};
+
+Drawing enlarged(const Image<float>& picture, int width) {
+  Drawing drawing;
+  drawing.scale = std::max(1, (width + picture.width() - 1) / picture.width());
+  cv::Mat grey, large;
+  mat_of(picture).convertTo(grey, CV_8U);
+  cv::resize(grey, large, {}, drawing.scale, drawing.scale, cv::INTER_LINEAR);
+  cv::cvtColor(large, drawing.picture, cv::COLOR_GRAY2RGB);
+  drawing.line = std::max(2, large.cols / 600);
+  return drawing;
+}
+
+void dim_uncovered(const Drawing& drawing, const Image<std::uint8_t>& coverage) {
+  cv::Mat uncovered, shade(drawing.picture.size(), CV_8UC3, cv::Scalar(20, 60, 140));
+  cv::resize(mat_of(coverage) == 0, uncovered, drawing.picture.size(), 0, 0, cv::INTER_LINEAR);
+  cv::addWeighted(drawing.picture, 0.65, shade, 0.35, 0, shade);
+  shade.copyTo(drawing.picture, uncovered > 127);
+}
+
+void draw_outline(const Drawing& drawing, const std::vector<Eigen::Vector2d>& corners,
+                  const cv::Scalar& colour) {
+  std::vector<cv::Point> places, hull;
+  for (const Eigen::Vector2d& corner : corners) places.push_back(drawing.place(corner));
+  if (places.empty()) return;
+  cv::convexHull(places, hull);
+  cv::polylines(drawing.picture, hull, true, colour, drawing.line, cv::LINE_AA);
+}
+
+/// An arrow at each side of the picture, from its middle outwards.
+void draw_tilts(const Drawing& drawing, const std::array<bool, 4>& tilted) {
+  const int width = drawing.picture.cols, height = drawing.picture.rows;
+  const int length = height / 14, gap = height / 40;
+  const std::array<cv::Point, 4> outwards{cv::Point{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
+  for (std::size_t edge = 0; edge < outwards.size(); ++edge) {
+    const cv::Point way = outwards[edge], across{way.y, way.x};
+    const cv::Point tip{width / 2 + way.x * (width / 2 - gap),
+                        height / 2 + way.y * (height / 2 - gap)};
+    const cv::Point foot = tip - way * length;
+    const std::array<cv::Point, 3> arrow{tip, foot + across * length, foot - across * length};
+    cv::fillConvexPoly(drawing.picture, arrow, scalar_of(tilted[edge] ? green : orange),
+                       cv::LINE_AA);
+  }
+}
+
 }  // namespace
 
 PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
@@ -238,6 +266,36 @@ PoseNeeds pose_needs(const std::vector<BoardView>& taken, const CalibrationBoard
                                                        needs.covered >= well_covered);
   if (!needs.enough) needs.advice = advice_for(needs, taken.size());
   return needs;
+}
+
+Colour colour_of(PoseState state) {
+  if (state == PoseState::good || state == PoseState::taken) return green;
+  return state == PoseState::moving || state == PoseState::known ? yellow : red;
+}
+
+Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdict,
+                          const PoseNeeds& needs, const std::vector<BoardView>& taken, int width) {
+  const Drawing drawing = enlarged(picture, width);
+  if (!needs.enough) dim_uncovered(drawing, needs.coverage);
+  for (const BoardView& view : taken) {
+    draw_outline(drawing, view.camera, scalar_of(green) * 0.7);
+  }
+  if (verdict.board) {
+    const cv::Scalar colour = scalar_of(colour_of(verdict.state));
+    draw_outline(drawing, verdict.board->pixels, colour);
+    for (const Eigen::Vector2d& corner : verdict.board->pixels) {
+      cv::circle(drawing.picture, drawing.place(corner), 2 * drawing.line, colour, -1, cv::LINE_AA);
+    }
+  }
+  draw_tilts(drawing, needs.tilted);
+  Image<Colour> drawn({drawing.picture.cols, drawing.picture.rows});
+  for (int row = 0; row < drawn.height(); ++row) {
+    const cv::Vec3b* const from = drawing.picture.ptr<cv::Vec3b>(row);
+    std::transform(from, from + drawn.width(), drawn.row(row), [](const cv::Vec3b& pixel) {
+      return Colour{pixel[0], pixel[1], pixel[2]};
+    });
+  }
+  return drawn;
 }
 
 }  // namespace slipstream

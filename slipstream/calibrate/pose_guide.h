@@ -2,13 +2,18 @@
 
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
+#include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/board_corners.h"
 #include "slipstream/calibrate/board_view.h"
+#include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
 
@@ -48,5 +53,42 @@ struct PoseNeeds {
 /// camera's picture, or twenty. Tilts are those that a lens without distortion sees.
 PoseNeeds pose_needs(const std::vector<BoardView>& taken, const CalibrationBoard& board,
                      Size camera, int wanted);
+
+/// The colour in which a state is told: green where the pose is good or taken, yellow where it only
+/// has to be held still, red where something speaks against it.
+Colour colour_of(PoseState state);
+
+/// The picture with what guides a person drawn on it: dim and blue where no board was yet, the
+/// outlines of the boards that were taken, the corners that are seen in the colour of the state,
+/// and at each side an arrow for the edge that was nearer there, green, or that has yet to be,
+/// orange. A small picture is enlarged, to `width` pixels at least, so that lines stay thin.
+Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdict,
+                          const PoseNeeds& needs, const std::vector<BoardView>& taken,
+                          int width = 1600);
+
+/// How a person stands with the poses of a board, each time something was seen.
+struct PoseProgress {
+  const FringeFreePictures& pictures;
+  const PoseVerdict& verdict;
+  const PoseNeeds& needs;
+  const std::vector<BoardView>& taken;
+};
+
+struct GuidedPosesSettings {
+  int wanted = 0;  ///< see pose_needs
+  BoardCaptureSettings capture{};
+  std::function<void(const PoseProgress&)> told = {};  ///< called at every glimpse and pose
+  std::function<bool()> ends = {};                     ///< asked again and again
+};
+
+/// Watches the board before the camera and takes a pose of it whenever it is good, until there are
+/// enough or `ends` says so: scans along x and along y, into folders board01/x, board01/y,
+/// board02/x and so on, as `calibrate geometry` reads them. A pose whose scans do not serve, by
+/// board_capture, is refused and not kept; it is tried again once the board has moved. `camera`
+/// gives the two scans of `sequence`, which is of no axis of its own. Returns the poses. Throws
+/// Error where the folder holds something already, WorldError where it cannot be written.
+std::vector<BoardView> take_guided_poses(ScanCamera& camera, const std::filesystem::path& folder,
+                                         const CalibrationBoard& board, const Sequence& sequence,
+                                         const GuidedPosesSettings& settings);
 
 }  // namespace slipstream

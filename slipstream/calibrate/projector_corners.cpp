@@ -1,5 +1,3 @@
-#include "slipstream/calibrate/projector_corners.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +8,8 @@
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/base/robust.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/calibrate/board_corners.h"
 
 namespace slipstream {
 namespace {

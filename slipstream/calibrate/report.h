@@ -5,22 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/calibrate/pose_captures.h"
 
 namespace slipstream {
-
-/// A pose that took no part.
-struct UnusedPose {
-  std::string name;
-  std::string why;
-};
 
 /// The same boards measured with a scanner file that came from elsewhere.
 struct ScannerComparison {
   std::string name;  ///< of the file
-  Scanner scanner;
   std::vector<std::optional<BoardQuality>> poses;
 };
 
@@ -36,7 +29,6 @@ BoardQuality overall(const std::vector<std::optional<BoardQuality>>& poses);
 /// What a report is made of; refers to, does not own.
 struct CalibrationReport {
   const GeometryCalibration& calibration;
-  const std::vector<BoardView>& views;
   const std::vector<UnusedPose>& unused;
   const CalibrationBoard& board;
   const ScannerComparison* comparison = nullptr;  ///< may be null

@@ -1,7 +1,38 @@
-#include "slipstream/calibrate/reprojection.h"
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "slipstream/base/statistics.h"
+#include "slipstream/calibrate/bundle_adjustment.h"
 
 namespace slipstream {
 namespace {
+
+/// Standard deviation of the components, by the median of their sizes.
+double robust_deviation(std::vector<double> sizes) {
+  if (sizes.empty()) return 1;
+  constexpr double least = 1e-3;  // pixels: noise-free pictures must not weigh without bound
+  return std::max(deviation_from_median(median(std::move(sizes))), least);
+}
+
+/// Calls `use` with the residuals of each corner of all views, the camera's and the projector's,
+/// and with what is the projector's own: without what comes of the camera's.
+template <class Use>
+void for_each_corner(const std::vector<BoardView>& views, const BundleState& state,
+                     const Use& use) {
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const auto camera = residuals(views[v], state, v, Device::camera);
+    const auto projector = residuals(views[v], state, v, Device::projector);
+    for (std::size_t i = 0; i < camera.size(); ++i) {
+      const Eigen::Vector2d own = projector[i] - slope_at(views[v], i) * camera[i];
+      use(camera[i], projector[i], own);
+    }
+  }
+}
 
 Squares squares_of(const std::vector<Eigen::Vector2d>& residuals) {
   Squares squares;
@@ -11,11 +42,98 @@ Squares squares_of(const std::vector<Eigen::Vector2d>& residuals) {
   return squares;
 }
 
+/// The point nearest to the rays through a camera and a projector pixel, camera frame, mm.
+Eigen::Vector3d point_between(const Scanner& scanner, const Eigen::Vector2d& camera,
+                              const Eigen::Vector2d& projector) {
+  const Eigen::Vector3d u = ray_through(scanner.camera, camera).normalized();
+  const Eigen::Vector3d v =
+      (scanner.rotation.transpose() * ray_through(scanner.projector, projector)).normalized();
+  const Eigen::Matrix3d across_u = Eigen::Matrix3d::Identity() - u * u.transpose();
+  const Eigen::Matrix3d across_v = Eigen::Matrix3d::Identity() - v * v.transpose();
+  return (across_u + across_v).inverse() * (across_v * projector_centre(scanner));
+}
+
+/// RMS distance from the best plane.
+double flatness_of(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) centre += point / static_cast<double>(points.size());
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& point : points) {
+    scatter += (point - centre) * (point - centre).transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, solver.eigenvalues()[0]) / static_cast<double>(points.size()));
+}
+
+/// Sets what the distances between all pairs of points say.
+void measure_distances(const std::vector<Eigen::Vector3d>& points,
+                       const std::vector<Eigen::Vector3d>& printed, BoardQuality& quality) {
+  double ratios = 0, squares = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double ought = (printed[i] - printed[j]).norm();
+      const double error = (points[i] - points[j]).norm() - ought;
+      ratios += error / ought;
+      squares += error * error;
+    }
+  }
+  const double pairs = static_cast<double>(points.size() * (points.size() - 1)) / 2;
+  quality.scale_error = ratios / pairs;
+  quality.distance_error = std::sqrt(squares / pairs);
+}
+
 }  // namespace
 
-void Reprojection::add(const Reprojection& other) {
-  camera.add(other.camera);
-  projector.add(other.projector);
+std::vector<Eigen::Vector2d> residuals(const BoardView& view, const BundleState& state,
+                                       std::size_t v, Device device) {
+  const Scanner& scanner = state.scanner;
+  std::vector<Eigen::Vector2d> result;
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    const Eigen::Vector3d point =
+        state.poses[v] * state.places[static_cast<std::size_t>(view.places[i])];
+    result.emplace_back(device == Device::camera
+                            ? view.camera[i] - project(scanner.camera, point)
+                            : view.projector[i] -
+                                  project(scanner.projector, in_projector_frame(scanner, point)));
+  }
+  return result;
+}
+
+SomePoses some_poses(const std::vector<BoardView>& views, const BundleState& state,
+                     const std::function<bool(std::size_t)>& takes) {
+  SomePoses some{{}, {state.scanner, {}, state.places}};
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    if (!takes(v)) continue;
+    some.views.push_back(views[v]);
+    some.state.poses.push_back(state.poses[v]);
+  }
+  return some;
+}
+
+PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {
+  std::vector<double> camera, projector;
+  const auto collect = [](const Eigen::Vector2d& residual, std::vector<double>& sizes) {
+    if (!residual.allFinite()) return;
+    sizes.push_back(std::abs(residual.x()));
+    sizes.push_back(std::abs(residual.y()));
+  };
+  for_each_corner(views, state, [&](const auto& of_camera, const auto&, const auto& own) {
+    collect(of_camera, camera);
+    collect(own, projector);
+  });
+  return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
+}
+
+double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
+                          const PixelDeviations& deviations) {
+  Squares squares;
+  for_each_corner(views, state,
+                  [&](const auto& of_camera, const auto& of_projector, const auto& own) {
+                    if (!of_projector.allFinite()) return;
+                    squares.add((of_camera / deviations.camera).squaredNorm() +
+                                (own / deviations.projector).squaredNorm());
+                  });
+  return squares.count > 0 ? squares.sum / squares.count : 0;
 }
 
 ReprojectionRms Reprojection::rms() const {
@@ -25,9 +143,25 @@ ReprojectionRms Reprojection::rms() const {
 }
 
 Reprojection reprojection(const BoardView& view, const BundleState& state, std::size_t v) {
-  const auto& [scanner, poses, places] = state;
-  return {squares_of(camera_residuals(view, scanner, poses[v], places)),
-          squares_of(projector_residuals(view, scanner, poses[v], places))};
+  return {squares_of(residuals(view, state, v, Device::camera)),
+          squares_of(residuals(view, state, v, Device::projector))};
+}
+
+std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
+                                          const std::vector<Eigen::Vector3d>& printed) {
+  std::vector<Eigen::Vector3d> points, places;
+  for (std::size_t i = 0; i < view.places.size(); ++i) {
+    if (!view.projector[i].allFinite()) continue;
+    const Eigen::Vector3d point = point_between(scanner, view.camera[i], view.projector[i]);
+    if (!point.allFinite()) continue;
+    points.push_back(point);
+    places.push_back(printed[static_cast<std::size_t>(view.places[i])]);
+  }
+  constexpr std::size_t fewest = 4;
+  if (points.size() < fewest) return std::nullopt;
+  BoardQuality quality{.flatness = flatness_of(points)};
+  measure_distances(points, places, quality);
+  return quality;
 }
 
 }  // namespace slipstream

@@ -10,7 +10,6 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/first_guess.h"
-#include "slipstream/calibrate/orientation.h"
 
 namespace slipstream {
 namespace {
@@ -107,8 +106,7 @@ Verification verify_scanner(std::vector<BoardView> views, const CalibrationBoard
   require_valid(scanner);
   if (views.empty()) throw Error("no pose of the board to verify with");
   const std::vector<Eigen::Vector3d> printed = printed_places(board);
-  for (BoardView& view : views) view = without_wrong_fringes(std::move(view), printed);
-  for (const BoardView& view : views) require_same_handedness(view);
+  views = checked_views(std::move(views), printed);
 
   BundleState state{scanner, {}, printed};
   for (const BoardView& view : views) {

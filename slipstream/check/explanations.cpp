@@ -5,10 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include <Eigen/Cholesky>
 #include <fmt/format.h>
-
-#include "slipstream/check/frame_faults.h"
-#include "slipstream/check/mistake_search.h"
 
 namespace slipstream {
 namespace {
@@ -83,6 +81,72 @@ void name_broadly(const Fit& fit, Finding& finding) {
   }
 }
 
+/// How much brighter each frame is than the others, as a share, from what patterns of that shape
+/// cannot make; their mean is 0.
+struct FrameGains {
+  std::vector<double> gains;
+  double explained = 0;  ///< the share of the residual that they account for
+  struct OddFrame {
+    int frame = 0;
+    double gain = 0;
+  };
+  /// The one whose gain alone accounts for nearly all, and for more than any other's does.
+  std::optional<OddFrame> odd_frame{};
+};
+
+/// Of equations normal * gains = right, whose residual is `all`: what each gain accounts for alone.
+std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
+                                              const Eigen::VectorXd& right, double all) {
+  constexpr double least_share = 0.7, least_lead = 0.1;
+  std::optional<FrameGains::OddFrame> best;
+  double most = 0, second = 0;
+  for (Eigen::Index n = 0; n < right.size(); ++n) {
+    const double share = normal(n, n) > 0 && all > 0 ? right[n] * right[n] / normal(n, n) / all : 0;
+    second = std::max(second, std::min(share, most));
+    if (share <= most) continue;
+    most = share;
+    best = {static_cast<int>(n), right[n] / normal(n, n)};
+  }
+  return most >= least_share && most >= second + least_lead ? best : std::nullopt;
+}
+
+FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
+  const int count = model.layout().frames;
+  FrameGains result{.gains = std::vector<double>(static_cast<std::size_t>(count))};
+  if (model.unexplained_count() == 0) return result;
+  // Gains leave P diag(I) gain where P I of the true frames is nothing; both sides of a product are
+  // of different neighbours, which share no noise.
+  const FrameOrder order = model.identity();
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
+  double all = 0;
+  SampleReading reading;
+  const auto rows = static_cast<Eigen::Index>(model.unexplained_count());
+  const auto by_gains = [&](const float* levels, Eigen::MatrixXd& changes, Eigen::VectorXd& left) {
+    model.read(levels, order, reading);
+    left = Eigen::Map<const Eigen::VectorXd>(reading.unexplained.data(), rows);
+    for (int n = 0; n < count; ++n) changes.col(n) = model.unexplained_by(n, levels[n]);
+  };
+  Eigen::MatrixXd changes_a(rows, count), changes_b(rows, count);
+  Eigen::VectorXd left_a(rows), left_b(rows);
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    if (!samples.lit(g, ScanSamples::right)) continue;
+    by_gains(samples.levels(g, ScanSamples::middle), changes_a, left_a);
+    by_gains(samples.levels(g, ScanSamples::right), changes_b, left_b);
+    normal += changes_a.transpose() * changes_b + changes_b.transpose() * changes_a;
+    right += changes_a.transpose() * left_b + changes_b.transpose() * left_a;
+    all += 2 * left_a.dot(left_b);
+  }
+  // All frames brighter alike are nothing to be seen: the mean is held at 0.
+  const double held = normal.trace() / count;
+  const Eigen::VectorXd gains =
+      (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
+  result.explained = all > 0 ? gains.dot(right) / all : 0;
+  std::copy(gains.begin(), gains.end(), result.gains.begin());
+  result.odd_frame = odd_frame(normal, right, all);
+  return result;
+}
+
 /// Light that changed between frames.
 std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   // Right scans leave more at times, a real skull 0.0085, but then no gains explain it: at most
@@ -98,7 +162,7 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
     return std::nullopt;
   }
   // Motion may look like light, but hardly like that of one frame alone.
-  if (scan.moving && !gains.odd_frame) return std::nullopt;
+  if (scan.settings.moving && !gains.odd_frame) return std::nullopt;
   Finding finding{
       .what = "frames are brighter or darker than the patterns make them",
       .likely = "light that flickers, or an exposure or gain that changed between frames",
@@ -124,14 +188,14 @@ std::vector<Finding> dark_frames(const JudgedScan& scan, const Fit& fit) {
       if (scan.model.shown_range(n, scan.samples) < least_of_pattern) return {};
     }
   }
-  return slipstream::dark_frames(scan.samples);
+  return frames_without_pattern(scan.samples);
 }
 
 }  // namespace
 
-Explained explain(const JudgedScan& scan) {
+ScanFindings explain(const JudgedScan& scan) {
   if (scan.samples.groups() < ScanSamples::fewest_groups) return {};
-  Explained result;
+  ScanFindings result;
   const Fit fit = fit_as_given(scan);
   auto flickering = flicker(scan, fit);
   if (fit.all()) {

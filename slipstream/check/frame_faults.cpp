@@ -1,5 +1,3 @@
-#include "slipstream/check/frame_faults.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/check/explanations.h"
 
 namespace slipstream {
 namespace {
@@ -138,6 +137,37 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
                  .advice = "take the scan again; check the trigger, or leave out the marker frame"};
 }
 
+/// What the light of a scan is judged by, beside its samples; grey levels of 255.
+struct LightEvidence {
+  int bits = 8;                  ///< as said
+  double least_modulation = 15;  ///< of a point
+  double modulation = 0;  ///< of the lit pixels, as of all the light in one sinusoid: the median
+  double mean = 0;        ///< the median of the lit pixels' means over their frames
+};
+
+LightEvidence light_of(const FrameModel& model, const ScanSamples& samples, int bits,
+                       double least_modulation) {
+  LightEvidence light{.bits = bits, .least_modulation = least_modulation};
+  const FrameOrder order = model.identity();
+  std::vector<double> modulations, means;
+  SampleReading reading;
+  for (std::size_t g = 0; g < samples.groups(); ++g) {
+    const float* const levels = samples.levels(g, ScanSamples::middle);
+    means.push_back(std::accumulate(levels, levels + samples.frames(), 0.0) / samples.frames());
+    model.read(levels, order, reading);
+    double modulation = std::numeric_limits<double>::infinity();
+    for (std::size_t b = 0; b < reading.modulation.size(); ++b) {
+      modulation = std::min(modulation, reading.modulation[b] / model.layout().bands[b].share);
+    }
+    modulations.push_back(modulation);
+  }
+  if (!means.empty()) {
+    light.modulation = quantile(modulations, 0.5);
+    light.mean = quantile(means, 0.5);
+  }
+  return light;
+}
+
 /// Bits of a camera that would do for what is in the pictures: 8, 10, 12, 14 or 16.
 int bits_used(double brightest, int bits) {
   const double largest = brightest / 255 * ((1 << bits) - 1);
@@ -209,16 +239,17 @@ std::vector<Finding> damaged_frames(const ScanSamples& samples) {
   return findings;
 }
 
-std::vector<Finding> dark_frames(const ScanSamples& samples) {
+std::vector<Finding> frames_without_pattern(const ScanSamples& samples) {
   std::vector<Finding> findings;
-  if (samples.groups() < ScanSamples::fewest_groups) return findings;
   for (int n = 0; n < samples.frames(); ++n) {
     if (auto finding = without_pattern(samples, n)) findings.push_back(std::move(*finding));
   }
   return findings;
 }
 
-std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidence& light) {
+std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& samples, int bits,
+                                  double least_modulation) {
+  const LightEvidence light = light_of(model, samples, bits, least_modulation);
   // Shares of the lit pixels.
   constexpr double most_saturated = 0.2, most_flat = 0.015;
   // Room light that is so much stronger than the patterns leaves few grey levels for them.
@@ -227,12 +258,13 @@ std::vector<Finding> light_faults(const ScanSamples& samples, const LightEvidenc
   constexpr double least_lit = 0.003;
   std::vector<Finding> findings;
   if (samples.brightest() > 255.5) {
-    const int bits = bits_used(samples.brightest(), 16);
     return {{.gravity = Gravity::wrong,
              .what = "grey levels are larger than the camera's largest",
              .evidence = {{"brightest, of the largest", samples.brightest() / 255}},
              .likely = "a camera of more bits than said",
-             .advice = light.bits == 0 ? "" : fmt::format("try --camera-bits {}", bits)}};
+             .advice = light.bits == 0 ? ""
+                                       : fmt::format("try --camera-bits {}",
+                                                     bits_used(samples.brightest(), 16))}};
   }
   // A small thing that is lit well is no fault.
   const bool dim = light.modulation < 1.5 * light.least_modulation;

@@ -9,7 +9,8 @@
 #include <Eigen/Eigenvalues>
 
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/response/correction.h"
 
@@ -61,17 +62,9 @@ FrameModel::FrameModel(const Sequence& sequence, const PhotometricCalibration& p
     }
     corrected_steps_[b] = run->steps;
   }
-  switch (layout_.unwrapping) {
-    case Unwrapping::beats:
-    case Unwrapping::likelihood:
-    case Unwrapping::code:
-    case Unwrapping::code_alone:
-    case Unwrapping::single_frames:
-      chain_ = {slipstream::measuring_band_index(layout_)};
-      alone_.emplace(layout_, length_along(sequence.axis, sequence.projector));
-      break;
-    default:
-      break;
+  if (order_source(layout_) == OrderSource::pixel) {
+    chain_ = {slipstream::measuring_band_index(layout_)};
+    alone_.emplace(layout_, length_along(sequence.axis, sequence.projector));
   }
   // A cue in the DC channel says nothing where the room's light is not known.
   if (layout_.cue && (photometry.ambient || !needs_ambient_light(layout_))) {

@@ -12,7 +12,7 @@
 #include "slipstream/codes/sequence.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/cue_evidence.h"
-#include "slipstream/decode/phase_correction.h"
+#include "slipstream/decode/phase_decoder.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {

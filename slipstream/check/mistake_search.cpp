@@ -1,21 +1,166 @@
-#include "slipstream/check/mistake_search.h"
-
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/check/mistaken_orders.h"
+#include "slipstream/check/explanations.h"
 #include "slipstream/codes/registry.h"
 
 namespace slipstream {
 namespace {
 
+/// A way in which frames come to stand in another order than the patterns were shown.
+struct MistakenOrder {
+  enum class Kind {
+    usual,
+    slipped,      ///< the whole cycle begins at another frame
+    far_fetched,  ///< two frames far apart exchanged
+  };
+  FrameOrder order;   ///< that sets it right: frame `order[n]` shows pattern n
+  std::string words;  ///< "frames 0 to 2 look rotated by 1"
+  Kind kind = Kind::usual;
+};
+
+/// The runs of steps that share no frame; the whole cycle where there are none.
+std::vector<StepRun> runs_of(const Layout& layout) {
+  std::vector<StepRun> runs;
+  for (const Band& band : layout.bands) {
+    if (const auto run = step_run(band);
+        run && std::find(runs.begin(), runs.end(), *run) == runs.end()) {
+      runs.push_back(*run);
+    }
+  }
+  std::sort(runs.begin(), runs.end(),
+            [](const StepRun& a, const StepRun& b) { return a.first < b.first; });
+  if (runs.empty()) runs.push_back({0, layout.frames});
+  return runs;
+}
+
+FrameOrder rotated(FrameOrder order, const StepRun& run, int places) {
+  const auto begin = order.begin() + run.first;
+  std::rotate(begin, begin + places, begin + run.steps);
+  return order;
+}
+
+FrameOrder reversed(FrameOrder order, const StepRun& run) {
+  std::reverse(order.begin() + run.first, order.begin() + run.first + run.steps);
+  return order;
+}
+
+FrameOrder exchanged(FrameOrder order, int n, int m) {
+  std::swap(order[static_cast<std::size_t>(n)], order[static_cast<std::size_t>(m)]);
+  return order;
+}
+
+std::string frames_text(const StepRun& run) {
+  return fmt::format("frames {} to {}", run.first, run.first + run.steps - 1);
+}
+
+class Orders {
+ public:
+  explicit Orders(FrameOrder right) : right_(std::move(right)) { known_.insert(right_); }
+
+  void add(FrameOrder order, std::string words,
+           MistakenOrder::Kind kind = MistakenOrder::Kind::usual) {
+    if (known_.insert(order).second) list_.push_back({std::move(order), std::move(words), kind});
+  }
+  [[nodiscard]] const FrameOrder& right() const { return right_; }
+  [[nodiscard]] std::vector<MistakenOrder> take() { return std::move(list_); }
+
+ private:
+  FrameOrder right_;
+  std::set<FrameOrder> known_;
+  std::vector<MistakenOrder> list_;
+};
+
+/// Every run rotated by the same share of a period, forwards or reversed: the phases go on
+/// agreeing.
+void add_common_turns(const std::vector<StepRun>& runs, Orders& orders) {
+  int least = runs.front().steps;
+  for (const StepRun& run : runs) least = std::gcd(least, run.steps);
+  FrameOrder backwards = orders.right();
+  for (const StepRun& run : runs) backwards = reversed(backwards, run);
+  for (int part = 0; part < least; ++part) {
+    FrameOrder turned = orders.right(), turned_back = backwards;
+    for (const StepRun& run : runs) {
+      turned = rotated(turned, run, part * run.steps / least);
+      turned_back = rotated(turned_back, run, part * run.steps / least);
+    }
+    orders.add(turned, runs.size() == 1 ? fmt::format("the frames are rotated by {}", part)
+                                        : "the frames of each band are rotated");
+    orders.add(turned_back, "the frames of each band are in reversed order");
+  }
+}
+
+void add_single_turns(const std::vector<StepRun>& runs, Orders& orders) {
+  for (const StepRun& run : runs) {
+    for (int places = 1; places < run.steps; ++places) {
+      orders.add(rotated(orders.right(), run, places),
+                 fmt::format("{} look rotated by {}", frames_text(run), run.steps - places));
+    }
+    for (int places = 0; places < run.steps; ++places) {
+      orders.add(rotated(reversed(orders.right(), run), run, places),
+                 fmt::format("{} look reversed", frames_text(run)));
+    }
+  }
+}
+
+void add_two_runs(const std::vector<StepRun>& runs, Orders& orders) {
+  if (runs.size() != 2) return;
+  const auto [a, b] = std::pair(runs[0], runs[1]);
+  if (a.steps + b.steps != static_cast<int>(orders.right().size())) return;
+  FrameOrder swapped;
+  for (int n = 0; n < a.steps; ++n) swapped.push_back(a.first + b.steps + n);
+  for (int n = 0; n < b.steps; ++n) swapped.push_back(n);
+  orders.add(swapped, "the frames of the two bands are swapped");
+  orders.add(FrameOrder(orders.right().rbegin(), orders.right().rend()),
+             "all frames are in reversed order");
+  if (a.steps != b.steps) return;
+  FrameOrder in_turns, in_turns_from_second;
+  for (const int first : {0, 1}) {
+    for (int n = 0; n < a.steps; ++n) {
+      in_turns.push_back(2 * n + first);
+      in_turns_from_second.push_back(2 * n + 1 - first);
+    }
+  }
+  orders.add(in_turns, "the frames of the two bands are interleaved");
+  orders.add(in_turns_from_second, "the frames of the two bands are interleaved");
+}
+
+/// The usual ones, the simplest first: begun at another frame, runs of steps rotated, reversed or
+/// swapped, runs shown in turns, two frames exchanged.
+std::vector<MistakenOrder> mistaken_orders(const FrameModel& model) {
+  const int frames = model.layout().frames;
+  const std::vector<StepRun> runs = runs_of(model.layout());
+  Orders orders(model.identity());
+  for (int places = 1; runs.size() > 1 && places < frames; ++places) {
+    orders.add(rotated(orders.right(), {0, frames}, places),
+               fmt::format("the frames have slipped: the cycle begins at frame {}", places),
+               MistakenOrder::Kind::slipped);
+  }
+  const auto add_exchanged = [&](int n, int m, MistakenOrder::Kind kind) {
+    orders.add(exchanged(orders.right(), n, m), fmt::format("frames {} and {} look swapped", n, m),
+               kind);
+  };
+  add_two_runs(runs, orders);
+  add_common_turns(runs, orders);
+  for (int n = 0; n + 1 < frames; ++n) add_exchanged(n, n + 1, MistakenOrder::Kind::usual);
+  add_single_turns(runs, orders);
+  for (int n = 0; n < frames; ++n) {
+    for (int m = n + 2; m < frames; ++m) add_exchanged(n, m, MistakenOrder::Kind::far_fetched);
+  }
+  return orders.take();
+}
+
 Fit fit_of(const JudgedScan& scan, const FrameModel& model, const FrameOrder& order) {
-  Fit fit{.frames = FrameJudge(model)(scan.samples, order), .moving = scan.moving};
+  Fit fit{.frames = FrameJudge(model)(scan.samples, order), .moving = scan.settings.moving};
   if (scan.scanner != nullptr && model.has_coordinate()) {
     fit.geometry = geometry_evidence(model, scan.samples, *scan.scanner, scan.sequence.axis, order);
   }
@@ -42,9 +187,9 @@ class Search {
     try_periods();
     try_orders();
     if (scan_.scanner != nullptr && frames_fit) {
-      try_axis();
-      try_turned_pictures();
-      try_scanners();
+      try_axis(*scan_.scanner);
+      try_turned_pictures(*scan_.scanner);
+      try_scanners(*scan_.scanner);
     }
     if (explanations_.empty()) return std::nullopt;
     return likeliest();
@@ -135,7 +280,7 @@ class Search {
   /// Whether it is worth while to look at all groups and at the geometry, from a quarter of them.
   [[nodiscard]] bool may_fit(const FrameOrder& order) {
     constexpr std::size_t groups = 192;
-    const double most_residual = scan_.moving ? 0.3 : 0.15;
+    const double most_residual = scan_.settings.moving ? 0.3 : 0.15;
     const FrameEvidence& frames = judge_(scan_.samples, order, groups);
     const auto agrees = [](const BandRelation& relation) { return relation.agreement >= 0.35; };
     return frames.residual <= most_residual &&
@@ -143,93 +288,80 @@ class Search {
   }
 
   void try_orders() {
-    for (MistakenOrder& mistake : mistaken_orders(scan_.model.layout())) {
+    for (MistakenOrder& mistake : mistaken_orders(scan_.model)) {
       if (!may_fit(mistake.order)) continue;
       keep(fit(scan_.model, mistake.order),
            {.likely = std::move(mistake.words),
-            .advice = "try --order " + text_of(composed(scan_.order, mistake.order)),
+            .advice = "try --order " + text_of(composed(scan_.settings.order, mistake.order)),
             .order = mistake.kind == MistakenOrder::Kind::slipped ? mistake.order : FrameOrder{},
             .far_fetched = mistake.kind == MistakenOrder::Kind::far_fetched});
     }
   }
 
-  void try_geometry(const Scanner& scanner, Axis axis, const PictureTurn& turn,
-                    Explanation explanation) {
-    Fit with{.frames = as_given_.frames, .moving = scan_.moving};
+  void try_geometry(const Scanner& scanner, Axis axis, const PictureTurn& turn, std::string likely,
+                    std::string advice) {
+    Fit with{.frames = as_given_.frames, .moving = scan_.settings.moving};
     with.geometry =
         geometry_evidence(scan_.model, scan_.samples, scanner, axis, scan_.model.identity(), turn);
-    keep(with, std::move(explanation));
+    keep(with, {.likely = std::move(likely), .advice = std::move(advice)});
   }
 
-  void try_axis() {
-    const Axis other = across(scan_.sequence.axis);
-    try_geometry(*scan_.scanner, other, {},
-                 {.likely = fmt::format("patterns that vary along {}, not {}", name_of(other),
-                                        name_of(scan_.sequence.axis)),
-                  .advice = fmt::format("try --axis {}", name_of(other))});
+  void try_axis(const Scanner& scanner) {
+    const Axis axis = scan_.sequence.axis, other = across(axis);
+    try_geometry(scanner, other, {},
+                 fmt::format("patterns that vary along {}, not {}", name_of(other), name_of(axis)),
+                 fmt::format("try --axis {}", name_of(other)));
   }
 
-  void try_turned_pictures() {
-    const Scanner& scanner = *scan_.scanner;
+  void try_turned_pictures(const Scanner& scanner) {
     const Axis axis = scan_.sequence.axis;
     try_geometry(scanner, axis, {.columns = true, .rows = true},
-                 {.likely = "pictures turned upside down since the calibration",
-                  .advice = "turn them by 180 degrees, or calibrate with pictures as these"});
+                 "pictures turned upside down since the calibration",
+                 "turn them by 180 degrees, or calibrate with pictures as these");
     try_geometry(scanner, axis, {.columns = true},
-                 {.likely = "pictures mirrored left to right since the calibration",
-                  .advice = "mirror them back"});
+                 "pictures mirrored left to right since the calibration", "mirror them back");
     try_geometry(scanner, axis, {.rows = true},
-                 {.likely = "pictures mirrored top to bottom since the calibration",
-                  .advice = "mirror them back"});
+                 "pictures mirrored top to bottom since the calibration", "mirror them back");
   }
 
-  void try_scanners() {
-    const Scanner& given = *scan_.scanner;
-    const Axis axis = scan_.sequence.axis;
-    Scanner other = given;
-    other.rotation = given.rotation.transpose();
-    other.translation = -other.rotation * given.translation;
-    try_geometry(other, axis, {},
-                 {.likely = "a scanner file whose rotation and translation go from the projector "
-                            "to the camera",
-                  .advice = "invert them: they go from the camera's frame to the projector's"});
-    other = given;
-    other.rotation = given.rotation.transpose();
-    try_geometry(other, axis, {},
-                 {.likely = "a scanner file whose rotation is inverted",
-                  .advice = "transpose it: it goes from the camera's frame to the projector's"});
-    other = given;
-    other.translation = -given.translation;
-    try_geometry(other, axis, {},
-                 {.likely = "a scanner file whose translation has the wrong sign",
-                  .advice = "turn its sign: it is the camera's place in the projector's frame"});
-    other = given;
-    std::swap(other.camera.intrinsic, other.projector.intrinsic);
-    std::swap(other.camera.distortion, other.projector.distortion);
-    try_geometry(other, axis, {},
-                 {.likely = "a scanner file with camera and projector swapped",
-                  .advice = "swap their matrices"});
-    other.rotation = given.rotation.transpose();
-    other.translation = -other.rotation * given.translation;
-    try_geometry(other, axis, {},
-                 {.likely = "a scanner file with camera and projector swapped",
-                  .advice = "swap their matrices, and invert rotation and translation"});
-    for (const double scale : {0.5, 2.0}) try_scaled(scale);
-  }
-
-  void try_scaled(double scale) {
-    const Axis axis = scan_.sequence.axis;
-    const char* const words = scale < 1 ? "twice" : "half";
-    Scanner other = *scan_.scanner;
-    other.camera.intrinsic.topRows<2>() *= scale;
-    try_geometry(other, axis, {},
-                 {.likely = fmt::format("a scanner file for camera pictures {} as large", words),
-                  .advice = "use pictures of the size that was calibrated"});
-    other = *scan_.scanner;
-    other.projector.intrinsic.topRows<2>() *= scale;
-    try_geometry(other, axis, {},
-                 {.likely = fmt::format("a scanner file for projector pictures {} as large", words),
-                  .advice = "give the projector's size that was calibrated with --projector"});
+  void try_scanners(const Scanner& given) {
+    const auto attempt = [&](const auto& mend, std::string_view file, const char* advice) {
+      Scanner mended = given;
+      mend(mended);
+      try_geometry(mended, scan_.sequence.axis, {}, fmt::format("a scanner file {}", file), advice);
+    };
+    const auto invert = [](Scanner& scanner) {
+      scanner.rotation.transposeInPlace();
+      scanner.translation = (-scanner.rotation * scanner.translation).eval();
+    };
+    const auto swap = [](Scanner& scanner) {
+      std::swap(scanner.camera.intrinsic, scanner.projector.intrinsic);
+      std::swap(scanner.camera.distortion, scanner.projector.distortion);
+    };
+    const auto both = [&](Scanner& scanner) {
+      swap(scanner);
+      invert(scanner);
+    };
+    attempt(invert, "whose rotation and translation go from the projector to the camera",
+            "invert them: they go from the camera's frame to the projector's");
+    attempt([](Scanner& scanner) { scanner.rotation.transposeInPlace(); },
+            "whose rotation is inverted",
+            "transpose it: it goes from the camera's frame to the projector's");
+    attempt([](Scanner& scanner) { scanner.translation *= -1; },
+            "whose translation has the wrong sign",
+            "turn its sign: it is the camera's place in the projector's frame");
+    attempt(swap, "with camera and projector swapped", "swap their matrices");
+    attempt(both, "with camera and projector swapped",
+            "swap their matrices, and invert rotation and translation");
+    for (const double scale : {0.5, 2.0}) {
+      const char* const large = scale < 1 ? "twice as large" : "half as large";
+      attempt([&](Scanner& scanner) { scanner.camera.intrinsic.topRows<2>() *= scale; },
+              fmt::format("for camera pictures {}", large),
+              "use pictures of the size that was calibrated");
+      attempt([&](Scanner& scanner) { scanner.projector.intrinsic.topRows<2>() *= scale; },
+              fmt::format("for projector pictures {}", large),
+              "give the projector's size that was calibrated with --projector");
+    }
   }
 
   [[nodiscard]] Explanation likeliest() {
@@ -258,7 +390,8 @@ class Search {
     // Nothing is set right that may be wrong then.
     if (named.size() == 1 && !best.order.empty()) {
       best.gravity = Gravity::doubtful;
-      best.advice = "the order " + text_of(composed(scan_.order, best.order)) + " sets them right";
+      best.advice =
+          "the order " + text_of(composed(scan_.settings.order, best.order)) + " sets them right";
     } else {
       best.order.clear();
     }
@@ -272,6 +405,17 @@ class Search {
 };
 
 }  // namespace
+
+FrameOrder composed(const FrameOrder& first, const FrameOrder& then) {
+  if (first.empty()) return then;
+  FrameOrder both;
+  for (const int place : then) both.push_back(first.at(static_cast<std::size_t>(place)));
+  return both;
+}
+
+std::string text_of(const FrameOrder& order) {
+  return fmt::format("{}", fmt::join(order, ","));
+}
 
 Fit fit_as_given(const JudgedScan& scan) {
   return fit_of(scan, scan.model, scan.model.identity());

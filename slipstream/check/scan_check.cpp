@@ -1,39 +1,36 @@
 #include "slipstream/check/scan_check.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <numeric>
 #include <utility>
 
-#include "slipstream/base/quantile.h"
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include "slipstream/base/error.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/check/explanations.h"
-#include "slipstream/check/frame_faults.h"
 
 namespace slipstream {
 namespace {
 
-LightEvidence light_of(const FrameModel& model, const ScanSamples& samples, int bits,
-                       double least_modulation) {
-  LightEvidence light{.bits = bits, .least_modulation = least_modulation};
-  const FrameOrder order = model.identity();
-  std::vector<double> modulations, means;
-  SampleReading reading;
-  for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const float* const levels = samples.levels(g, ScanSamples::middle);
-    means.push_back(std::accumulate(levels, levels + samples.frames(), 0.0) / samples.frames());
-    model.read(levels, order, reading);
-    double modulation = std::numeric_limits<double>::infinity();
-    for (std::size_t b = 0; b < reading.modulation.size(); ++b) {
-      modulation = std::min(modulation, reading.modulation[b] / model.layout().bands[b].share);
-    }
-    modulations.push_back(modulation);
-  }
-  if (!means.empty()) {
-    light.modulation = quantile(modulations, 0.5);
-    light.mean = quantile(means, 0.5);
-  }
-  return light;
+/// `up`: how far from the middle of the picture it may lie, shares of its height.
+void look_at_lens(const Lens& lens, std::string_view device, double up,
+                  std::vector<Finding>& findings) {
+  constexpr double across = 0.25;  // of the width
+  const double x = lens.intrinsic(0, 2) / lens.size.width;
+  const double y = lens.intrinsic(1, 2) / lens.size.height;
+  if (std::abs(x - 0.5) <= across && std::abs(y - 0.5) <= up) return;
+  findings.push_back(
+      {.what = fmt::format("the {}'s optical axis is far from the middle of its {} picture", device,
+                           text_of(lens.size)),
+       .evidence = {{"share of the width", x}, {"share of the height", y}},
+       .likely = fmt::format("a scanner file for {} pictures of another size: halved, cropped or "
+                             "of the other device",
+                             device),
+       .advice = fmt::format("use the {} pictures that the scanner was calibrated with", device)});
 }
 
 void append(std::vector<Finding>& findings, std::vector<Finding> more) {
@@ -44,7 +41,40 @@ void append(std::vector<Finding>& findings, std::vector<Finding> more) {
 /// the crest.
 constexpr double range_of_modulation = 1.5;
 
+void check_camera(Scan& camera, const CheckSettings& settings, const std::string& name,
+                  CheckedScan& checked) {
+  ScanFindings found = check_scan(camera, settings);
+  for (Finding& finding : found.findings) {
+    finding.what = name + finding.what;
+    checked.findings.push_back(std::move(finding));
+  }
+  if (found.order.empty()) return;
+  camera.frames = reordered(std::move(camera.frames), found.order);
+  camera.order = composed(camera.order, found.order);
+  checked.repairs.push_back(
+      fmt::format("{}frames put in the order {}", name, fmt::join(camera.order, ",")));
+}
+
 }  // namespace
+
+std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) {
+  std::vector<Finding> findings;
+  // No camera and projector stand so near to each other; in metres all do.
+  constexpr double least_baseline = 3;
+  const double baseline = scanner.translation.norm();
+  if (baseline < least_baseline) {
+    findings.push_back({.gravity = Gravity::wrong,
+                        .what = "camera and projector stand in nearly one place",
+                        .evidence = {{"baseline, mm", baseline}},
+                        .likely = "a scanner file in metres",
+                        .advice = fmt::format("give its translation in mm: it would be {:.4g} mm",
+                                              1000 * baseline)});
+  }
+  if (whole_pictures) look_at_lens(scanner.camera, "camera", 0.25, findings);
+  // Projectors throw their picture upwards: the axis may lie at its lower edge and past it.
+  look_at_lens(scanner.projector, "projector", 1.2, findings);
+  return findings;
+}
 
 double least_range(const CheckSettings& settings) {
   constexpr double dimmest = 10;
@@ -67,7 +97,7 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
   if (too_dim_to_judge) return {};
 
   ScanFindings result;
-  result.findings = light_faults(samples, light_of(model, samples, frames.bits(), least));
+  result.findings = light_faults(model, samples, frames.bits(), least);
   if (any_wrong(result.findings)) return result;
   std::vector<Finding> damaged = damaged_frames(samples);
   const bool whole = damaged.empty();
@@ -80,8 +110,8 @@ ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
     append(result.findings, std::move(of_scanner));
     return result;
   }
-  Explained explained = explain({model, samples, sequence, scanner ? &*scanner : nullptr,
-                                 photometry, settings.moving, settings.order});
+  ScanFindings explained =
+      explain({model, samples, sequence, scanner ? &*scanner : nullptr, photometry, settings});
   // A picture cut out of the sensor's has its middle elsewhere, and fits.
   if (scanner && !explained.findings.empty()) of_scanner = check_scanner(*scanner, true);
   append(result.findings, std::move(of_scanner));
@@ -94,6 +124,41 @@ ScanFindings check_scan(const Scan& scan, const CheckSettings& settings) {
   CheckSettings with_order = settings;
   with_order.order = scan.order;
   return check_frames(scan.frames, scan.sequence, scan.scanner, with_order);
+}
+
+CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
+  CheckedScan checked;
+  check_camera(scan, settings, "", checked);
+  for (std::size_t i = 0; i < scan.further_cameras.size(); ++i) {
+    check_camera(scan.further_cameras[i], settings, fmt::format("camera {}: ", i + 2), checked);
+  }
+  if (!scan.further_cameras.empty()) {
+    checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
+  }
+  return checked;
+}
+
+std::vector<Finding> gravest_first(std::vector<Finding> findings) {
+  std::stable_partition(findings.begin(), findings.end(),
+                        [](const Finding& finding) { return finding.gravity == Gravity::wrong; });
+  return findings;
+}
+
+void require_right(const CheckedScan& checked, const std::string& scan) {
+  if (!any_wrong(checked.findings)) return;
+  std::vector<std::string> texts;
+  for (const Finding& finding : gravest_first(checked.findings)) texts.push_back(text_of(finding));
+  throw Error(fmt::format("{}: {}", scan, fmt::join(texts, " | ")));
+}
+
+std::vector<std::string> doubts(const std::vector<Finding>& findings) {
+  std::vector<std::string> lines;
+  for (const Finding& finding : findings) {
+    if (finding.gravity == Gravity::wrong) {
+      lines.push_back(fmt::format("doubted: {}", text_of(finding)));
+    }
+  }
+  return lines;
 }
 
 }  // namespace slipstream

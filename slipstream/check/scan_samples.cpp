@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "slipstream/base/spread_place.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 

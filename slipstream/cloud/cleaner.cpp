@@ -3,27 +3,58 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <utility>
-#include <vector>
 
+#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/cloud/detail/bit_plane.h"
-#include "slipstream/cloud/detail/cloud_limits.h"
 #include "slipstream/cloud/detail/components.h"
 #include "slipstream/cloud/detail/depth_surface.h"
-#include "slipstream/cloud/detail/region.h"
 
 namespace slipstream {
 namespace {
+
+bool is_between(double value, double a, double b) {
+  return value >= std::min(a, b) && value <= std::max(a, b);
+}
+
+/// Even-odd: whether an odd number of sides lies to the right.
+bool is_inside(const std::vector<PictureCorner>& polygon, int column, int row) {
+  bool inside = false;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const PictureCorner &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if ((a.row > row) == (b.row > row)) continue;
+    const double crossing = a.column + (row - a.row) / (b.row - a.row) * (b.column - a.column);
+    if (crossing >= column) inside = !inside;
+  }
+  return inside;
+}
+
+/// 1 for the pixels inside an outline, see CleanSettings.
+Image<std::uint8_t> outline_mask(const std::vector<PictureCorner>& outline, Size picture) {
+  Image<std::uint8_t> mask(picture);
+  for_each_pixel_in_order(picture, [&](int column, int row) {
+    const bool inside = outline.size() == 2
+                            ? is_between(column, outline[0].column, outline[1].column) &&
+                                  is_between(row, outline[0].row, outline[1].row)
+                            : is_inside(outline, column, row);
+    mask(column, row) = inside ? 1 : 0;
+  });
+  return mask;
+}
+
+bool is_inside(const PointBox& box, const Cloud& cloud, int column, int row) {
+  return is_between(cloud.x(column, row), box.least[0], box.largest[0]) &&
+         is_between(cloud.y(column, row), box.least[1], box.largest[1]) &&
+         is_between(cloud.z(column, row), box.least[2], box.largest[2]);
+}
 
 /// A row of depths that may be read one beyond either end.
 class PaddedRow {
  public:
   /// NaN throughout where there are no depths.
   void copy(const float* depths, int width) {
-    constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-    depths_.assign(static_cast<std::size_t>(width) + 2, nan);
+    depths_.assign(static_cast<std::size_t>(width) + 2, std::numeric_limits<float>::quiet_NaN());
     if (depths != nullptr) std::copy_n(depths, width, depths_.data() + 1);
   }
   [[nodiscard]] const float* begin() const { return depths_.data() + 1; }
@@ -89,6 +120,21 @@ struct WordEvidence {
 };
 
 }  // namespace
+
+void require_valid(const CleanSettings& settings) {
+  require_in_range(settings);
+  if (settings.box) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      require_in_range(settings.box->largest[axis] > settings.box->least[axis], "end of the box",
+                       settings.box->largest[axis], "more than where it begins");
+    }
+  }
+  if (settings.outline.size() == 1) throw Error("an outline needs two corners or more");
+  for (const PictureCorner& corner : settings.outline) {
+    require_in_range(std::isfinite(corner.column) && std::isfinite(corner.row),
+                     "corner of the outline", corner.column + corner.row, "it must be finite");
+  }
+}
 
 struct Cleaner::Memory {
   std::vector<float> samples;

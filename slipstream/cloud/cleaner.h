@@ -1,13 +1,112 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "slipstream/base/image.h"
-#include "slipstream/cloud/clean_settings.h"
+#include "slipstream/base/setting.h"
 #include "slipstream/cloud/cloud.h"
 
 namespace slipstream {
+
+/// A box along the axes of the camera's frame, mm.
+struct PointBox {
+  std::array<double, 3> least{};
+  std::array<double, 3> largest{};
+
+  friend bool operator==(const PointBox&, const PointBox&) = default;
+};
+
+/// A place in the camera's picture, pixels; pixel centres are at integers.
+struct PictureCorner {
+  double column = 0;
+  double row = 0;
+
+  friend bool operator==(const PictureCorner&, const PictureCorner&) = default;
+};
+
+/// Which points of a cloud are left out because their neighbours or the noise speak against them,
+/// and what else is done to it on request. By default every filter of the first part is on; none of
+/// them moves a point or adds one.
+struct CleanSettings {
+  /// Of depth, one standard deviation as the noise predicts it, mm: a point with more is
+  /// `low_trust`. By default three hundredths of its depth; infinity for no limit.
+  std::optional<double> largest_sigma{};
+  bool drop_mixed = true;     ///< points at the end of a surface and off it
+  bool drop_outliers = true;  ///< points off the surface that their neighbours agree on
+  /// Pixels: a point in a component of fewer is `small_component`. Points are connected in rows and
+  /// columns, but not across a depth edge. 0 keeps all.
+  int smallest_component = 200;
+
+  std::optional<PointBox> box{};  ///< points outside are `outside_region`
+  /// Pixels outside are likewise: of a rectangle by two opposite corners, both inside, or of a
+  /// polygon by three and more, even-odd. Empty for the whole picture.
+  std::vector<PictureCorner> outline{};
+  /// Pixels: gaps as wide in a row or a column, between points of one surface, get points. 0: none.
+  int widest_gap = 0;
+  /// Half the width of the window, pixels, over which points are moved along their rays to the mean
+  /// of their surface; edges and creases stay. 0: none.
+  int smoothing = 0;
+
+  /// Every filter off.
+  static CleanSettings none() {
+    return {.largest_sigma = std::numeric_limits<double>::infinity(),
+            .drop_mixed = false,
+            .drop_outliers = false,
+            .smallest_component = 0};
+  }
+
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit({.name = "largest_sigma",
+           .unit = "mm",
+           .least = 0,
+           .above_least = true,
+           .flag = "--max-sigma",
+           .help = "largest standard deviation of depth, as the noise predicts it, mm; three "
+                   "hundredths of the depth where not given"},
+          self.largest_sigma);
+    visit({.name = "drop_mixed"}, self.drop_mixed);
+    visit({.name = "drop_outliers"}, self.drop_outliers);
+    visit({.name = "smallest_component",
+           .unit = "pixels",
+           .least = 0,
+           .flag = "--min-component",
+           .help = "fewest pixels of a connected piece; 200 where not given",
+           .live = {"fewest pixels of a connected piece", "pixels", 0, 1e6}},
+          self.smallest_component);
+    visit({.name = "box",
+           .flag = "--box",
+           .help = "only points in it, mm: least x,y,z and largest x,y,z"},
+          self.box);
+    visit(
+        {.name = "outline",
+         .flag = "--outline",
+         .help = "only camera pixels in it, as x,y,x,y: two corners of a rectangle, or a polygon"},
+        self.outline);
+    visit({.name = "widest_gap",
+           .unit = "pixels",
+           .least = 0,
+           .flag = "--fill",
+           .help = "widest gap of a surface that gets points, pixels"},
+          self.widest_gap);
+    visit({.name = "smoothing",
+           .unit = "pixels",
+           .least = 0,
+           .most = 10,
+           .flag = "--smooth",
+           .help = "half the window over which points move to their surface, edges kept, pixels"},
+          self.smoothing);
+  }
+
+  friend bool operator==(const CleanSettings&, const CleanSettings&) = default;
+};
+
+/// Throws Error for a setting out of its range.
+void require_valid(const CleanSettings& settings);
 
 /// What the frames' noise does to depth: at a point P in the camera's frame, under a modulation of
 /// B grey levels of the frames, sigma_Z = noise / B (projector_depth (P, 1))^2 Z / |parallax P|.

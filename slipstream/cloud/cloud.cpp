@@ -1,9 +1,9 @@
 #include "slipstream/cloud/cloud.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <functional>
+#include <vector>
+
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {
@@ -49,6 +49,11 @@ ValidityCounts count_by_validity(const Image<Validity>& validity) {
     std::transform(counts.begin(), counts.end(), one.begin(), counts.begin(), std::plus<>());
   }
   return counts;
+}
+
+double median_depth(const Uncertainty& uncertainty) {
+  std::vector<float> sigma = finite_values(uncertainty.z);
+  return sigma.empty() ? 0 : quantile(sigma, 0.5);
 }
 
 }  // namespace slipstream

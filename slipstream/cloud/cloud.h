@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string_view>
 
-#include "slipstream/base/converted.h"
+#include <Eigen/Core>
+
 #include "slipstream/base/image.h"
 
 namespace slipstream {
@@ -109,6 +112,88 @@ ValidityCounts count_by_validity(const BasicCloud<Real>& cloud) {
 template <class Real>
 std::size_t point_count(const BasicCloud<Real>& cloud) {
   return count_by_validity(cloud)[static_cast<std::size_t>(Validity::valid)];
+}
+
+/// How sure the points of a cloud are: one standard deviation of what the frames' noise does to
+/// each. NaN where there is no point.
+struct Uncertainty {
+  explicit Uncertainty(Size size = {})
+      : coordinate(size, nan), x(size, nan), y(size, nan), z(size, nan) {}
+
+  Image<float> coordinate;  ///< of the projector coordinate, fields
+  Image<float> x;           ///< mm, as y and z
+  Image<float> y;
+  Image<float> z;
+
+ private:
+  static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+};
+
+/// The median of the standard deviations of depth, mm; 0 where there is no point.
+double median_depth(const Uncertainty& uncertainty);
+
+/// How 16 bits tell a depth: `offset` and `scale` times the number. 0 tells of no point.
+struct DepthScale {
+  float scale = 0.05F;  ///< mm, above 0; to 3.3 m
+  float offset = 0;     ///< mm
+
+  /// The number that is nearest to a depth; 0 where it is NaN, or where 16 bits cannot tell it.
+  [[nodiscard]] std::uint16_t operator()(float z) const {
+    const float number = (z - offset) * (1 / scale) + 0.5F;
+    return static_cast<std::uint16_t>(
+        static_cast<std::int32_t>(number >= 1 && number < 65536 ? number : 0));
+  }
+};
+
+/// X, Y, Z of a pixel, mm; NaN where it has no point.
+inline Eigen::Vector3d position_at(const Cloud& cloud, int column, int row) {
+  return {cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)};
+}
+
+/// Whether two points of neighbouring pixels lie on one surface: their depths differ by at most
+/// `largest_step` times the distance between their rays at the depth of the first. False where one
+/// is missing.
+inline bool on_one_surface(const Eigen::Vector3d& first, const Eigen::Vector3d& second,
+                           double largest_step) {
+  // Between the rays, and not the points: off the axis a jump in depth moves a point sideways too.
+  const double across =
+      first.z() * (second.head<2>() / second.z() - first.head<2>() / first.z()).norm();
+  return std::abs(second.z() - first.z()) <= largest_step * across;
+}
+
+/// How far a depth is from the nearest of the surfaces, `depth`, that a pixel and its eight
+/// neighbours see, since a lens mixes those: mm, with its sign; infinite where there is none.
+inline double nearest_error(double z, const Image<double>& depth, int column, int row) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int y = std::max(row - 1, 0); y <= std::min(row + 1, depth.height() - 1); ++y) {
+    for (int x = std::max(column - 1, 0); x <= std::min(column + 1, depth.width() - 1); ++x) {
+      const double error = z - depth(x, y);
+      if (std::abs(error) < std::abs(nearest)) nearest = error;
+    }
+  }
+  return nearest;
+}
+
+/// Every `step`-th pixel of every `step`-th row, from the first on; step 1 or more. No value is
+/// mixed with another.
+template <class Pixel>
+Image<Pixel> subsampled(const Image<Pixel>& image, int step) {
+  Image<Pixel> sparse({(image.width() + step - 1) / step, (image.height() + step - 1) / step});
+  for_each_pixel_in_order(sparse.size(), [&](int column, int row) {
+    sparse(column, row) = image(step * column, step * row);
+  });
+  return sparse;
+}
+
+/// Likewise, an organised cloud of a coarser grid.
+inline Cloud subsampled(const Cloud& cloud, int step) {
+  Cloud sparse;
+  sparse.x = subsampled(cloud.x, step);
+  sparse.y = subsampled(cloud.y, step);
+  sparse.z = subsampled(cloud.z, step);
+  sparse.intensity = subsampled(cloud.intensity, step);
+  sparse.validity = subsampled(cloud.validity, step);
+  return sparse;
 }
 
 }  // namespace slipstream

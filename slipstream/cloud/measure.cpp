@@ -14,8 +14,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/quantile.h"
-#include "slipstream/cloud/depth_step.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {
@@ -41,8 +40,8 @@ Vector mean_of(std::span<const MeasuredPoint> points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// The plane of least squares.
-FittedPlane plane_of(std::span<const MeasuredPoint> points) {
+/// The plane of least squares, whatever plane is near it.
+FittedPlane plane_of(std::span<const MeasuredPoint> points, const FittedPlane& /*near*/) {
   FittedPlane plane{.centre = mean_of(points), .residuals = {}};
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const MeasuredPoint& point : points) {
@@ -56,10 +55,6 @@ FittedPlane plane_of(std::span<const MeasuredPoint> points) {
   plane.normal = axes.eigenvectors().col(0);
   if (plane.normal.dot(plane.centre) > 0) plane.normal = -plane.normal;
   return plane;
-}
-
-FittedPlane refitted_plane(std::span<const MeasuredPoint> points, const FittedPlane& /*near*/) {
-  return plane_of(points);
 }
 
 /// The sphere of least squares in |p|^2 = 2 c p + k, about the points' mean.
@@ -282,7 +277,7 @@ FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
     return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
   };
   return fit_near(points, least_median_shape<FittedPlane>(points, least_of_plane, through), Limit{},
-                  refitted_plane);
+                  plane_of);
 }
 
 FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
@@ -298,7 +293,7 @@ FittedSphere fit_sphere_near(std::span<const MeasuredPoint> points, const Fitted
 }
 
 FittedPlane fit_plane_leaving_out(std::span<const MeasuredPoint> points, double share) {
-  return fit_near(points, fit_plane(points), all_but(share), refitted_plane);
+  return fit_near(points, fit_plane(points), all_but(share), plane_of);
 }
 
 FittedSphere fit_sphere_leaving_out(std::span<const MeasuredPoint> points, double share) {

@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/cloud/depth_step.h"
 
 namespace slipstream {
 namespace {
@@ -62,18 +61,16 @@ Image<float> summed(const Image<float>& image, int right, int down) {
 Normals surface_normals(const Cloud& cloud) {
   const Size size = cloud.size();
   Normals normals{Image<float>(size, nan), Image<float>(size, nan), Image<float>(size, nan)};
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      if (!(cloud.z(column, row) > 0)) continue;
-      const auto along_row = surface_step(cloud, column, row, 1, 0);
-      const auto along_column = surface_step(cloud, column, row, 0, 1);
-      if (!along_row || !along_column) continue;
-      Vector normal = along_row->cross(*along_column).normalized();
-      if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
-      normals.x(column, row) = static_cast<float>(normal.x());
-      normals.y(column, row) = static_cast<float>(normal.y());
-      normals.z(column, row) = static_cast<float>(normal.z());
-    }
+  for_each_pixel(size, [&](int column, int row) {
+    if (!(cloud.z(column, row) > 0)) return;
+    const auto along_row = surface_step(cloud, column, row, 1, 0);
+    const auto along_column = surface_step(cloud, column, row, 0, 1);
+    if (!along_row || !along_column) return;
+    Vector normal = along_row->cross(*along_column).normalized();
+    if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
+    normals.x(column, row) = static_cast<float>(normal.x());
+    normals.y(column, row) = static_cast<float>(normal.y());
+    normals.z(column, row) = static_cast<float>(normal.z());
   });
   return normals;
 }
@@ -83,17 +80,28 @@ Normals smoothed_normals(const Cloud& cloud) {
   for (Image<float>* const part : {&normals.x, &normals.y, &normals.z}) {
     *part = summed(summed(*part, 1, 0), 0, 1);
   }
-  for_each_row(cloud.size().height, [&](int row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      float &x = normals.x(column, row), &y = normals.y(column, row), &z = normals.z(column, row);
-      const bool known = cloud.z(column, row) > 0 && z != 0;
-      const float length = known ? std::hypot(x, y, z) : nan;
-      x /= length;
-      y /= length;
-      z /= length;
-    }
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    float &x = normals.x(column, row), &y = normals.y(column, row), &z = normals.z(column, row);
+    const bool known = cloud.z(column, row) > 0 && z != 0;
+    const float length = known ? std::hypot(x, y, z) : nan;
+    x /= length;
+    y /= length;
+    z /= length;
   });
   return normals;
+}
+
+Image<float> shading(const Cloud& cloud) {
+  constexpr float slope_unknown = 0.82F;
+  const Eigen::Vector3f light = Eigen::Vector3f(-0.4F, -0.5F, -1.0F).normalized();
+  const auto [x, y, z] = smoothed_normals(cloud);
+  Image<float> brightness(cloud.size(), slope_unknown);
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    const Eigen::Vector3f normal(x(column, row), y(column, row), z(column, row));
+    if (normal.hasNaN()) return;
+    brightness(column, row) = 0.3F + 0.7F * std::max(normal.dot(light), 0.0F);
+  });
+  return brightness;
 }
 
 }  // namespace slipstream

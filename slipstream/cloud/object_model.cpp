@@ -3,14 +3,131 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
+
+#include <Eigen/Eigenvalues>
 
 #include "slipstream/base/error.h"
-#include "slipstream/cloud/seen_element.h"
 
 namespace slipstream {
 namespace {
 
 using Vector = Eigen::Vector3d;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+Vector normal_at(const Normals& normals, int column, int row) {
+  return {normals.x(column, row), normals.y(column, row), normals.z(column, row)};
+}
+
+/// Cosine between a surface's normal and the view on it: 1 where it faces the camera.
+double facing(const Vector& point, const Vector& normal) {
+  return -normal.dot(point.normalized());
+}
+
+/// An element in the camera's frame, and the point of the cloud in its pixel.
+struct SeenElement {
+  Vector point, normal;              ///< of the element
+  Eigen::Vector2d pixel;             ///< where the camera sees it
+  int column = 0, row = 0;           ///< the nearest
+  Vector cloud_point, cloud_normal;  ///< NaN where there is none
+};
+
+/// None where the element is turned away, slanted too much or outside of the picture.
+std::optional<SeenElement> seen_element(const ModelElement& element, const Eigen::Isometry3d& pose,
+                                        const Cloud& cloud, const Normals& normals,
+                                        const Lens& camera) {
+  constexpr double least_facing = 0.3;
+  SeenElement seen;
+  seen.normal = pose.linear() * element.normal.cast<double>();
+  seen.point = pose * element.position.cast<double>();
+  if (!(seen.point.z() > 0) || facing(seen.point, seen.normal) < least_facing) return std::nullopt;
+  seen.pixel = project(camera, seen.point);
+  const Eigen::Vector2d nearest = seen.pixel.array().round();
+  const auto [width, height] = cloud.size();
+  if (!(nearest.x() >= 0 && nearest.y() >= 0 && nearest.x() < width && nearest.y() < height)) {
+    return std::nullopt;
+  }
+  seen.column = static_cast<int>(nearest.x());
+  seen.row = static_cast<int>(nearest.y());
+  seen.cloud_point = position_at(cloud, seen.column, seen.row);
+  seen.cloud_normal = normal_at(normals, seen.column, seen.row);
+  return seen;
+}
+
+/// The distance between the rays of neighbouring pixels at a point, mm.
+double pixel_width(const Lens& camera, const Vector& point) {
+  return point.z() / camera.intrinsic(0, 0);
+}
+
+/// An element's place, and how far from it the cloud lies along the direction of both normals.
+struct Match {
+  Vector point, direction;
+  double distance = 0;
+};
+
+struct Matches {
+  std::vector<Match> matches;
+  std::size_t expected = 0;  // elements that the camera sees with a point of the cloud behind
+  double squares = 0;        // of the distances
+};
+
+Matches match(std::span<const ModelElement> object, const Cloud& cloud, const Normals& normals,
+              const Lens& camera, const Eigen::Isometry3d& pose, double farthest_pixels) {
+  constexpr std::size_t most_elements = 20'000;  // half of them are turned away
+  constexpr double least_alike = 0.8;            // cosine between the normals
+  Matches found;
+  const std::size_t step = object.size() / most_elements + 1;
+  for (std::size_t i = 0; i < object.size(); i += step) {
+    const auto seen = seen_element(object[i], pose, cloud, normals, camera);
+    if (!seen || !(seen->cloud_point.z() > 0)) continue;
+    const Vector apart = seen->cloud_point - seen->point;
+    const double farthest = farthest_pixels * pixel_width(camera, seen->point);
+    // What lies far behind the cloud is hidden by another part of the object.
+    if (apart.z() > -2 * farthest) ++found.expected;
+    if (!(apart.squaredNorm() <= farthest * farthest)) continue;
+    if (!(seen->normal.dot(seen->cloud_normal) > least_alike)) continue;
+    const Vector direction = (seen->normal + seen->cloud_normal).normalized();
+    found.matches.push_back({seen->point, direction, direction.dot(apart)});
+    found.squares += std::pow(found.matches.back().distance, 2);
+  }
+  return found;
+}
+
+/// The turn about `centre` and the step that bring the elements nearest to the cloud. Of directions
+/// that the matches say next to nothing about there is none.
+Eigen::Isometry3d nearer(const Matches& found) {
+  constexpr double least_known = 1e-4;  // of the best known direction
+  const auto count = static_cast<double>(found.matches.size());
+  const double rms = std::sqrt(found.squares / count);
+  Vector centre = Vector::Zero();
+  for (const Match& match : found.matches) centre += match.point / count;
+  double extent = 0;
+  for (const Match& match : found.matches) extent += (match.point - centre).squaredNorm() / count;
+  extent = std::sqrt(extent);
+  Matrix6 squares = Matrix6::Zero();
+  Vector6 right = Vector6::Zero();
+  for (const Match& match : found.matches) {
+    Vector6 row;
+    row << ((match.point - centre) / extent).cross(match.direction), match.direction;
+    const double weight = 1 / (1 + std::pow(match.distance / (2 * rms), 2));
+    squares.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+    right += weight * match.distance * row;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6> axes(squares);
+  Vector6 step = Vector6::Zero();
+  for (int i = 0; i < 6; ++i) {
+    if (!(axes.eigenvalues()(i) > least_known * axes.eigenvalues()(5))) continue;
+    const auto axis = axes.eigenvectors().col(i);
+    step += axis.dot(right) / axes.eigenvalues()(i) * axis;
+  }
+  const Vector turn = step.head<3>() / extent;
+  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
+  moved.translate(centre + step.tail<3>());
+  moved.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  moved.translate(-centre);
+  return moved;
+}
 
 constexpr std::size_t fewest_to_begin = 1000;
 constexpr double near_pixels = 3;  // widths of a pixel, within which two points are one surface's
@@ -46,6 +163,34 @@ void cover(Image<std::uint8_t>& covered, const Eigen::Vector2d& pixel) {
 }
 
 }  // namespace
+
+Registration register_to(std::span<const ModelElement> object, const Cloud& cloud,
+                         const Normals& normals, const Lens& camera,
+                         const Eigen::Isometry3d& guess) {
+  constexpr int most_rounds = 20;
+  constexpr double first_pixels = 12, last_pixels = 3;  // how far off a match may be
+  constexpr std::size_t fewest = 50;
+  constexpr double settled = 1e-3;  // pixels' widths
+  Registration result{.pose = guess};
+  double farthest = first_pixels;
+  for (int round = 0; round < most_rounds; ++round) {
+    const Matches found = match(object, cloud, normals, camera, result.pose, farthest);
+    const auto count = static_cast<double>(found.matches.size());
+    result.points = found.matches.size();
+    result.share = found.expected > 0 ? count / static_cast<double>(found.expected) : 0;
+    result.rms = count > 0 ? std::sqrt(found.squares / count) : 0;
+    if (result.points < fewest || result.rms == 0) break;
+    const Eigen::Isometry3d step = nearer(found);
+    result.pose = step * result.pose;
+    // Rounding would grow from product to product.
+    result.pose.linear() = Eigen::Quaterniond(result.pose.linear()).normalized().matrix();
+    const Vector& place = found.matches.front().point;
+    const bool still = (step * place - place).norm() < settled * pixel_width(camera, place);
+    if (still && farthest == last_pixels) break;
+    farthest = std::max(last_pixels, 0.7 * farthest);
+  }
+  return result;
+}
 
 bool ObjectModel::fits(const Registration& registration, const Cloud& cloud) const {
   constexpr std::size_t fewest = 200;
@@ -127,18 +272,16 @@ void ObjectModel::add_uncovered(const Cloud& cloud, const Normals& normals,
                                 const Image<std::uint8_t>& covered) {
   constexpr double least_facing = 0.4;
   const Eigen::Isometry3d to_object = registration_.pose.inverse();
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      if (covered(column, row) != 0) continue;
-      const Vector point = position_at(cloud, column, row);
-      const Vector normal = normal_at(normals, column, row);
-      const double faces = facing(point, normal);
-      if (!(faces > least_facing)) continue;
-      elements_.push_back({(to_object * point).cast<float>(),
-                           (to_object.linear() * normal).cast<float>(),
-                           cloud.intensity(column, row), static_cast<float>(faces * faces), 1});
-    }
-  }
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (covered(column, row) != 0) return;
+    const Vector point = position_at(cloud, column, row);
+    const Vector normal = normal_at(normals, column, row);
+    const double faces = facing(point, normal);
+    if (!(faces > least_facing)) return;
+    elements_.push_back({(to_object * point).cast<float>(),
+                         (to_object.linear() * normal).cast<float>(), cloud.intensity(column, row),
+                         static_cast<float>(faces * faces), 1});
+  });
 }
 
 ModelPoints ObjectModel::points() const {

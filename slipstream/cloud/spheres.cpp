@@ -1,5 +1,3 @@
-#include "slipstream/cloud/spheres.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +8,8 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/cloud/depth_step.h"
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/measure.h"
 #include "slipstream/cloud/normals.h"
 
 namespace slipstream {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slipstream/cloud/depth_step.h"
-
 namespace slipstream {
 namespace {
 
@@ -48,18 +46,17 @@ void append_block(const Block& block, double largest_step, std::vector<Triangle>
 /// By the indices of pixels, row by row.
 std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
   std::vector<Triangle> triangles;
-  for (int row = 0; row + 1 < cloud.size().height; ++row) {
-    for (int column = 0; column + 1 < cloud.size().width; ++column) {
-      Block block;
-      for (int i = 0; i < 4; ++i) {
-        const int c = column + i % 2, r = row + i / 2;
-        const auto place = static_cast<std::size_t>(i);
-        block.pixels[place] = static_cast<std::uint32_t>(r * cloud.size().width + c);
-        block.points[place] = position_at(cloud, c, r);
-      }
-      append_block(block, largest_step, triangles);
-    }
-  }
+  for_each_pixel_in_order(
+      Size{cloud.size().width - 1, cloud.size().height - 1}, [&](int column, int row) {
+        Block block;
+        for (int i = 0; i < 4; ++i) {
+          const int c = column + i % 2, r = row + i / 2;
+          const auto place = static_cast<std::size_t>(i);
+          block.pixels[place] = static_cast<std::uint32_t>(r * cloud.size().width + c);
+          block.points[place] = position_at(cloud, c, r);
+        }
+        append_block(block, largest_step, triangles);
+      });
   return triangles;
 }
 

@@ -4,13 +4,11 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/sinusoid.h"
 
 namespace slipstream {
 namespace {
@@ -150,7 +148,7 @@ Layout GrayPhase::layout() const {
   const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
   const int frames = steps + frame_count(shown, reference);
   Layout layout{.frames = frames,
-                .bands = {phase_shifted_band(frames, 0, steps, periods, 1, 1, shifts)},
+                .bands = {band_of({steps, periods, shifts}, frames)},
                 .unwrapping = Unwrapping::code};
   layout.code = code_in_frames(frames, steps, shown, reference);
   layout.code->stripes = periods * std::exp2(shown - bits_for(periods));

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "slipstream/codes/layout.h"
-#include "slipstream/codes/shift_settings.h"
+#include "slipstream/codes/sinusoid.h"
 
 namespace slipstream {
 
@@ -31,10 +31,7 @@ struct GrayCode {
     visit("plain", "a plain binary code, no Gray code", self.plain);
     visit("least_first", "the least significant bit first", self.least_first);
   }
-
-  /// Throws Error for settings outside their ranges.
   void require_valid() const;
-  /// Pattern n at projector coordinate y, in [0, 1].
   [[nodiscard]] double shape(int n, double y) const;
   [[nodiscard]] Layout layout() const;
 };
@@ -55,10 +52,7 @@ struct ExclusiveOrGray {
     visit("base", "1: all bits with the narrowest stripes, 2: with the next", self.base);
     visit("reference", "white-black, inverse, mean or none: what is bright", self.reference);
   }
-
-  /// Throws Error for settings outside their ranges.
   void require_valid() const;
-  /// Pattern n at projector coordinate y, in [0, 1].
   [[nodiscard]] double shape(int n, double y) const;
   [[nodiscard]] Layout layout() const;
 };
@@ -87,10 +81,7 @@ struct GrayPhase {
     visit("reference", "white-black, inverse, mean or none: what is bright", self.reference);
     visit_shifts(self.shifts, visit);
   }
-
-  /// Throws Error for settings outside their ranges.
   void require_valid() const;
-  /// Pattern n at projector coordinate y, in [0, 1].
   [[nodiscard]] double shape(int n, double y) const;
   [[nodiscard]] Layout layout() const;
 };

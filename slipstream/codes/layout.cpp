@@ -3,18 +3,44 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
 namespace {
+
+int bit_count(const Code& code) {
+  return static_cast<int>(code.frames.size());
+}
+
+/// Where the bit stands in a word.
+unsigned place(const Code& code, int bit) {
+  return 1U << static_cast<unsigned>(bit_count(code) - 1 - bit);
+}
+
+/// All bits but the base.
+unsigned others(const Code& code) {
+  return ((1U << code.frames.size()) - 1) & ~place(code, *code.base);
+}
+
+double reference_of(const Code& code, std::span<const double> I) {
+  if (!code.reference.empty()) {
+    return std::inner_product(I.begin(), I.end(), code.reference.begin(), 0.0);
+  }
+  double darkest = std::numeric_limits<double>::infinity(), brightest = 0;
+  for (const int frame : code.frames) {
+    darkest = std::min(darkest, I[static_cast<std::size_t>(frame)]);
+    brightest = std::max(brightest, I[static_cast<std::size_t>(frame)]);
+  }
+  return (darkest + brightest) / 2;
+}
 
 using std::numbers::pi;
 
@@ -77,110 +103,6 @@ void require_valid(const Band& band, int frames, std::string_view name) {
   for (const Band& mirrored : band.mirrored) require_valid(mirrored, frames, name);
 }
 
-std::string periods_text(const Layout& layout) {
-  std::vector<double> periods;
-  for (const Band& band : layout.bands) periods.push_back(band.periods);
-  for (const SingleFrame& single : layout.single_frames) periods.push_back(single.periods);
-  return fmt::format("{:g}", fmt::join(periods, ", "));
-}
-
-void require_hierarchy(const Layout& layout, std::string_view name) {
-  if (least_periods(layout) > 1) {
-    throw Error(
-        fmt::format("{}: no band has at most 1 period, from which the others are unwrapped", name));
-  }
-}
-
-void require_beats(const Layout& layout, std::string_view name) {
-  if (unwrapping_chain(layout).empty()) {
-    throw Error(fmt::format("{}: no sum or difference of {} periods has at most 1", name,
-                            periods_text(layout)));
-  }
-}
-
-[[noreturn]] void refuse_repeating(const Layout& layout, std::string_view name) {
-  throw Error(
-      fmt::format("{}: {} periods repeat within the field; in projector pixels the lengths of "
-                  "the periods must have no common multiple below that of the field",
-                  name, periods_text(layout)));
-}
-
-void require_unlike(const Layout& layout, std::string_view name) {
-  constexpr double least_margin = 1e-6;
-  if (unwrapping_margin(layout) < least_margin) refuse_repeating(layout, name);
-}
-
-void require_code(const Layout& layout, std::string_view name) {
-  if (!layout.code) throw Error(fmt::format("{}: no code to unwrap by", name));
-  require_valid(*layout.code, layout.frames, name);
-  const double f = measuring_band(layout).periods;
-  if (layout.unwrapping == Unwrapping::code && layout.code->stripes < f - layout_rounding) {
-    throw Error(fmt::format("{}: a code of {} stripes is too short for {} periods", name,
-                            layout.code->stripes, f));
-  }
-}
-
-void require_frames_of_surfaces(const Layout& layout, std::string_view name) {
-  if (layout.bands.size() == 2 && layout.single_frames.empty()) {
-    Layout alike = layout;
-    alike.unwrapping = Unwrapping::likelihood;
-    return require_unlike(alike, name);
-  }
-  const bool all = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
-                               [&](const SingleFrame& single) {
-                                 return single.frame >= 0 && single.frame < layout.frames &&
-                                        single.periods > 0 && single.periods <= 1;
-                               });
-  if (all && layout.bands.size() == 1 && layout.single_frames.size() >= 3) return;
-  throw Error(
-      fmt::format("{}: surfaces are told by two bands, or one and three frames or more of at "
-                  "most one period each",
-                  name));
-}
-
-void require_single_frames(const Layout& layout, std::string_view name) {
-  const bool all = std::all_of(
-      layout.single_frames.begin(), layout.single_frames.end(), [&](const SingleFrame& single) {
-        return single.frame >= 0 && single.frame < layout.frames && single.periods > 0;
-      });
-  if (layout.single_frames.empty() || !all || layout.bands.size() != 1 ||
-      !step_run(layout.bands.front())) {
-    throw Error(fmt::format("{}: a run of steps and frames of one sinusoid each are wanted", name));
-  }
-  const double f = layout.bands.front().periods;
-  for (int k = 1; k < f; ++k) {
-    const bool repeats = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
-                                     [&](const SingleFrame& single) {
-                                       const double periods = single.periods * k / f;
-                                       return is_near(periods, std::round(periods));
-                                     });
-    if (repeats) refuse_repeating(layout, name);
-  }
-}
-
-void require_cue(const Layout& layout, std::string_view name) {
-  if (layout.cue) {
-    const double dc = layout.cue->dc();
-    require_weights(layout.cue->weights, layout.frames, dc, name, "the cue");
-    if (!is_near(dc, 0) && !is_near(dc, 1)) {
-      throw Error(fmt::format("{}: the cue's weights add up to {}; to 0 or 1", name, dc));
-    }
-    if (!(layout.cue->share > 0 && layout.cue->share < 1)) {
-      throw Error(fmt::format("{}: the cue's share {} is out of range; above 0, below 1", name,
-                              layout.cue->share));
-    }
-    if (layout.bands.size() != 1) {
-      throw Error(fmt::format("{}: a cue with {} bands; it takes one", name, layout.bands.size()));
-    }
-  } else if (layout.bands.size() != 2 || layout.bands[1].periods != 1) {
-    throw Error(fmt::format("{}: no cue, and no second band of 1 period, to vote with", name));
-  }
-  const double f_h = layout.bands[0].periods;
-  if (f_h != std::floor(f_h)) {
-    throw Error(fmt::format("{}: {} periods are not a whole number", name, f_h));
-  }
-}
-
 std::vector<double> channel_weights(int steps, int channel, double (*wave)(double),
                                     const Shifts& shifts = {}) {
   const double direction = shifts.backwards ? -1 : 1;
@@ -211,6 +133,69 @@ bool are_near(const std::vector<double>& a, const std::vector<double>& b) {
 }
 
 }  // namespace
+
+void require_valid(const Code& code, int frames, std::string_view name) {
+  const int bits = bit_count(code);
+  if (bits < 1 || bits > most_code_bits) {
+    throw Error(fmt::format("{}: {} bits are out of range; 1 to {}", name, bits, most_code_bits));
+  }
+  if (!(code.stripes >= 2 && code.stripes <= std::exp2(bits))) {
+    throw Error(fmt::format("{}: {} bits number {} stripes; {:g} are out of range", name, bits,
+                            std::exp2(bits), code.stripes));
+  }
+  const auto is_frame = [&](int frame) { return frame >= 0 && frame < frames; };
+  const bool all = std::all_of(code.frames.begin(), code.frames.end(), is_frame) &&
+                   std::all_of(code.inverses.begin(), code.inverses.end(), is_frame);
+  const bool compared =
+      code.inverses.empty()
+          ? code.reference.empty() || static_cast<int>(code.reference.size()) == frames
+          : code.inverses.size() == code.frames.size();
+  if (!all || !compared || (code.base && !(*code.base >= 0 && *code.base < bits))) {
+    throw Error(fmt::format("{}: the code's bits are not among its {} frames", name, frames));
+  }
+}
+
+bool is_bright(const Code& code, int bit, double y) {
+  const double last = std::ceil(code.stripes) - 1;
+  const auto stripe =
+      static_cast<unsigned>(std::clamp(std::floor(y * code.stripes + 1e-9), 0.0, last));
+  unsigned word = code.gray ? stripe ^ (stripe >> 1U) : stripe;
+  if (code.base && (word & place(code, *code.base)) != 0) word ^= others(code);
+  return (word & place(code, bit)) != 0;
+}
+
+int stripe_of(const Code& code, unsigned shown) {
+  if (code.base && (shown & place(code, *code.base)) != 0) shown ^= others(code);
+  if (!code.gray) return static_cast<int>(shown);
+  for (unsigned shift = 1; shift < most_code_bits; shift *= 2) shown ^= shown >> shift;
+  return static_cast<int>(shown);
+}
+
+CodeReading read_code(const Code& code, std::span<const double> I) {
+  const double reference = reference_of(code, I);
+  double least = std::numeric_limits<double>::infinity(), second = least;
+  unsigned shown = 0;
+  for (std::size_t bit = 0; bit < code.frames.size(); ++bit) {
+    const double level = I[static_cast<std::size_t>(code.frames[bit])];
+    const double above = code.inverses.empty()
+                             ? level - reference
+                             : (level - I[static_cast<std::size_t>(code.inverses[bit])]) / 2;
+    shown = 2 * shown + (above > 0 ? 1U : 0U);
+    second = std::min(second, std::max(least, std::abs(above)));
+    least = std::min(least, std::abs(above));
+  }
+  return {stripe_of(code, shown), code.frames.size() > 1 ? second : least};
+}
+
+double shifted_phase(const Shifts& shifts, double phi) {
+  return shifts.backwards ? -phi - shifts.origin : phi + shifts.origin;
+}
+
+double unshifted_phase(const Shifts& shifts, double shifted) {
+  const double phi = (shifts.backwards ? -shifted : shifted) - shifts.origin;
+  const double turned = phi - 2 * pi * std::floor(phi / (2 * pi));
+  return turned > 2 * pi - 1e-12 ? 0 : turned;  // as wrapped_angle rounds
+}
 
 CueReference::CueReference(std::function<double(double y)> function)
     : form_(Form::other), function_(std::move(function)) {
@@ -257,31 +242,26 @@ double Cue::dc() const {
   return sum_of(weights);
 }
 
+void require_valid(const Cue& cue, int frames, std::string_view name) {
+  const double dc = cue.dc();
+  require_weights(cue.weights, frames, dc, name, "the cue");
+  if (!is_near(dc, 0) && !is_near(dc, 1)) {
+    throw Error(fmt::format("{}: the cue's weights add up to {}; to 0 or 1", name, dc));
+  }
+  if (!(cue.share > 0 && cue.share < 1)) {
+    throw Error(
+        fmt::format("{}: the cue's share {} is out of range; above 0, below 1", name, cue.share));
+  }
+}
+
 void require_valid(const Layout& layout, std::string_view name) {
   if (layout.frames < 1 || layout.bands.empty()) {
     throw Error(fmt::format("{}: {} frames with {} bands; at least one of each is needed", name,
                             layout.frames, layout.bands.size()));
   }
   for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
-  switch (layout.unwrapping) {
-    case Unwrapping::none:
-      return;
-    case Unwrapping::surfaces:
-      return require_frames_of_surfaces(layout, name);
-    case Unwrapping::hierarchical:
-      return require_hierarchy(layout, name);
-    case Unwrapping::vote:
-      return require_cue(layout, name);
-    case Unwrapping::beats:
-      return require_beats(layout, name);
-    case Unwrapping::likelihood:
-      return require_unlike(layout, name);
-    case Unwrapping::code:
-    case Unwrapping::code_alone:
-      return require_code(layout, name);
-    case Unwrapping::single_frames:
-      return require_single_frames(layout, name);
-  }
+  const auto require = way_of(layout.unwrapping).require;
+  if (require != nullptr) require(layout, name);
 }
 
 std::vector<double> channel_cosines(int steps, int channel) {
@@ -372,7 +352,7 @@ const Band& measuring_band(const Layout& layout) {
 
 std::vector<int> measuring_frames(const Layout& layout) {
   std::vector<int> frames;
-  for (int n = 0; n < layout.frames && layout.unwrapping != Unwrapping::code_alone; ++n) {
+  for (int n = 0; n < layout.frames && !way_of(layout.unwrapping).whole_stripes; ++n) {
     const auto i = static_cast<std::size_t>(n);
     const bool in_band =
         std::any_of(layout.bands.begin(), layout.bands.end(), [i](const Band& band) {

@@ -2,13 +2,66 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
-#include "slipstream/codes/bit_code.h"
-#include "slipstream/codes/sinusoid.h"
-
 namespace slipstream {
+
+/// Stripes that are bright or dark in some frames, which together number them: a Gray code or a
+/// plain binary one.
+struct Code {
+  double stripes = 2;         ///< across the field, 2 to 2^bits
+  std::vector<int> frames{};  ///< of the bits, most significant first
+  /// Where not empty, a frame for each bit that shows it with bright and dark exchanged.
+  std::vector<int> inverses{};
+  /// Else what is darker than a bright bit and brighter than a dark one: a weight for each frame of
+  /// the scan. Empty too: what lies half way between the brightest and the darkest of the bits.
+  std::vector<double> reference{};
+  bool gray = true;  ///< neighbouring stripes differ in one bit
+  /// The bit that the frames of all others show in exclusive-or with themselves.
+  std::optional<int> base{};
+
+  friend bool operator==(const Code&, const Code&) = default;
+};
+
+inline constexpr int most_code_bits = 20;
+
+/// Throws Error, beginning with `name`, unless there are 1 to most_code_bits bits, as many inverses
+/// or a weight for each frame, frames of the scan and enough bits for the stripes.
+void require_valid(const Code& code, int frames, std::string_view name);
+
+/// Whether the frame of that bit is bright at y in [0, 1].
+bool is_bright(const Code& code, int bit, double y);
+
+/// What the code says of one pixel.
+struct CodeReading {
+  int stripe = 0;  ///< counted from 0 at y = 0; past the last one where no stripe has that word
+  /// How far the frames of the bits are from where bright turns to dark, grey levels: the second
+  /// least of all bits (at a stripe's edge one of them is rightly in between), the least of one.
+  double contrast = 0;
+};
+
+/// `intensities`: of all frames of the scan, one pixel's.
+CodeReading read_code(const Code& code, std::span<const double> intensities);
+
+/// The bits of a word, from those that frames show, most significant first.
+int stripe_of(const Code& code, unsigned shown);
+
+/// Where a run's phase begins and which way its shifts go: pattern n has the phase 2 pi f y +
+/// origin
+/// - 2 pi n / N, or + 2 pi n / N backwards.
+struct Shifts {
+  double origin = 0;  ///< rad, at the edge of the field, y = 0
+  bool backwards = false;
+
+  friend bool operator==(const Shifts&, const Shifts&) = default;
+};
+
+/// The phase as the N equations (1.5), (1.6) see it, which know of no such shifts; rad, any.
+double shifted_phase(const Shifts& shifts, double phi);
+/// The phase from what they see, rad, [0, 2 pi).
+double unshifted_phase(const Shifts& shifts, double shifted);
 
 /// Frames in a row that are N-step patterns.
 struct StepRun {
@@ -94,7 +147,8 @@ struct SingleFrame {
   friend bool operator==(const SingleFrame&, const SingleFrame&) = default;
 };
 
-/// How phases become a projector coordinate.
+/// How phases become a projector coordinate. What each one means for the rest is said by its
+/// UnwrappingWay: see unwrapping.h.
 enum class Unwrapping {
   none,           ///< one band of at most one period needs nothing; of more it gives no coordinate
   hierarchical,   ///< each band, from few periods to many, is unwrapped by the one before: Eq.
@@ -130,6 +184,10 @@ struct Layout {
 /// at most one period, beats and likelihood bands that together repeat nowhere in the field, vote a
 /// cue or a second band, code one whose stripes are no wider than a period.
 void require_valid(const Layout& layout, std::string_view name);
+
+/// Throws Error, beginning with `name`, unless the cue has a weight for each frame, which add up to
+/// 0 or 1, and a share between 0 and 1.
+void require_valid(const Cue& cue, int frames, std::string_view name);
 
 /// The band of N phase-shifted sinusoids, from frame `first` of `frames` on: 2/N cos(2 pi m n / N),
 /// 2/N sin(2 pi m n / N) and 1/N, m the phase channel: 1 for Eqs. (1.5), (1.6), 2 for (3.85),

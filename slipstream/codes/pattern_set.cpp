@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <utility>
+#include <string>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/one_bit.h"
 
 namespace slipstream {
 namespace {
@@ -30,6 +28,24 @@ Image<double> levels_along_rows(const PatternSet& patterns, int n, Size size) {
 }
 
 }  // namespace
+
+int length_along(Axis axis, Size projector) {
+  return axis == Axis::x ? projector.width : projector.height;
+}
+
+std::string_view name_of(Axis axis) {
+  return axis == Axis::x ? "x" : "y";
+}
+
+Axis axis_named(std::string_view name) {
+  if (name == "x") return Axis::x;
+  if (name == "y") return Axis::y;
+  throw Error("axis '" + std::string(name) + "' is not known; it is x or y");
+}
+
+double coordinate_of_pixel(int index, int projector_length) {
+  return static_cast<double>(index) / projector_length;
+}
 
 void require_valid(const PatternLight& light) {
   const bool in_range =
@@ -84,6 +100,60 @@ Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size proj
       const double level = along_rows ? levels(column, row) : levels(row, column);
       picture(column, row) = static_cast<std::uint16_t>(std::lround(scale * level));
     }
+  }
+  return picture;
+}
+
+Image<double> one_bit(Image<double> picture) {
+  // Not half: a pattern and its inverse, as N-step patterns of an even N hold, would err alike, and
+  // in the phase their errors would add up.
+  constexpr double bright = 255, threshold = 0.6 * bright;
+  // Shares of the error, chosen for the phase of 3, 4 and 6 steps of 16 to 75 pixels under
+  // Gaussians of 1 to 3 pixels.
+  constexpr double ahead = 0.45, below_behind = 0.35, below = 0.2;
+  const auto add = [&](int column, int row, double error) {
+    const bool inside = column >= 0 && column < picture.width() && row < picture.height();
+    if (inside) picture(column, row) += error;
+  };
+  for (int row = 0; row < picture.height(); ++row) {
+    // To and fro: in one direction alone the stripes would drift that way.
+    const int forward = row % 2 == 0 ? 1 : -1;
+    for (int i = 0; i < picture.width(); ++i) {
+      const int column = forward > 0 ? i : picture.width() - 1 - i;
+      double& level = picture(column, row);
+      const double shown = level > threshold ? bright : 0, error = level - shown;
+      level = shown;
+      add(column + forward, row, ahead * error);
+      add(column - forward, row + 1, below_behind * error);
+      add(column, row + 1, below * error);
+    }
+  }
+  return picture;
+}
+
+Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern) {
+  Image<std::uint8_t> narrow(pattern.size());
+  std::copy(pattern.begin(), pattern.end(), narrow.begin());
+  return narrow;
+}
+
+std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size projector) {
+  std::vector<Image<std::uint8_t>> patterns;
+  for (int n = 0; n < set.count; ++n)
+    patterns.push_back(in_8_bits(render_pattern(set, n, projector)));
+  return patterns;
+}
+
+Image<Colour> picture_in_colour(const PatternSet& set, int first, Size projector) {
+  const Image<std::uint16_t> red = render_pattern(set, first, projector),
+                             green = render_pattern(set, first + 1, projector),
+                             blue = render_pattern(set, first + 2, projector);
+  Image<Colour> picture(projector);
+  for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
+    const auto level = [&](const Image<std::uint16_t>& pattern) {
+      return static_cast<std::uint8_t>(pattern.begin()[i]);
+    };
+    picture.begin()[i] = {level(red), level(green), level(blue)};
   }
   return picture;
 }

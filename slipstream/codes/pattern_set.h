@@ -1,15 +1,41 @@
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
-#include "slipstream/codes/axis.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream {
+
+/// The projector axis along which a pattern varies. `x`: the intensity is a function of the
+/// projector column (stripes stand upright); `y`: of the projector row, as in Liu 2010.
+enum class Axis { x, y };
+
+/// Projector pixels along the axis: the width for `x`, the height for `y`.
+int length_along(Axis axis, Size projector);
+
+/// The other one.
+constexpr Axis across(Axis axis) {
+  return axis == Axis::x ? Axis::y : Axis::x;
+}
+
+/// "x" or "y".
+std::string_view name_of(Axis axis);
+
+/// The axis of that name. Throws Error for any name but "x" and "y".
+Axis axis_named(std::string_view name);
+
+/// Projector coordinate, in [0, 1) across the field, of the centre of a pixel: index /
+/// projector_length.
+double coordinate_of_pixel(int index, int projector_length);
 
 /// The light of a projector's patterns, in grey levels of an 8-bit projector: I^p = alpha_p s +
 /// beta_p with s in [0, 1] (Liu 2010, Eq. 3.1). A projector of m bits scales both by
@@ -84,5 +110,36 @@ PatternSet with_marker(PatternSet patterns, double shape = 0);
 /// or bits are out of range.
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector,
                                     int bits = 8);
+
+/// The picture, grey levels of 8 bits, in pixels that are dark (0) or bright (255) and whose mean
+/// about any place is its own, by error diffusion. Least amiss once blurred where the picture
+/// changes along its rows.
+Image<double> one_bit(Image<double> picture);
+
+/// A pattern rendered for a projector of 8 bits, in pixels of 8 bits.
+Image<std::uint8_t> in_8_bits(const Image<std::uint16_t>& pattern);
+
+/// All patterns of a set, so rendered.
+std::vector<Image<std::uint8_t>> patterns_in_8_bits(const PatternSet& set, Size projector);
+
+/// Three of its patterns, from `first` on, as red, green and blue of one picture.
+Image<Colour> picture_in_colour(const PatternSet& set, int first, Size projector);
+
+/// What a projector in colour shows for its mixture to be measured, all over, by name.
+inline constexpr std::array primary_names{"black", "red", "green", "blue"};
+
+/// Half of the light that a projector has, of all colours, as patterns have in the mean: it tells
+/// paint from pattern.
+inline PatternSet white_pattern(const PatternLight& light) {
+  return {.count = 3, .light = light, .shape = [](int, double) { return 0.5; }};
+}
+
+/// The pictures of those names as three patterns each, of their channels.
+inline PatternSet primary_patterns(const PatternLight& light) {
+  constexpr int channels = 3;
+  return {.count = channels * static_cast<int>(primary_names.size()),
+          .light = light,
+          .shape = [](int n, double) { return n / channels == n % channels + 1 ? 1.0 : 0.0; }};
+}
 
 }  // namespace slipstream

@@ -8,7 +8,7 @@
 
 #include <Eigen/Dense>
 
-#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
 namespace {
@@ -67,7 +67,7 @@ double phase_variance(const Band& band, double modulation, double noise_variance
 }
 
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {
-  if (layout.unwrapping == Unwrapping::code_alone) return 1 / (12 * square(layout.code->stripes));
+  if (way_of(layout.unwrapping).whole_stripes) return 1 / (12 * square(layout.code->stripes));
   if (layout.unwrapping == Unwrapping::single_frames) {
     return single_frames_variance(layout) * noise_variance / square(modulation);
   }

@@ -1,10 +1,7 @@
 #include "slipstream/codes/registry.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 #include <cstddef>
-#include <limits>
 #include <optional>
 #include <type_traits>
 
@@ -128,9 +125,9 @@ std::vector<SettingDescription> strategy_settings() {
     const StrategySettings usual = settings_from(coding);
     Coding::for_each_setting(coding, [&](const char* name, const char* help, const auto& value) {
       using Value = std::remove_cvref_t<decltype(value)>;
-      constexpr bool is_switch = std::is_same_v<Value, bool>;
-      constexpr bool is_word =
-          std::is_same_v<Value, std::string> || std::is_same_v<Value, std::optional<bool>>;
+      constexpr bool is_switch =
+          std::is_same_v<Value, bool> || std::is_same_v<Value, std::optional<bool>>;
+      constexpr bool is_word = std::is_same_v<Value, std::string>;
       std::string owner(Coding::name);
       if (usual.contains(name)) owner += fmt::format(" {}", usual.at(name).text());
       const auto known = std::find_if(settings.begin(), settings.end(),

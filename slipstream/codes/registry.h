@@ -5,18 +5,10 @@
 #include <variant>
 #include <vector>
 
-#include "slipstream/codes/composite_pattern.h"
-#include "slipstream/codes/composites.h"
-#include "slipstream/codes/dual_frequency.h"
-#include "slipstream/codes/fourier_profilometry.h"
 #include "slipstream/codes/gray_code.h"
-#include "slipstream/codes/micro_phase_shifting.h"
-#include "slipstream/codes/modulated_phase_shifting.h"
-#include "slipstream/codes/multi_frequency.h"
-#include "slipstream/codes/neighbour_codes.h"
-#include "slipstream/codes/period_coded.h"
+#include "slipstream/codes/one_frame.h"
 #include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/strategy.h"
 
 namespace slipstream {

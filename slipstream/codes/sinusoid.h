@@ -1,21 +1,11 @@
 #pragma once
 
+#include <string_view>
+#include <vector>
+
+#include "slipstream/codes/layout.h"
+
 namespace slipstream {
-
-/// Where a run's phase begins and which way its shifts go: pattern n has the phase 2 pi f y +
-/// origin
-/// - 2 pi n / N, or + 2 pi n / N backwards.
-struct Shifts {
-  double origin = 0;  ///< rad, at the edge of the field, y = 0
-  bool backwards = false;
-
-  friend bool operator==(const Shifts&, const Shifts&) = default;
-};
-
-/// The phase as the N equations (1.5), (1.6) see it, which know of no such shifts; rad, any.
-double shifted_phase(const Shifts& shifts, double phi);
-/// The phase from what they see, rad, [0, 2 pi).
-double unshifted_phase(const Shifts& shifts, double shifted);
 
 /// One run of phase-shifted sinusoids: `steps` (N) patterns of `frequency` (f) periods across the
 /// projector field.
@@ -36,5 +26,40 @@ double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y);
 /// Throws Error unless 3 <= steps <= most_steps and frequency is finite and positive. `name` is
 /// what the message calls the sinusoid.
 void require_valid(const Sinusoid& sinusoid, const char* name);
+
+/// Its first phase channel in frames from `first` on of `frames`.
+Band band_of(const Sinusoid& sinusoid, int frames, int first = 0, double share = 1);
+
+/// The settings that every coding of sinusoids has, so that patterns made elsewhere can be
+/// described: see Strategy.
+template <class AnyShifts, class Visit>
+void visit_shifts(AnyShifts& shifts, const Visit& visit) {
+  visit("origin", "phase of the first frame at the field's edge, rad", shifts.origin);
+  visit("backwards", "phases fall from frame to frame by what else they rise", shifts.backwards);
+}
+
+/// A sinusoid as frames show it, alone or with others in the same frames.
+struct ShownSinusoid {
+  double periods = 1;
+  double share = 1;             ///< of the modulation; those of all together at most 1
+  double carrier = 0;           ///< periods across the axis
+  std::vector<double> angle{};  ///< shift in each frame, rad: cos(2 pi (f y + carrier across) -
+                                ///< angle)
+  std::vector<bool> shown{};    ///< whether it is in the frame at all
+};
+
+/// The same with origin and direction of its shifts: angle - origin, or - angle - origin.
+ShownSinusoid turned(ShownSinusoid sinusoid, const Shifts& shifts);
+
+/// Intensity of frame n at y and `across` in [0, 1]: 1/2 and half of each sinusoid.
+double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, double y,
+                           double across = 0);
+
+/// Weights that take each sinusoid's C and S and the mean out of frames that show them together,
+/// those of least noise: the pseudo-inverse of what the frames are made of. Of a sinusoid with a
+/// carrier and the next one, its mirror image with a carrier of as many periods less than 0, one
+/// band is made: see Band::carrier. Throws Error, beginning with `name`, where they cannot be told
+/// apart.
+std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std::string_view name);
 
 }  // namespace slipstream

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <limits>
 #include <utility>
 
+#include <Eigen/Dense>
+
 #include "slipstream/base/numbers.h"
-#include "slipstream/decode/temporal_unwrapping.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/unwrap.h"
 
 namespace slipstream {
 namespace {
@@ -21,6 +25,25 @@ double phase_of(const PhaseSum& sum, std::span<const double> phases) {
 
 }  // namespace
 
+int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate) {
+  return static_cast<int>(std::lround(coarse_coordinate * frequency - wrapped_phase / two_pi));
+}
+
+double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
+                             int fringe_order) {
+  return coarse_coordinate * frequency - wrapped_phase / (two_pi)-fringe_order;
+}
+
+double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency) {
+  return (wrapped_phase + two_pi * fringe_order) / (two_pi * frequency);
+}
+
+double coordinate_in_field(double coordinate, double period, int projector_length) {
+  const double unlit = period - 1;
+  const double cut = -0.5 / projector_length - unlit / 2;
+  return coordinate - period * std::floor((coordinate - cut) / period);
+}
+
 BandUnwrapper::BandUnwrapper(Layout layout, int projector_length)
     : layout_(std::move(layout)),
       projector_length_(projector_length),
@@ -28,8 +51,16 @@ BandUnwrapper::BandUnwrapper(Layout layout, int projector_length)
       chain_(unwrapping_chain(layout_)),
       circle_(is_circle(layout_)),
       weights_(band_weights(layout_)) {
-  if (layout_.unwrapping == Unwrapping::single_frames) {
-    single_frames_.emplace(layout_, projector_length);
+  if (layout_.unwrapping != Unwrapping::single_frames) return;
+  waves_.resize(static_cast<std::size_t>(layout_.frames));
+  const Band& band = layout_.bands.front();
+  const StepRun run = *step_run(band);
+  for (int n = 0; n < run.steps; ++n) {
+    const auto frame = static_cast<std::size_t>(run.first + n);
+    waves_[frame] = {band.periods, std::atan2(band.sine[frame], band.cosine[frame])};
+  }
+  for (const auto& [frame, periods, origin] : layout_.single_frames) {
+    waves_[static_cast<std::size_t>(frame)] = {periods, -origin};
   }
 }
 
@@ -45,10 +76,8 @@ BandUnwrapper::Coordinate BandUnwrapper::operator()(const Reading& reading) cons
       return by_code(reading);
     case Unwrapping::likelihood:
       return likeliest(reading.phases, reading.modulations);
-    case Unwrapping::single_frames: {
-      const auto [y, doubt] = (*single_frames_)(reading.phases.front(), reading.intensities);
-      return {y, doubt};
-    }
+    case Unwrapping::single_frames:
+      return by_single_frames(reading.phases.front(), reading.intensities);
     default:
       return by_chain(reading.phases);
   }
@@ -107,7 +136,7 @@ BandUnwrapper::Coordinate BandUnwrapper::by_code(const Reading& reading) const {
   const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities);
   const double y = (stripe + 0.5) / layout_.code->stripes;
   // Stripes begin between two pixels, whose centres are at whole numbers.
-  if (layout_.unwrapping == Unwrapping::code_alone) {
+  if (way_of(layout_.unwrapping).whole_stripes) {
     return {y - 0.5 / projector_length_, 0, contrast};
   }
   const double f = layout_.bands[measuring_].periods, phi = reading.phases[measuring_];
@@ -115,6 +144,78 @@ BandUnwrapper::Coordinate BandUnwrapper::by_code(const Reading& reading) const {
   const double open = open_by_code(*layout_.code, f);
   const double beyond = std::abs(fringe_order_residual(phi, f, y, k)) - open;
   return {unwrapped_coordinate(phi, k, f), std::max(beyond, 0.0) / (1 - 2 * open)};
+}
+
+BandUnwrapper::Coordinate BandUnwrapper::by_single_frames(double phi,
+                                                          std::span<const double> I) const {
+  const double f = layout_.bands.front().periods, first = -0.5 / projector_length_;
+  // The waves at the first place, and what they turn by from each place to the next.
+  const auto count = static_cast<double>(I.size());
+  const double begin = unwrapped_coordinate(phi, -1, f);
+  std::vector<std::complex<double>> wave(I.size()), turn(I.size());
+  double sum = 0, square = 0;
+  for (std::size_t n = 0; n < I.size(); ++n) {
+    wave[n] = std::polar(1.0, two_pi * waves_[n].periods * begin - waves_[n].shift);
+    turn[n] = std::polar(1.0, two_pi * waves_[n].periods / f);
+    sum += I[n];
+    square += I[n] * I[n];
+  }
+  const double variation = square - sum * sum / count;
+  double least = std::numeric_limits<double>::infinity(), next = least, best = begin;
+  for (int k = -1; k <= f; ++k) {
+    double s = 0, ss = 0, sI = 0;
+    for (std::size_t n = 0; n < I.size(); ++n) {
+      const double shown = wave[n].real();
+      s += shown;
+      ss += shown * shown;
+      sI += shown * I[n];
+      wave[n] *= turn[n];
+    }
+    const double y = unwrapped_coordinate(phi, k, f);
+    if (y < first || y >= first + 1) continue;
+    // What a line through the points (shown, seen) leaves; a falling one explains nothing.
+    const double covariance = std::max(sI - s * sum / count, 0.0);
+    const double misfit = variation - covariance * covariance / (ss - s * s / count);
+    if (misfit < least) {
+      next = least;
+      least = misfit;
+      best = y;
+    } else {
+      next = std::min(next, misfit);
+    }
+  }
+  const double doubt = next > 0 ? std::sqrt(std::max(least, 0.0) / next) / 2 : 0.5;
+  return {refined(best, I), doubt};
+}
+
+double BandUnwrapper::refined(double y, std::span<const double> I) const {
+  constexpr int steps = 4;
+  const double most = 0.25 / layout_.bands.front().periods;
+  const double from = y;
+  for (int step = 0; step < steps; ++step) {
+    // I = A + B cos(a) and its change with y, -2 pi f B sin(a).
+    Eigen::Matrix2d products = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d sums = Eigen::Vector2d::Zero();
+    for (std::size_t n = 0; n < I.size(); ++n) {
+      const Eigen::Vector2d row(1, std::cos(two_pi * waves_[n].periods * y - waves_[n].shift));
+      products += row * row.transpose();
+      sums += I[n] * row;
+    }
+    const Eigen::Vector2d levels = products.ldlt().solve(sums);
+    Eigen::Matrix3d all = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d misfit = Eigen::Vector3d::Zero();
+    for (std::size_t n = 0; n < I.size(); ++n) {
+      const auto& [f, shift] = waves_[n];
+      const double a = two_pi * f * y - shift;
+      const Eigen::Vector3d row(1, std::cos(a), -two_pi * f * levels[1] * std::sin(a));
+      all += row * row.transpose();
+      misfit += row * (I[n] - levels[0] - levels[1] * std::cos(a));
+    }
+    const double change = all.ldlt().solve(misfit)[2];
+    if (!std::isfinite(change)) return from;
+    y = std::clamp(y + change, from - most, from + most);
+  }
+  return y;
 }
 
 double BandUnwrapper::weighed(std::span<const double> phases, double y) const {
@@ -126,6 +227,33 @@ double BandUnwrapper::weighed(std::span<const double> phases, double y) const {
     sum += weights_[i] * unwrapped_coordinate(phases[i], fringe_order(phases[i], f, y), f);
   }
   return sum;
+}
+
+UnwrappedPhases unwrap_pixels(const Layout& layout, const LayoutPhases& phases,
+                              int projector_length) {
+  const BandUnwrapper unwrapped(layout, projector_length);
+  const Size size = phases.bands.front().wrapped_phase.size();
+  UnwrappedPhases result{.coordinate = Image<double>(size)};
+  if (unwrapped.can_doubt()) result.doubt = Image<double>(size);
+  const std::size_t bands = phases.bands.size();
+  if (way_of(layout.unwrapping).whole_stripes) result.contrast = Image<double>(size);
+  phases.frames.visit([&](const auto& frames) {
+    for_each_row(size.height, [&](int row) {
+      std::vector<double> phase(bands), modulation(bands), I(frames.size());
+      for (int column = 0; column < size.width; ++column) {
+        for (std::size_t i = 0; i < bands; ++i) {
+          phase[i] = phases.bands[i].wrapped_phase(column, row);
+          modulation[i] = phases.bands[i].modulation(column, row);
+        }
+        for (std::size_t n = 0; n < I.size(); ++n) I[n] = frames[n](column, row);
+        const auto [y, doubt, contrast] = unwrapped({phase, modulation, I});
+        result.coordinate(column, row) = y;
+        if (!result.doubt.empty()) result.doubt(column, row) = doubt;
+        if (!result.contrast.empty()) result.contrast(column, row) = contrast;
+      }
+    });
+  });
+  return result;
 }
 
 }  // namespace slipstream

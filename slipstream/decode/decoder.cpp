@@ -3,15 +3,29 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/unwrap.h"
 
 namespace slipstream {
 namespace {
+
+/// By the layout's rule; `grey_level`: one of 8 bits in those of the frames.
+UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const CueSettings& cue,
+                       int projector_length, double grey_level) {
+  if (!has_coordinate(layout)) return {};
+  switch (order_source(layout)) {
+    case OrderSource::neighbours:
+      return unwrap_by_vote(layout, phases, cue, projector_length, grey_level);
+    case OrderSource::surface:
+      return unwrap_by_surfaces(layout, phases, grey_level * cue.least_modulation);
+    default:
+      return unwrap_pixels(layout, phases, projector_length);
+  }
+}
 
 /// The least modulation of all bands, the rest as the measuring band has it.
 BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
@@ -42,14 +56,15 @@ Decoder::Decoder(Layout layout, int projector_length, PhaseMethod method,
 }
 
 BasicMaps<double> Decoder::operator()(const FrameViews& frames, double least_modulation) const {
+  return unwrapped(demodulate(frames), frames.full_scale(), least_modulation);
+}
+
+LayoutPhases Decoder::demodulate(const FrameViews& frames) const {
   if (frames.count() != layout_.frames) {
     throw Error(
         fmt::format("{} frames given; the patterns are {}", frames.count(), layout_.frames));
   }
-  const double grey_level = frames.full_scale() / 255;
-  CueSettings cue = cue_;
-  cue.least_modulation = std::max(cue.least_modulation, least_modulation / grey_level);
-  const bool votes = layout_.unwrapping == Unwrapping::vote;
+  const bool votes = order_source(layout_) == OrderSource::neighbours;
   const std::size_t decoded = votes ? 1 : layout_.bands.size();
   LayoutPhases phases;
   for (std::size_t i = 0; i < decoded; ++i)
@@ -61,17 +76,27 @@ BasicMaps<double> Decoder::operator()(const FrameViews& frames, double least_mod
     phases.cue_sine = weighted_sum(frames, layout_.bands[1].sine);
   }
   if (layout_.code || !layout_.single_frames.empty()) phases.frames = frames;
+  return phases;
+}
+
+BasicMaps<double> Decoder::unwrapped(LayoutPhases phases, double full_scale,
+                                     double least_modulation) const {
+  const double grey_level = full_scale / 255;
+  CueSettings cue = cue_;
+  cue.least_modulation = std::max(cue.least_modulation, least_modulation / grey_level);
   UnwrappedPhases unwrapped = unwrap(layout_, phases, cue, projector_length_, grey_level);
   if (!unwrapped.contrast.empty()) {
     phases.bands.front().modulation = std::move(unwrapped.contrast);
   }
-  const std::size_t measuring = votes ? 0 : measuring_band_index(layout_);
+  const std::size_t measuring =
+      order_source(layout_) == OrderSource::neighbours ? 0 : measuring_band_index(layout_);
   return maps_of(std::move(phases.bands), measuring, std::move(unwrapped));
 }
 
 std::string Decoder::method_for(const FrameViews& frames) const {
   std::string names;
-  const std::size_t decoded = layout_.unwrapping == Unwrapping::vote ? 1 : layout_.bands.size();
+  const bool votes = order_source(layout_) == OrderSource::neighbours;
+  const std::size_t decoded = votes ? 1 : layout_.bands.size();
   for (std::size_t i = 0; i < decoded; ++i) {
     const std::string name(name_of(phase_.method_for(layout_.bands[i], frames)));
     if (names.empty()) {

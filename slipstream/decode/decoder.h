@@ -2,11 +2,13 @@
 
 #include <string>
 
+#include "slipstream/base/image.h"
 #include "slipstream/codes/layout.h"
-#include "slipstream/decode/cue_settings.h"
+#include "slipstream/decode/cue_evidence.h"
 #include "slipstream/decode/maps.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/decode/unwrap.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 
@@ -25,6 +27,12 @@ class Decoder {
   /// many frames as the layout has.
   [[nodiscard]] BasicMaps<double> operator()(const FrameViews& frames,
                                              double least_modulation = 0) const;
+
+  /// Its two steps: frames to the phases of every band, corrected; and these to coordinates.
+  /// `full_scale`: of the frames.
+  [[nodiscard]] LayoutPhases demodulate(const FrameViews& frames) const;
+  [[nodiscard]] BasicMaps<double> unwrapped(LayoutPhases phases, double full_scale,
+                                            double least_modulation) const;
 
   /// The method that decodes such frames, one word for each band that differs: "lut", "equation",
   /// or "lut, equation" where one of two step counts has no table.

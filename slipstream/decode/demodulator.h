@@ -5,11 +5,10 @@
 #include <vector>
 
 #include "slipstream/base/image.h"
-#include "slipstream/codes/axis.h"
-#include "slipstream/codes/spectral_frame.h"
+#include "slipstream/codes/demodulation.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/decode/carrier.h"
 #include "slipstream/frames/frame_set.h"
-#include "slipstream/frames/frame_views.h"
 
 namespace slipstream {
 

@@ -1,7 +1,6 @@
 #include "slipstream/decode/equations.h"
 
-#include <cmath>
-#include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include <fmt/format.h>
@@ -9,6 +8,19 @@
 #include "slipstream/base/error.h"
 
 namespace slipstream {
+namespace {
+
+constexpr std::array<ClosedForm, 3> closed_forms{{
+    {.steps = 3, .u = {2, -1, -1}, .v = {0, 1, -1}, .divisor = 3, .sine_square = 3},
+    {.steps = 4, .u = {1, 0, -1, 0}, .v = {0, 1, 0, -1}, .divisor = 2, .sine_square = 1},
+    {.steps = 6,
+     .u = {2, 1, -1, -2, -1, 1},
+     .v = {0, 1, 1, 0, -1, -1},
+     .divisor = 6,
+     .sine_square = 3},
+}};
+
+}  // namespace
 
 using std::numbers::pi;
 
@@ -44,6 +56,35 @@ double wrapped_angle(double S, double C) {
 
 double wrapped_sum(double a, double b) {
   return wrapped_angle(std::sin(a + b), std::cos(a + b));
+}
+
+const ClosedForm* closed_form(int steps) {
+  for (const ClosedForm& form : closed_forms) {
+    if (form.steps == steps) return &form;
+  }
+  return nullptr;
+}
+
+double reflectivity(double modulation, double alpha_p, double share) {
+  return 2 * modulation / (alpha_p * share);
+}
+
+double ambient_light(double mean, double alpha, const PatternLight& light) {
+  return (mean - alpha * (light.alpha_p / 2 + light.beta_p)) / (alpha + 1);
+}
+
+double least_beta_p(double alpha, double ambient) {
+  return ambient < 0 ? -(1 + 1 / alpha) * ambient : 0;
+}
+
+double least_reliable_reflectivity(double beta_p, double ambient) {
+  if (ambient >= 0) return 0;
+  const double lift = beta_p + ambient;
+  return lift > 0 ? -ambient / lift : std::numeric_limits<double>::infinity();
+}
+
+double weighted_reflectivity(double alpha_1, double alpha_2, double c1) {
+  return c1 * alpha_1 + (1 - c1) * alpha_2;
 }
 
 }  // namespace slipstream

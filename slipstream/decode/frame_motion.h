@@ -5,7 +5,7 @@
 
 #include "slipstream/base/image.h"
 #include "slipstream/codes/layout.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 

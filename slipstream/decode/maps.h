@@ -1,7 +1,9 @@
 #pragma once
 
-#include "slipstream/base/converted.h"
+#include <cstdint>
+
 #include "slipstream/base/image.h"
+#include "slipstream/base/setting.h"
 
 namespace slipstream {
 
@@ -41,5 +43,36 @@ void convert(const BasicMaps<From>& from, BasicMaps<To>& to) {
   convert(from.fringe_order_doubt, to.fringe_order_doubt);
   convert(from.coordinate, to.coordinate);
 }
+
+/// 1 where the modulation B^c (grey levels) is at least `minimum`, 0 where the pixel is in shadow,
+/// too dark or unlit and its phase means nothing (Liu 2010, Section 1.1).
+Image<std::uint8_t> modulation_mask(const Image<double>& modulation, double minimum);
+
+/// When a fringe order is believed.
+struct FringeOrderConsensus {
+  /// Largest disagreement of low and high frequency, in periods of the higher, that needs no more
+  /// than `fewest_neighbours`: see fringe_order_residual.
+  double largest_doubt = 0.25;
+  int fewest_neighbours = 1;   ///< of the 8, that agree with a pixel whose frequencies agree
+  int fewest_if_doubtful = 3;  ///< of the 8, that agree with a pixel whose frequencies do not
+
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit({.name = "largest_doubt"}, self.largest_doubt);
+    visit({.name = "fewest_neighbours"}, self.fewest_neighbours);
+    visit({.name = "fewest_if_doubtful"}, self.fewest_if_doubtful);
+  }
+
+  friend bool operator==(const FringeOrderConsensus&, const FringeOrderConsensus&) = default;
+};
+
+/// 1 where the fringe order must be taken for wrong: a lit pixel with too few lit neighbours that
+/// agree with it. Neighbours agree whose coordinates differ by less than half a fringe, 1 / (2
+/// frequency): a wrong order is a whole one away. A region off by the same order is not found.
+/// `coordinate`: y; `doubt`: 0 to 0.5, of each pixel; `lit`: 1 where the modulation suffices.
+Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
+                                              const Image<double>& doubt,
+                                              const Image<std::uint8_t>& lit, double frequency,
+                                              const FringeOrderConsensus& settings = {});
 
 }  // namespace slipstream

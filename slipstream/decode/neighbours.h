@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "slipstream/base/image.h"
-#include "slipstream/codes/axis.h"
-#include "slipstream/codes/symbol_grid.h"
+#include "slipstream/codes/demodulation.h"
+#include "slipstream/codes/pattern_set.h"
 
 namespace slipstream {
 

@@ -1,18 +1,25 @@
 #include "slipstream/decode/phase_decoder.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <span>
+#include <numbers>
 #include <type_traits>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/decode/intensity_ratio.h"
 
 namespace slipstream {
 namespace {
+
+int largest_sum(const std::array<int, 6>& weights) {
+  int positive = 0;
+  for (const int weight : weights) positive += std::max(weight, 0);
+  return 255 * positive;
+}
 
 constexpr std::array<std::pair<PhaseMethod, std::string_view>, 4> method_names{{
     {PhaseMethod::equation, "equation"},
@@ -48,50 +55,6 @@ double mean_of(std::span<const Number> I) {
   return static_cast<double>(sum) / static_cast<double>(I.size());  // (1.3)
 }
 
-/// `sample` with its phase corrected, where there is a correction.
-template <class Pixel, class Sample>
-PhaseMaps decode_and_correct(const Frames<Pixel>& frames, const PhaseCorrection* correction,
-                             const Sample& sample) {
-  if (correction == nullptr) return decode_pixels<double>(frames, sample);
-  return decode_pixels<double>(frames, [&](std::span<const double> I) {
-    PhaseSample pixel = sample(I);
-    pixel.wrapped_phase = corrected_phase(*correction, pixel.wrapped_phase);
-    return pixel;
-  });
-}
-
-template <class Pixel>
-PhaseMaps decode_by_equations(const Frames<Pixel>& frames, const PhaseCorrection* correction) {
-  return decode_and_correct(frames, correction, PhaseEquations(static_cast<int>(frames.size())));
-}
-
-template <class Pixel>
-PhaseMaps decode_by_closed_form(const Frames<Pixel>& frames, const ClosedForm& form,
-                                const PhaseCorrection* correction) {
-  return decode_and_correct(frames, correction, [&](std::span<const double> I) -> PhaseSample {
-    const auto [U, V] = table_index<double>(form, I);
-    return {mean_of(I), form.modulation(U, V), form.wrapped_phase(U, V)};
-  });
-}
-
-template <class Pixel>
-PhaseMaps decode_by_ratio(const Frames<Pixel>& frames, const PhaseCorrection* correction) {
-  const IntensityRatio ratio;
-  const PhaseEquations equations(3);
-  return decode_and_correct(frames, correction, [&](std::span<const double> I) {
-    PhaseSample pixel = equations(I);
-    pixel.wrapped_phase = ratio.wrapped_phase(I);
-    return pixel;
-  });
-}
-
-PhaseMaps decode_by_tables(const Frames<std::uint8_t>& frames, const PhaseTables& tables) {
-  return decode_pixels<int>(frames, [&](std::span<const int> I) -> PhaseSample {
-    const auto [U, V] = table_index<int>(tables.form(), I);
-    return {mean_of(I), tables.mlut(U, V), tables.plut(U, V)};
-  });
-}
-
 /// Of the two sinusoids of a band with a carrier: see Band::carrier.
 void demodulate(PhaseMaps& maps, const PhaseMaps& mirrored) {
   std::transform(maps.modulation.begin(), maps.modulation.end(), mirrored.modulation.begin(),
@@ -101,6 +64,75 @@ void demodulate(PhaseMaps& maps, const PhaseMaps& mirrored) {
 }
 
 }  // namespace
+
+void require_valid(const PhaseCorrection& correction, int steps) {
+  if (correction.steps != steps || steps < 3) {
+    throw Error(
+        fmt::format("the phase correction of {} steps stands at {}; both are one N, 3 or more",
+                    correction.steps, steps));
+  }
+  const bool finite = std::all_of(correction.added.begin(), correction.added.end(),
+                                  [](double added) { return std::isfinite(added); });
+  if (correction.added.empty() || !finite) {
+    throw Error(fmt::format("the phase correction of {} steps is empty or not finite", steps));
+  }
+}
+
+double corrected_phase(const PhaseCorrection& correction, double phi) {
+  constexpr double two_pi = 2 * std::numbers::pi;
+  const std::size_t count = correction.added.size();
+  const double place = phi * correction.steps / two_pi * static_cast<double>(count);
+  const double floor = std::floor(place);
+  const std::size_t left = static_cast<std::size_t>(floor) % count;
+  const std::size_t right = (left + 1) % count;
+  const double added = std::lerp(correction.added[left], correction.added[right], place - floor);
+  const double corrected = phi + added;
+  if (corrected < 0) return std::min(corrected + two_pi, std::nextafter(two_pi, 0));
+  return corrected < two_pi ? corrected : corrected - two_pi;
+}
+
+PhaseTables::PhaseTables(int steps, const PhaseCorrection* correction) : form_(closed_form(steps)) {
+  if (form_ == nullptr) {
+    throw Error(fmt::format("no phase table for {} steps; there is one for 3, 4 and 6", steps));
+  }
+  largest_U_ = largest_sum(form_->u);
+  largest_V_ = largest_sum(form_->v);
+  const std::size_t rows = static_cast<std::size_t>(2 * largest_V_ + 1);
+  const std::size_t columns = static_cast<std::size_t>(2 * largest_U_ + 1);
+  mlut_.resize(rows * columns);
+  plut_.resize(rows * columns);
+  for_each_row(static_cast<int>(rows), [&](int row) {
+    const int V = row - largest_V_;
+    for (int U = -largest_U_; U <= largest_U_; ++U) {
+      mlut_[position(U, V)] = form_->modulation(U, V);
+      const double phi = form_->wrapped_phase(U, V);
+      plut_[position(U, V)] = correction == nullptr ? phi : corrected_phase(*correction, phi);
+    }
+  });
+}
+
+IntensityRatio::IntensityRatio() {
+  for (int i = 0; i <= segments; ++i) {
+    const double ratio = static_cast<double>(i) / segments;
+    angle_[static_cast<std::size_t>(i)] = std::atan2(std::numbers::sqrt3 * ratio, 2 - ratio);
+  }
+}
+
+double IntensityRatio::wrapped_phase(std::span<const double> I) const {
+  constexpr double sixth = std::numbers::pi / 3;
+  const auto [least, greatest] = std::minmax({I[0], I[1], I[2]});
+  if (!(greatest > least)) return 0;
+  const double middle = I[0] + I[1] + I[2] - least - greatest;
+  const double place = (middle - least) / (greatest - least) * segments;
+  const auto left = static_cast<std::size_t>(std::clamp(place, 0.0, segments - 1.0));
+  const double within =
+      std::lerp(angle_[left], angle_[left + 1], place - static_cast<double>(left));
+  // From the greatest at n = 0 the ratio rises while n = 1 comes up to it, then falls.
+  const bool first = I[0] == greatest, second = !first && I[1] == greatest;
+  if (first) return I[1] >= I[2] ? within : within == 0 ? 0 : 6 * sixth - within;
+  if (second) return I[0] >= I[2] ? 2 * sixth - within : 2 * sixth + within;
+  return I[1] >= I[0] ? 4 * sixth - within : 4 * sixth + within;
+}
 
 std::string_view name_of(PhaseMethod method) {
   for (const auto& [value, name] : method_names) {
@@ -144,14 +176,36 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, int first, int step
   const PhaseMethod method = method_for(steps, frames);
   return frames.part(first, steps).visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_same_v<Pixel, std::uint8_t>) {
-      if (method == PhaseMethod::tables) return decode_by_tables(views, tables_.at(steps));
+      if (method == PhaseMethod::tables) {
+        const PhaseTables& tables = tables_.at(steps);
+        return decode_pixels<int>(views, [&](std::span<const int> I) -> PhaseSample {
+          const auto [U, V] = table_index<int>(tables.form(), I);
+          return {mean_of(I), tables.mlut(U, V), tables.plut(U, V)};
+        });
+      }
     }
-    const PhaseCorrection* correction = correction_for(steps);
+    const PhaseCorrection* const correction = correction_for(steps);
+    const auto decode = [&](const auto& sample) {
+      return decode_pixels<double>(views, [&](std::span<const double> I) {
+        PhaseSample pixel = sample(I);
+        if (correction != nullptr)
+          pixel.wrapped_phase = corrected_phase(*correction, pixel.wrapped_phase);
+        return pixel;
+      });
+    };
     if (method == PhaseMethod::closed_form) {
-      return decode_by_closed_form(views, *closed_form(steps), correction);
+      return decode([form = *closed_form(steps)](std::span<const double> I) -> PhaseSample {
+        const auto [U, V] = table_index<double>(form, I);
+        return {mean_of(I), form.modulation(U, V), form.wrapped_phase(U, V)};
+      });
     }
-    if (method == PhaseMethod::intensity_ratio) return decode_by_ratio(views, correction);
-    return decode_by_equations(views, correction);
+    const PhaseEquations equations(steps);
+    if (method == PhaseMethod::equation) return decode(equations);
+    return decode([&, ratio = IntensityRatio()](std::span<const double> I) {
+      PhaseSample pixel = equations(I);
+      pixel.wrapped_phase = ratio.wrapped_phase(I);
+      return pixel;
+    });
   });
 }
 

@@ -1,17 +1,84 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <map>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "slipstream/base/image.h"
 #include "slipstream/codes/layout.h"
 #include "slipstream/decode/equations.h"
-#include "slipstream/decode/phase_correction.h"
-#include "slipstream/decode/phase_tables.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
+
+/// What is added to the wrapped phase that N steps measure, so that the projector's response no
+/// longer shows in it: Delta phi of Liu 2010, Eqs. (4.45), (4.56), with its sign turned. It is a
+/// function of the measured phase alone and repeats N times around the circle.
+struct PhaseCorrection {
+  int steps = 0;              ///< N, >= 3
+  std::vector<double> added;  ///< rad, at measured phase 2 pi i / (N added.size()); linear between
+};
+
+/// One correction for each N that needs one; an N that is not there is left alone.
+using PhaseCorrections = std::map<int, PhaseCorrection>;
+
+/// Throws Error unless the correction is for that many steps, N >= 3, and has finite entries.
+void require_valid(const PhaseCorrection& correction, int steps);
+
+/// The wrapped phase without the projector's response, rad, [0, 2 pi). `phi` is in [0, 2 pi).
+double corrected_phase(const PhaseCorrection& correction, double phi);
+
+/// MLUT and PLUT of Liu 2010, Eqs. (2.4)-(2.18): modulation and wrapped phase of every (U, V) that
+/// 3, 4 or 6 frames of 8 bits can give, in double, so that nothing is lost against the equations.
+/// N = 3: 4.2 MB each; N = 4: 2.1 MB; N = 6: 16.7 MB.
+class PhaseTables {
+ public:
+  /// Throws Error when `steps` is not 3, 4 or 6. With a correction the PLUT holds corrected phase,
+  /// which costs nothing later; null: none.
+  explicit PhaseTables(int steps, const PhaseCorrection* correction = nullptr);
+
+  [[nodiscard]] const ClosedForm& form() const { return *form_; }
+  /// Largest |U| and |V| that 8-bit frames reach.
+  [[nodiscard]] int largest_U() const { return largest_U_; }
+  [[nodiscard]] int largest_V() const { return largest_V_; }
+
+  /// B^c in grey levels, |U| <= largest_U(), |V| <= largest_V().
+  [[nodiscard]] double mlut(int U, int V) const { return mlut_[position(U, V)]; }
+  /// phi in rad, [0, 2 pi), corrected where the tables were made so.
+  [[nodiscard]] double plut(int U, int V) const { return plut_[position(U, V)]; }
+
+ private:
+  [[nodiscard]] std::size_t position(int U, int V) const {
+    const int row = V + largest_V_, column = U + largest_U_;
+    const int entry = row * (2 * largest_U_ + 1) + column;
+    return static_cast<std::size_t>(entry);
+  }
+
+  const ClosedForm* form_;
+  int largest_U_ = 0;
+  int largest_V_ = 0;
+  std::vector<double> mlut_;
+  std::vector<double> plut_;
+};
+
+/// The wrapped phase of three steps without an arctangent (Huang and Zhang, Applied Optics 45(21),
+/// 2006): which intensity is the greatest and which the least says in which sixth of the circle it
+/// lies, and a table of the ratio (middle - least) / (greatest - least) where in there.
+class IntensityRatio {
+ public:
+  IntensityRatio();
+
+  /// phi, rad, [0, 2 pi), to 2e-8; 0 where all three are alike. `intensities`: of Eq. (1.1), N = 3.
+  [[nodiscard]] double wrapped_phase(std::span<const double> intensities) const;
+
+ private:
+  static constexpr int segments = 4096;
+
+  std::array<double, segments + 1> angle_{};  ///< rad, [0, pi / 3], at ratio i / segments
+};
 
 /// How phase is computed in double. All but the last agree to 1e-12 rad; they differ in speed.
 enum class PhaseMethod {

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
 #include <numbers>
 #include <numeric>
-#include <optional>
-#include <utility>
-#include <vector>
 
+#include "slipstream/base/image.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/decode/unwrap.h"
 
 namespace slipstream {
 namespace {
@@ -195,6 +197,146 @@ SurfaceChoice by_possible_orders(const Image<OrderRange>& possible) {
     });
     return votes.chosen(surface.pixels);
   };
+}
+
+namespace {
+
+/// The part of the single frames' squares that is left under `shift`.
+double misfit(const Layout& layout, const LayoutPhases& phases, const Surface& surface, int shift) {
+  constexpr std::size_t every = 7;
+  const PhaseMaps& measuring = phases.bands.front();
+  const std::vector<SingleFrame>& shown = layout.single_frames;
+  const std::size_t count = shown.size();
+  std::vector<double> squares(count), models(count), products(count);
+  phases.frames.visit([&](const auto& frames) {
+    std::size_t seen = 0;
+    surface.for_each([&](int column, int row, int order) {
+      if (seen++ % every != 0) return;
+      const double y = unwrapped_coordinate(measuring.wrapped_phase(column, row), order + shift,
+                                            layout.bands.front().periods);
+      const double B = measuring.modulation(column, row);
+      for (std::size_t n = 0; n < count; ++n) {
+        const auto& [frame, periods, origin] = shown[n];
+        const auto I = static_cast<double>(frames[static_cast<std::size_t>(frame)](column, row));
+        const double model = B * (1 + std::cos(two_pi * periods * y + origin));
+        squares[n] += I * I;
+        models[n] += model * model;
+        products[n] += I * model;
+      }
+    });
+  });
+  double left = 0, all = 0;
+  for (std::size_t n = 0; n < count; ++n) {
+    all += squares[n];
+    left += squares[n] - products[n] * products[n] / std::max(models[n], 1e-9);
+  }
+  return left / all;
+}
+
+/// First and last of a surface's own orders.
+std::pair<int, int> order_range(const Surface& surface) {
+  int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+  surface.for_each([&](int, int, int order) {
+    first = std::min(first, order);
+    last = std::max(last, order);
+  });
+  return {first, last};
+}
+
+/// Of all shifts that leave some order in the field, the one under which least is left; how much
+/// that is, and how much is left under the next best.
+struct BestShift {
+  std::optional<int> shift{};
+  double least = std::numeric_limits<double>::infinity(), next = least;
+};
+
+template <class Left>
+BestShift best_shift(std::pair<int, int> orders, double periods, const Left& left_by) {
+  BestShift best;
+  const int most = static_cast<int>(std::ceil(periods)) - orders.second;
+  for (int shift = -orders.first - 1; shift <= most; ++shift) {
+    const double left = left_by(shift);
+    if (left < best.least) {
+      best = {shift, left, best.least};
+    } else {
+      best.next = std::min(best.next, left);
+    }
+  }
+  return best;
+}
+
+SurfaceChoice by_single_frames(const Layout& layout, const LayoutPhases& phases) {
+  return [&](const Surface& surface) -> std::optional<int> {
+    constexpr std::size_t fewest = 2000;
+    constexpr int least_span = 4;  // periods
+    constexpr double most_left = 0.04, decided = 1.2;
+    const std::pair orders = order_range(surface);
+    if (surface.pixels < fewest || orders.second - orders.first < least_span) return {};
+    const auto [shift, least, next] =
+        best_shift(orders, layout.bands.front().periods,
+                   [&](int tried) { return misfit(layout, phases, surface, tried); });
+    return least < most_left && next > decided * least ? shift : std::nullopt;
+  };
+}
+
+/// The order under which two bands agree: the mean of what the second's phase is off turns on by
+/// the same angle from each order to the next.
+SurfaceChoice by_two_bands(const Layout& layout, const LayoutPhases& phases) {
+  return [&](const Surface& surface) -> std::optional<int> {
+    constexpr double least_agreement = 0.9, decided = 2;
+    const double periods = layout.bands[0].periods, ratio = layout.bands[1].periods / periods;
+    const auto &first = phases.bands[0].wrapped_phase, &second = phases.bands[1].wrapped_phase;
+    std::complex<double> sum;
+    surface.for_each([&](int column, int row, int order) {
+      sum += std::polar(1.0, ratio * (first(column, row) + two_pi * order) - second(column, row));
+    });
+    if (std::abs(sum) < least_agreement * static_cast<double>(surface.pixels)) return {};
+    const double off = std::arg(sum);
+    const auto [shift, least, next] = best_shift(order_range(surface), periods, [&](int tried) {
+      return std::abs(std::remainder(off + two_pi * ratio * tried, two_pi));
+    });
+    return next > decided * least ? shift : std::nullopt;
+  };
+}
+
+}  // namespace
+
+UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& phases,
+                                   double least_modulation) {
+  const PhaseMaps& band = phases.bands.front();
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  const Size size = band.wrapped_phase.size();
+  Image<float> phase(size);
+  std::transform(
+      band.wrapped_phase.begin(), band.wrapped_phase.end(), band.modulation.begin(), phase.begin(),
+      [&](double phi, double B) { return static_cast<float>(B > least_modulation ? phi : nan); });
+  const double periods = layout.bands.front().periods;
+  SecondPhase second;
+  const bool two = layout.bands.size() == 2;
+  if (two) {
+    second.ratio = static_cast<float>(layout.bands[1].periods / periods);
+    convert(phases.bands[1].wrapped_phase, second.wrapped);
+  }
+  SurfaceOrders by_surfaces;
+  const Image<int>& orders =
+      by_surfaces(phase, two ? by_two_bands(layout, phases) : by_single_frames(layout, phases),
+                  two ? &second : nullptr);
+  UnwrappedPhases result{.coordinate = Image<double>(size, nan), .doubt = Image<double>(size, 0.5)};
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      const int order = orders(column, row);
+      if (order == SurfaceOrders::none) continue;
+      const double y = unwrapped_coordinate(band.wrapped_phase(column, row), order, periods);
+      if (two) {
+        constexpr double most = 0.125;  // periods
+        const double turns = phases.bands[1].wrapped_phase(column, row) / (2 * std::numbers::pi);
+        if (std::abs(std::remainder(layout.bands[1].periods * y - turns, 1)) > most) continue;
+      }
+      result.coordinate(column, row) = y;
+      result.doubt(column, row) = 0;
+    }
+  });
+  return result;
 }
 
 }  // namespace slipstream

@@ -4,10 +4,11 @@
 
 #include "slipstream/base/image.h"
 #include "slipstream/codes/layout.h"
-#include "slipstream/decode/cue_settings.h"
+#include "slipstream/decode/cue_evidence.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
+// What ways of unwrapping do with a whole picture, by OrderSource.
 namespace slipstream {
 
 /// What is unwrapped: of every pixel the phase of each band, and what its cue says.
@@ -32,10 +33,24 @@ struct UnwrappedPhases {
       shade{};  ///< what a cue in the DC channel adds to the mean, grey levels; else empty
 };
 
-/// The coordinate by the layout's rule: see BandUnwrapper; or the cue and the neighbours, Liu 2010,
-/// Section 3.2. `projector_length`: projector pixels along the axis; `grey_level`: one
-/// of 8 bits in those of the frames.
-UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const CueSettings& cue,
-                       int projector_length, double grey_level);
+/// Each pixel by itself: see BandUnwrapper. `projector_length`: projector pixels along the axis.
+UnwrappedPhases unwrap_pixels(const Layout& layout, const LayoutPhases& phases,
+                              int projector_length);
+
+/// Each connected surface by the order under which its single frames fit best: they show
+/// 1 + cos(2 pi periods y + origin), as bright as the band is strong, times one number for all of
+/// the surface, which need not be that of the other frames: a lens takes more away of one carrier
+/// than of another. None where more than 4 % of the frames' squares are left, where another order
+/// leaves less than a fifth more, and of surfaces of less than 2000 pixels or four periods. Of two
+/// bands instead: that under which their phases agree, twice as well as under any other.
+/// `least_modulation`: grey levels of the frames.
+UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& phases,
+                                   double least_modulation);
+
+/// By the cue, and the neighbours where the rule asks them: Liu 2010, Section 3.2. `grey_level`:
+/// one of 8 bits in those of the frames.
+UnwrappedPhases unwrap_by_vote(const Layout& layout, const LayoutPhases& phases,
+                               const CueSettings& settings, int projector_length,
+                               double grey_level);
 
 }  // namespace slipstream

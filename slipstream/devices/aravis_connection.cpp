@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/devices/detail/stream_filter.h"
+#include "slipstream/devices/gige_sockets.h"
 
 namespace slipstream {
 namespace {
@@ -23,25 +23,15 @@ class Settings {
   Settings(ArvCamera* camera, std::string name) : camera_(camera), name_(std::move(name)) {}
 
   template <class Call, class... Values>
-  auto operator()(const std::string& what, Call call, Values... values) const {
+  void operator()(const std::string& what, Call call, Values... values) const {
     GErrorReceiver error;
-    if constexpr (std::is_void_v<decltype(call(camera_, values..., nullptr))>) {
-      call(camera_, values..., error.out());
-      check(what, error);
-    } else {
-      const auto result = call(camera_, values..., error.out());
-      check(what, error);
-      return result;
-    }
-  }
-
- private:
-  void check(const std::string& what, const GErrorReceiver& error) const {
+    call(camera_, values..., error.out());
     if (error) {
       throw Error(fmt::format("camera {} does not take {}: {}", name_, what, error.message()));
     }
   }
 
+ private:
   ArvCamera* camera_;
   std::string name_;
 };
@@ -85,31 +75,23 @@ std::uint32_t ipv4_address(ArvCamera* camera) {
 
 }  // namespace
 
-AravisConnection::AravisConnection(const std::string& name, const CameraSettings& settings)
+AravisConnection::AravisConnection(const std::string& name, const CameraSettings& settings,
+                                   const CameraAddress& address)
     : name_(name.empty() ? "(the first found)" : name) {
   GErrorReceiver error;
-  camera_.reset(arv_camera_new(name.empty() ? nullptr : name.c_str(), error.out()));
+  if (address) {
+    const GObjectPointer<ArvDevice> device(
+        arv_gv_device_new(address.interface.get(), address.device.get(), error.out()));
+    if (device) camera_.reset(arv_camera_new_with_device(device.get(), error.out()));
+  } else {
+    camera_.reset(arv_camera_new(name.empty() ? nullptr : name.c_str(), error.out()));
+  }
   if (!camera_) {
     throw WorldError(fmt::format("camera {} does not answer: {}", name_,
                                  error ? error.message() : "there is none"));
   }
   set_up(settings);
 }
-
-AravisConnection::AravisConnection(const CameraAddress& address, const std::string& name,
-                                   const CameraSettings& settings)
-    : name_(name) {
-  GErrorReceiver error;
-  const GObjectPointer<ArvDevice> device(
-      arv_gv_device_new(address.interface.get(), address.device.get(), error.out()));
-  if (device) camera_.reset(arv_camera_new_with_device(device.get(), error.out()));
-  if (!camera_) {
-    throw WorldError(fmt::format("camera {} does not answer: {}", name_, error.message()));
-  }
-  set_up(settings);
-}
-
-AravisConnection::~AravisConnection() = default;
 
 void AravisConnection::set_up(const CameraSettings& settings) {
   const Settings set(camera_.get(), name_);

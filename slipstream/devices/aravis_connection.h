@@ -9,11 +9,38 @@
 
 #include <arv.h>
 
-#include "slipstream/devices/camera_settings.h"
-#include "slipstream/devices/g_object.h"
-#include "slipstream/frames/camera_controls.h"
+#include "slipstream/devices/camera.h"
+#include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
+
+struct GObjectUnref {
+  void operator()(gpointer object) const { g_object_unref(object); }
+};
+
+/// Owns one reference to a GObject.
+template <class Object>
+using GObjectPointer = std::unique_ptr<Object, GObjectUnref>;
+
+/// Receives the GError of a call, `arv_call(..., error.out())`, and frees it.
+class GErrorReceiver {
+ public:
+  GErrorReceiver() = default;
+  GErrorReceiver(const GErrorReceiver&) = delete;
+  GErrorReceiver& operator=(const GErrorReceiver&) = delete;
+  ~GErrorReceiver() { g_clear_error(&error_); }
+
+  /// To be handed to one call.
+  GError** out() {
+    g_clear_error(&error_);
+    return &error_;
+  }
+  explicit operator bool() const { return error_ != nullptr; }
+  [[nodiscard]] std::string message() const { return error_ ? error_->message : ""; }
+
+ private:
+  GError* error_ = nullptr;
+};
 
 /// Where a GigE Vision camera was found, to find it again without asking all networks.
 struct CameraAddress {
@@ -27,14 +54,13 @@ struct CameraAddress {
 /// gone may take seconds to give up: the destructor waits for that.
 class AravisConnection {
  public:
-  /// Throws Error where the camera does not take a setting, WorldError where it does not answer.
-  AravisConnection(const std::string& name, const CameraSettings& settings);
-  /// The same of a camera at an address where it was before.
-  AravisConnection(const CameraAddress& address, const std::string& name,
-                   const CameraSettings& settings);
+  /// The camera of that name, or at that address where it was found before. Throws Error where it
+  /// does not take a setting, WorldError where it does not answer.
+  AravisConnection(const std::string& name, const CameraSettings& settings,
+                   const CameraAddress& address = {});
   AravisConnection(const AravisConnection&) = delete;
   AravisConnection& operator=(const AravisConnection&) = delete;
-  ~AravisConnection();
+  ~AravisConnection() = default;
 
   void start();  ///< frames come. Throws WorldError
   void stop();

@@ -1,10 +1,9 @@
-#include "slipstream/devices/genicam.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <future>
-#include <mutex>
+#include <memory>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -14,7 +13,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/devices/aravis_connection.h"
-#include "slipstream/devices/frame_count.h"
+#include "slipstream/devices/camera_source.h"
 
 namespace slipstream {
 namespace {
@@ -26,25 +25,11 @@ using namespace std::chrono_literals;
 /// A GenICam camera over GigE Vision or USB3 Vision. Sequence: the camera's own count of frames,
 /// from 0 at the start; device time: of the camera's clock; host time: when the frame is fetched.
 /// A camera that is gone is sought until it is back, without an error: `state` says so meanwhile.
-class AravisSource final : public FrameSource, public CameraControls {
+class AravisSource final : public CameraSource<AravisConnection> {
  public:
-  AravisSource(std::string name, CameraSettings settings)
-      : name_(std::move(name)),
-        settings_(std::move(settings)),
-        connection_(std::make_shared<AravisConnection>(name_, settings_)),
-        address_(connection_->address()),
-        format_{frame_size(connection_->size()), bits_of(settings_.pixel_format)},
-        count_(settings_.cycle) {
-    if (settings_.cycle < 1) {
-      throw Error(fmt::format("{} patterns in a scan; at least 1", settings_.cycle));
-    }
-  }
-  AravisSource(const AravisSource&) = delete;
-  AravisSource& operator=(const AravisSource&) = delete;
+  AravisSource(const std::string& name, const CameraSettings& settings)
+      : AravisSource(name, settings, std::make_shared<AravisConnection>(name, settings)) {}
   ~AravisSource() override { AravisSource::stop(); }
-
-  [[nodiscard]] bool has_own_pace() const override { return true; }
-  CameraControls* controls() override { return this; }
 
   void start() override {
     if (!connection_) reopen();  // it was gone at the stop
@@ -66,14 +51,7 @@ class AravisSource final : public FrameSource, public CameraControls {
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const override {
     const bool triggered = !settings_.trigger.empty();
     if (triggered && which == CameraControl::frame_rate) return std::nullopt;
-    const std::shared_ptr<AravisConnection> connection = shared_connection();
-    return connection ? connection->control(which) : std::nullopt;
-  }
-
-  void set_control(CameraControl which, double value) override {
-    if (const auto connection = shared_connection()) connection->set_control(which, value);
-    const std::lock_guard lock(mutex_);
-    asked_for(settings_, which) = which == CameraControl::exposure ? value / 1e3 : value;
+    return CameraSource::control(which);
   }
 
   Arrival next(Frame& frame, milliseconds timeout) override {
@@ -91,32 +69,27 @@ class AravisSource final : public FrameSource, public CameraControls {
         return arrival;
       }
       if (connection_->is_lost() || steady_clock::now() - last_heard_ > longest_silence()) {
-        lose();
+        resent_before_ += resent_.exchange(0);
+        bury(lose());
         return Arrival::nothing;
       }
     } while (steady_clock::now() < end);
     return Arrival::nothing;
   }
 
-  [[nodiscard]] FrameFormat format() const override { return format_; }
-
   [[nodiscard]] SourceCounters counters() const override {
-    return {.delivered = delivered_,
-            .lost = lost_,
-            .resent = resent_before_ + resent_,
-            .reconnects = reconnects_};
-  }
-
-  [[nodiscard]] std::string state() const override {
-    const std::lock_guard lock(mutex_);
-    return state_;
+    SourceCounters counters = CameraSource::counters();
+    counters.resent = resent_before_ + resent_;
+    return counters;
   }
 
  private:
-  [[nodiscard]] std::shared_ptr<AravisConnection> shared_connection() const {
-    const std::lock_guard lock(mutex_);
-    return connection_;
-  }
+  AravisSource(const std::string& name, const CameraSettings& settings,
+               const std::shared_ptr<AravisConnection>& connection)
+      : CameraSource(name, settings, connection,
+                     {frame_size(connection->size(), settings.pixel_format),
+                      bits_of(settings.pixel_format)}),
+        address_(connection->address()) {}
 
   void begin() {
     count_.begin(connection_->first_number());
@@ -125,8 +98,11 @@ class AravisSource final : public FrameSource, public CameraControls {
   }
 
   /// Of frames with pictures of that size.
-  [[nodiscard]] Size frame_size(Size picture) const {
-    return {values_of(settings_.pixel_format) * picture.width, picture.height};
+  [[nodiscard]] static Size frame_size(Size picture, PixelFormat format) {
+    return {values_of(format) * picture.width, picture.height};
+  }
+  [[nodiscard]] bool fits(Size picture) const {
+    return frame_size(picture, settings_.pixel_format) == format_.size;
   }
 
   /// A camera that runs freely and has not been heard of for so long is gone, before its protocol
@@ -147,38 +123,23 @@ class AravisSource final : public FrameSource, public CameraControls {
     const Size size{arv_buffer_get_image_width(&buffer), arv_buffer_get_image_height(&buffer)};
     std::size_t bytes = 0;
     const auto* data = static_cast<const std::uint8_t*>(arv_buffer_get_image_data(&buffer, &bytes));
-    if (frame_size(size) != format_.size || data == nullptr) return Arrival::damaged;
+    if (!fits(size) || data == nullptr) return Arrival::damaged;
     if (frame.format() != format_) frame = Frame(format_);
     if (!unpack(settings_.pixel_format, {data, bytes}, frame)) return Arrival::damaged;
-    frame.stamp = {.sequence = count(arv_buffer_get_frame_id(&buffer)),
+    frame.stamp = {.sequence = count_number(arv_buffer_get_frame_id(&buffer)),
                    .pattern_index = std::nullopt,
                    .device_time = std::chrono::nanoseconds(arv_buffer_get_timestamp(&buffer)),
                    .host_time = steady_clock::now()};
-    ++delivered_;
     return Arrival::frame;
   }
 
-  std::uint64_t count(std::uint64_t number) {
+  std::uint64_t count_number(std::uint64_t number) {
     // Few cameras count on from the frames before the start.
     if (first_frame_ && number > connection_->first_number() + FrameCount::far) {
       count_.begin(number);
     }
     first_frame_ = false;
-    const std::uint64_t sequence = count_(number);
-    lost_ = count_.missing();
-    return sequence;
-  }
-
-  void lose() {
-    resent_before_ += resent_.exchange(0);
-    std::shared_ptr<AravisConnection> lost;
-    {
-      const std::lock_guard lock(mutex_);
-      lost.swap(connection_);
-      state_ = fmt::format("camera {} is gone; looking for it",
-                           name_.empty() ? "(the first found)" : name_);
-    }
-    bury(std::move(lost));
+    return count(number);
   }
 
   /// Lets go of a camera elsewhere: saying goodbye to one that is gone takes seconds.
@@ -197,42 +158,27 @@ class AravisSource final : public FrameSource, public CameraControls {
     if (seeking_.wait_for(timeout) != std::future_status::ready) return Arrival::nothing;
     std::shared_ptr<AravisConnection> found = seeking_.get();
     if (!found) return Arrival::nothing;
-    {
-      const std::lock_guard lock(mutex_);
-      connection_ = std::move(found);
-      state_.clear();
-    }
-    ++reconnects_;
+    regain(std::move(found));
     begin();
     return Arrival::nothing;
   }
 
   [[nodiscard]] std::shared_ptr<AravisConnection> open_again() const {
-    const CameraSettings settings = [this] {
-      const std::lock_guard lock(mutex_);
-      return settings_;
-    }();
-    return address_ ? std::make_shared<AravisConnection>(address_, name_, settings)
-                    : std::make_shared<AravisConnection>(name_, settings);
+    return std::make_shared<AravisConnection>(name_, settings_now(), address_);
   }
 
   void reopen() {
     std::shared_ptr<AravisConnection> found = open_again();
-    if (frame_size(found->size()) != format_.size) {
+    if (!fits(found->size())) {
       throw WorldError(fmt::format("camera {} is back with frames of another size", name_));
     }
-    {
-      const std::lock_guard lock(mutex_);
-      connection_ = std::move(found);
-      state_.clear();
-    }
-    ++reconnects_;
+    regain(std::move(found));
   }
 
   [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() const {
     try {
       std::shared_ptr<AravisConnection> connection = open_again();
-      if (frame_size(connection->size()) != format_.size) return nullptr;
+      if (!fits(connection->size())) return nullptr;
       connection->start();
       return connection;
     } catch (const std::exception&) {
@@ -241,26 +187,12 @@ class AravisSource final : public FrameSource, public CameraControls {
     }
   }
 
-  const std::string name_;
-  /// Lights and rate change while frames come, the rest does not.
-  CameraSettings settings_;
-  mutable std::mutex mutex_;  ///< of connection_ against other threads, of those, and of state_
-  std::shared_ptr<AravisConnection> connection_;
   const CameraAddress address_;
-  const FrameFormat format_;
-  std::string state_;
-
-  FrameCount count_;
   bool first_frame_ = true;
   steady_clock::time_point last_heard_;
   std::future<std::shared_ptr<AravisConnection>> seeking_;
   std::vector<std::future<void>> burials_;
-
-  std::atomic<std::uint64_t> delivered_ = 0;
-  std::atomic<std::uint64_t> lost_ = 0;
-  std::atomic<std::uint64_t> resent_before_ = 0;
-  std::atomic<std::uint64_t> resent_ = 0;
-  std::atomic<std::uint64_t> reconnects_ = 0;
+  std::atomic<std::uint64_t> resent_before_ = 0, resent_ = 0;
 };
 
 }  // namespace

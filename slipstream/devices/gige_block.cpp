@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "slipstream/base/number_bytes.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {

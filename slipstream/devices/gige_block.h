@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "slipstream/base/image.h"
-#include "slipstream/base/rectangle.h"
+#include "slipstream/base/size.h"
 #include "slipstream/devices/gige_control.h"
 
 namespace slipstream {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "slipstream/base/number_bytes.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <netinet/in.h>
 
-#include "slipstream/base/rectangle.h"
+#include "slipstream/base/size.h"
 
 namespace slipstream {
 

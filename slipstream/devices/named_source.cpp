@@ -12,9 +12,7 @@
 
 #include "slipstream/base/did_you_mean.h"
 #include "slipstream/base/error.h"
-#include "slipstream/devices/open_camera.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/frames/colour_source.h"
 #include "slipstream/io/replay_source.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/virtual_camera.h"

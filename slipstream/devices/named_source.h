@@ -5,10 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "slipstream/codes/sequence_changes.h"
-#include "slipstream/devices/camera_settings.h"
+#include "slipstream/codes/sequence.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/frames/frame_set.h"
-#include "slipstream/frames/frame_source.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/virtual_world.h"
 

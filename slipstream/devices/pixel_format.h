@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/frames/frame.h"
+#include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
 

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/devices/g_object.h"
+#include "slipstream/devices/aravis_connection.h"
 #include "slipstream/devices/gige_block.h"
 #include "slipstream/devices/gige_sockets.h"
 

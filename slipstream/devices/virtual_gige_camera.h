@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/frames/reel.h"
+#include "slipstream/frames/frame_source.h"
 
 namespace slipstream {
 

@@ -2,13 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <functional>
 #include <limits>
 #include <utility>
 
+#include "slipstream/base/statistics.h"
+
 namespace slipstream {
 namespace {
+
+/// A pattern shows where a cycle goes at least so far up and down, grey levels of 255.
+constexpr float least_range = 16;
+/// Fewer samples than these tell nothing.
+constexpr int fewest_samples = 16;
+/// How much nearer another index must be before it is believed. Noise leaves two distances about
+/// equal; two patterns of which only one is right are further apart than that.
+constexpr float nearer = 0.5F;
+
+constexpr std::size_t at(int i) {
+  return static_cast<std::size_t>(i);
+}
 
 /// Sum of squares about each sample's mean over the cycle.
 double variation(const CycleSamples& cycle) {
@@ -46,6 +59,127 @@ double turn_between(const Fit& a, const Fit& b) {
 
 }  // namespace
 
+SampleGrid::SampleGrid(Size size) {
+  const int beside = std::max(1, size.width / 64);
+  const auto place = [](double part, int length) {
+    return std::min(static_cast<int>(part * length), length - 1);
+  };
+  for (int i = 0; i < std::min(pairs, size.width * size.height / 2); ++i) {
+    const auto [x, y] = spread_place(i);
+    const int column = place(x, size.width), row = place(y, size.height);
+    for (const int away : {0, beside}) {
+      pixels_.push_back(static_cast<std::size_t>(std::min(row + away, size.height - 1)) *
+                            static_cast<std::size_t>(size.width) +
+                        static_cast<std::size_t>(std::min(column + away, size.width - 1)));
+    }
+  }
+}
+
+void SampleGrid::sample(const Frame& frame, std::vector<float>& samples) const {
+  samples.resize(pixels_.size());
+  const float scale = 255.0F / static_cast<float>((1 << frame.bits) - 1);
+  std::visit(
+      [&](const auto& image) {
+        const auto* const pixels = image.begin();
+        std::transform(pixels_.begin(), pixels_.end(), samples.begin(),
+                       [&](std::size_t i) { return scale * static_cast<float>(pixels[i]); });
+      },
+      frame.pixels);
+}
+
+SlipWatch::SlipWatch(int cycle, std::size_t samples)
+    : count_(cycle),
+      last_(at(cycle), std::vector<float>(samples)),
+      known_(at(cycle)),
+      distances_(at(cycle)),
+      suspects_(at(cycle), Seen{0, std::vector<float>(samples)}) {}
+
+int SlipWatch::moved(int index, int places) const {
+  return (index + places % count_ + count_) % count_;
+}
+
+bool SlipWatch::has_cycle() const {
+  return std::find(known_.begin(), known_.end(), false) == known_.end();
+}
+
+void SlipWatch::measure_distances(const std::vector<float>& samples) {
+  std::fill(distances_.begin(), distances_.end(), 0.0F);
+  int used = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    float least = samples[i], greatest = samples[i];
+    for (const auto& frame : last_) {
+      least = std::min(least, frame[i]);
+      greatest = std::max(greatest, frame[i]);
+    }
+    if (greatest - least < least_range) continue;
+    ++used;
+    for (std::size_t index = 0; index < last_.size(); ++index) {
+      distances_[index] += std::abs(samples[i] - last_[index][i]);
+    }
+  }
+  if (used < fewest_samples || !has_cycle()) {
+    std::fill(distances_.begin(), distances_.end(), std::numeric_limits<float>::infinity());
+  }
+}
+
+void SlipWatch::keep(int index, const std::vector<float>& samples) {
+  std::copy(samples.begin(), samples.end(), last_[at(index)].begin());
+  known_[at(index)] = true;
+}
+
+void SlipWatch::suspect(int index, const std::vector<float>& samples) {
+  Seen& seen = suspects_[at(suspected_++)];
+  seen.index = index;
+  std::copy(samples.begin(), samples.end(), seen.samples.begin());
+}
+
+void SlipWatch::settle(int places) {
+  for (int i = 0; i < suspected_; ++i) {
+    keep(moved(suspects_[at(i)].index, places), suspects_[at(i)].samples);
+  }
+  suspected_ = 0;
+}
+
+SlipWatch::Finding SlipWatch::look(int index, const std::vector<float>& samples) {
+  measure_distances(samples);
+  const float own = distances_[at(index)];
+  const auto nearest = std::min_element(distances_.begin(), distances_.end());
+  const auto much_nearer = [](float a, float b) { return std::isfinite(b) && a <= nearer * b; };
+
+  const bool other = much_nearer(*nearest, own);
+  const int places = moved(static_cast<int>(nearest - distances_.begin()), -index);
+  if (other && (suspected_ == 0 || places != places_)) {
+    settle(0);
+    suspected_ = supporting_ = 0;
+    places_ = places;
+  }
+  if (suspected_ == 0 && !other) {
+    keep(index, samples);
+    return {};
+  }
+  if (much_nearer(own, distances_[at(moved(index, places_))])) {
+    settle(0);
+    keep(index, samples);
+    return {};
+  }
+  suspect(index, samples);
+  if (other) ++supporting_;
+  if (suspected_ == count_) {
+    const bool slipped = 2 * supporting_ >= count_;
+    settle(slipped ? places_ : 0);
+    if (slipped) return {Verdict::slipped, places_};
+    return {};
+  }
+  return {other ? Verdict::slipping : Verdict::agrees, 0};
+}
+
+void SlipWatch::move_on(int places) {
+  const int first = moved(0, -places);
+  std::rotate(last_.begin(), last_.begin() + first, last_.end());
+  std::rotate(known_.begin(), known_.begin() + first, known_.end());
+  suspected_ = 0;
+}
+
 double CycleAlignment::Fit::modulation() const {
   return std::sqrt(cosine * cosine + sine * sine);
 }
@@ -55,22 +189,12 @@ struct CycleAlignment::Explanation {
   bool is_ordered = false;  ///< the phases of more periods vary more
 };
 
-CycleAlignment::CycleAlignment(const Layout& layout) {
-  int covered = 0;
-  for (const std::size_t i : coarse_to_fine(layout)) {
-    const auto run = step_run(layout.bands[i]);
-    if (!run) break;
-    covered += run->steps;
-    runs_.push_back({run->first, channel_cosines(run->steps, 1), channel_sines(run->steps, 1)});
-  }
-  if (runs_.size() < 2 || covered != layout.frames) runs_.clear();
-  fits_.resize(runs_.size());
-  turns_.resize(runs_.size());
-}
+CycleAlignment::CycleAlignment(std::vector<CycleRun> runs)
+    : runs_(std::move(runs)), fits_(runs_.size()), turns_(runs_.size()) {}
 
 /// Of the frames from `first` on, all around.
 CycleAlignment::Fit CycleAlignment::fit(const CycleSamples& cycle, std::size_t sample, int first,
-                                        const Run& run) {
+                                        const CycleRun& run) {
   Fit fit;
   double squares = 0;
   for (std::size_t n = 0; n < run.cosines.size(); ++n) {

@@ -1,13 +1,82 @@
 #pragma once
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <variant>
+#include <vector>
 
-#include "slipstream/frames/camera_controls.h"
-#include "slipstream/frames/frame.h"
+#include "slipstream/base/image.h"
 
 namespace slipstream {
+
+/// Size and depth of a camera's pictures: 8 bits, or 9 to 16 in 16-bit pixels.
+struct FrameFormat {
+  Size size;
+  int bits = 8;
+
+  friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
+};
+
+/// Of its pixels.
+std::uint64_t byte_count(const FrameFormat& format);
+
+/// Throws Error unless the size is positive and the bits are 8 to 16.
+void require_valid(const FrameFormat& format);
+
+/// Where and when a frame was taken.
+struct FrameStamp {
+  /// The device's count of frames, from 0 at the start; a gap is a lost frame.
+  std::uint64_t sequence = 0;
+  /// Which pattern it shows, where the source itself knows; none where it must be counted.
+  std::optional<int> pattern_index;
+  std::chrono::nanoseconds device_time{};           ///< of the device's own clock
+  std::chrono::steady_clock::time_point host_time;  ///< when the frame was whole in this machine
+};
+
+/// One camera picture. Its memory is allocated once and filled again and again.
+struct Frame {
+  Frame() = default;
+  /// Black. Throws Error where the format is not valid.
+  explicit Frame(const FrameFormat& format);
+
+  [[nodiscard]] FrameFormat format() const;
+
+  std::variant<Image<std::uint8_t>, Image<std::uint16_t>> pixels;
+  int bits = 8;
+  FrameStamp stamp;
+};
+
+/// What a camera may let be set while it gives frames.
+enum class CameraControl {
+  exposure,    ///< of each frame, ms
+  gain,        ///< in the camera's unit, mostly dB
+  frame_rate,  ///< Hz, of a camera that runs freely
+};
+
+inline constexpr std::array camera_controls{CameraControl::exposure, CameraControl::gain,
+                                            CameraControl::frame_rate};
+
+/// What one of them is set to, and between what it can be.
+struct ControlValue {
+  double value = 0;
+  double least = 0;
+  double most = 0;
+};
+
+/// Of a source that is a camera. From any thread, and while frames come.
+class CameraControls {
+ public:
+  virtual ~CameraControls() = default;
+  /// As the camera says it; none where it has no such setting, or is gone.
+  [[nodiscard]] virtual std::optional<ControlValue> control(CameraControl which) const = 0;
+  /// Frames taken from about now on are taken so; a camera that was gone is set so again. Throws
+  /// Error where the camera refuses.
+  virtual void set_control(CameraControl which, double value) = 0;
+};
 
 /// What came of waiting for a frame.
 enum class Arrival {
@@ -50,5 +119,15 @@ class FrameSource {
   /// What can be set while frames come; null where nothing can. As long as the source.
   virtual CameraControls* controls() { return nullptr; }
 };
+
+/// Frames that a camera gives over and over, each as often as `order` names it.
+struct Reel {
+  std::vector<Frame> frames;
+  std::vector<std::size_t> order;  ///< which of the frames comes when
+  std::size_t enough = 0;  ///< frames by which all of it was seen; 0: as many as in the order
+};
+
+/// Each frame once, one after the other.
+Reel reel_of(std::vector<Frame> frames);
 
 }  // namespace slipstream

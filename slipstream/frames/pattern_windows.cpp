@@ -1,18 +1,140 @@
 #include "slipstream/frames/pattern_windows.h"
 
+#include <array>
+#include <limits>
 #include <utility>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/base/error.h"
 
 namespace slipstream {
+namespace {
 
-PatternWindows::PatternWindows(const Sequence& sequence, PatternIndexing indexing, Size size,
-                               int scans)
-    : patterns_(scans * frame_count(cycle_of(sequence))),
+constexpr std::array<std::pair<PatternIndexing, std::string_view>, 3> names{
+    {{PatternIndexing::told, "told"},
+     {PatternIndexing::counted, "counted"},
+     {PatternIndexing::marker, "marker"}}};
+
+}  // namespace
+
+PatternIndexing pattern_indexing_named(std::string_view name) {
+  for (const auto& [indexing, known] : names) {
+    if (known == name) return indexing;
+  }
+  throw Error(fmt::format("indexing '{}' is unknown; one of {}", name,
+                          fmt::join(pattern_indexing_names(), ", ")));
+}
+
+std::vector<std::string_view> pattern_indexing_names() {
+  std::vector<std::string_view> all;
+  for (const auto& [indexing, name] : names) all.push_back(name);
+  return all;
+}
+
+void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views) {
+  if (window.empty()) {
+    views = {};
+    return;
+  }
+  std::visit(
+      [&]<class Pixel>(const Image<Pixel>&) {
+        views.assign<Pixel>(window, window.front()->bits, [](const Pooled<Frame>& frame) {
+          return ImageView<const Pixel>(std::get<Image<Pixel>>(frame->pixels));
+        });
+      },
+      window.front()->pixels);
+}
+
+FrameViews views_of(const std::vector<Pooled<Frame>>& window) {
+  FrameViews views;
+  view_window(window, views);
+  return views;
+}
+
+FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra) {
+  const int N = window.count() - extra;
+  std::vector<int> frames(static_cast<std::size_t>(N));
+  for (int n = extra / 2; n < extra / 2 + N; ++n) {
+    frames[static_cast<std::size_t>((first_pattern + n) % N)] = n;
+  }
+  return window.chosen(frames);
+}
+
+RollingWindow::RollingWindow(int frames, int cycle)
+    : count_(static_cast<std::uint64_t>(frames)),
+      cycle_(static_cast<std::uint64_t>(cycle)),
+      ring_(2 * count_) {}
+
+void RollingWindow::begin_at(std::uint64_t position) {
+  begun_ = true;
+  newest_ = position;
+  next_ = position + count_ - 1;
+}
+
+bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
+  if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // sums would wrap
+  if (!begun_) begin_at(position);
+  if (position + count_ - 1 < next_ || has(position)) return false;
+  at(position) = {position, std::move(frame)};
+  if (position <= newest_) return true;
+  newest_ = position;
+  // What the windows up to here still lack is N places back or more.
+  if (position >= next_ + count_) {
+    const std::uint64_t waited_for = position - count_ + 1;
+    lost_ += waited_for - next_;
+    next_ = waited_for;
+  }
+  return true;
+}
+
+bool RollingWindow::whole() {
+  for (std::uint64_t back = 0; back < count_; ++back) {
+    if (!has(next_ - back)) return false;
+  }
+  return true;
+}
+
+bool RollingWindow::next(std::vector<Pooled<Frame>>& window) {
+  while (begun_ && next_ <= newest_) {
+    std::uint64_t first = next_ + 1 - count_;
+    if (whole()) {
+      window.resize(count_);
+      const std::uint64_t begin = count_ == cycle_ ? 0 : first;
+      first_pattern_ = static_cast<int>(begin % cycle_);
+      for (; first <= next_; ++first) window[(first - begin) % count_] = at(first).frame;
+      ++next_;
+      return true;
+    }
+    // A gap that is waited for keeps back only windows that contain it.
+    std::optional<std::uint64_t> given_up;
+    for (; first <= next_ && first + count_ <= newest_; ++first) {
+      if (!has(first)) given_up = first;
+    }
+    if (!given_up) return false;
+    lost_ += *given_up + count_ - next_;
+    next_ = *given_up + count_;
+  }
+  return false;
+}
+
+void RollingWindow::restart(std::uint64_t first) {
+  if (!begun_) return;
+  if (first + count_ > next_ + 1) lost_ += first + count_ - 1 - next_;
+  for (Place& place : ring_) place = {};
+  begun_ = false;
+}
+
+PatternWindows::PatternWindows(PatternCycle cycle, PatternIndexing indexing, Size size)
+    : patterns_(cycle.patterns),
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
       indexing_(indexing),
       grid_(size),
-      alignment_(scans == 1 ? sequence.strategy.layout() : Layout{}),
+      alignment_(std::move(cycle.runs)),
       watch_(cycle_, grid_.count()),
-      window_(patterns_ + sequence.motion, patterns_),
+      window_(patterns_ + cycle.extra, patterns_),
       aligned_(indexing != PatternIndexing::marker) {
   recent_.reserve(static_cast<std::size_t>(cycle_));
 }

@@ -9,7 +9,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {
@@ -71,17 +71,15 @@ double rms_error(const Image<float>& heights, double height) {
 Image<HeightCurve> fitted_curves(const std::vector<PlanePhase>& planes) {
   Image<HeightCurve> curves(planes.front().phase.size());
   Image<float> squares(curves.size(), HeightCurve::nan);
-  for_each_row(curves.height(), [&](int row) {
-    for (int column = 0; column < curves.width(); ++column) {
-      const HeightCurve curve = curves(column, row) = fitted_curve(planes, column, row);
-      if (std::isnan(curve.reference)) continue;
-      double sum = 0;
-      for (const auto& [height, phase] : planes) {
-        const double off = curve.height(phase(column, row)) - height;
-        if (!std::isnan(off)) sum += off * off;
-      }
-      squares(column, row) = static_cast<float>(sum);
+  for_each_pixel(curves.size(), [&](int column, int row) {
+    const HeightCurve curve = curves(column, row) = fitted_curve(planes, column, row);
+    if (std::isnan(curve.reference)) return;
+    double sum = 0;
+    for (const auto& [height, phase] : planes) {
+      const double off = curve.height(phase(column, row)) - height;
+      if (!std::isnan(off)) sum += off * off;
     }
+    squares(column, row) = static_cast<float>(sum);
   });
   std::vector<float> known = finite_values(squares);
   if (known.empty() || planes.size() == fewest_planes) return curves;
@@ -144,14 +142,12 @@ Image<float> heights(const Image<HeightCurve>& curves, const Image<double>& phas
 
 void require_valid(const Image<HeightCurve>& curves) {
   calibrated_pixels(curves);
-  for (int row = 0; row < curves.height(); ++row) {
-    for (int column = 0; column < curves.width(); ++column) {
-      const HeightCurve& curve = curves(column, row);
-      if (std::isnan(curve.reference) || is_valid(curve)) continue;
-      throw Error(
-          fmt::format("row {}, column {}: no curve of heights has such numbers", row, column));
-    }
-  }
+  for_each_pixel_in_order(curves.size(), [&](int column, int row) {
+    const HeightCurve& curve = curves(column, row);
+    if (std::isnan(curve.reference) || is_valid(curve)) return;
+    throw Error(
+        fmt::format("row {}, column {}: no curve of heights has such numbers", row, column));
+  });
 }
 
 }  // namespace slipstream

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -10,13 +9,11 @@
 #include <unsupported/Eigen/AutoDiff>
 
 #include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/geometry/distortion_formula.h"
 
 namespace slipstream {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 template <class Number>
 using Vector2 = Eigen::Matrix<Number, 2, 1>;
@@ -121,11 +118,9 @@ Eigen::Vector3d ray_through(const Lens& lens, const Eigen::Vector2d& pixel) {
 
 Image<PixelPosition> undistorted_pixels(const Lens& lens) {
   Image<PixelPosition> positions(lens.size);
-  for_each_row(lens.size.height, [&](int row) {
-    for (int column = 0; column < lens.size.width; ++column) {
-      const Eigen::Vector3d ideal = lens.intrinsic * ray_through(lens, {column, row});
-      positions(column, row) = {ideal.x(), ideal.y()};
-    }
+  for_each_pixel(lens.size, [&](int column, int row) {
+    const Eigen::Vector3d ideal = lens.intrinsic * ray_through(lens, {column, row});
+    positions(column, row) = {ideal.x(), ideal.y()};
   });
   return positions;
 }

@@ -1,5 +1,3 @@
-#include "slipstream/geometry/ray_blocks.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,7 +7,7 @@
 #include <Eigen/LU>
 
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/geometry/chebyshev.h"
+#include "slipstream/geometry/ray_table.h"
 #include "slipstream/geometry/stripe_geometry.h"
 
 namespace slipstream {
@@ -52,18 +50,6 @@ Eigen::Matrix<double, 1, count> chebyshev_polynomials(double x) {
 
 double unit_column(int column) {
   return (column - 0.5 * (RayBlocks::width - 1)) / (0.5 * RayBlocks::width);
-}
-
-/// PlanePolynomial at all nodes.
-NodeArray values(const PlanePolynomial& polynomial, const NodeArray& p, const NodeArray& q) {
-  NodeArray sum = NodeArray::Zero();
-  auto c = polynomial.coefficients.rbegin();
-  for (int i = polynomial.degree; i >= 0; --i) {
-    NodeArray inner = NodeArray::Zero();
-    for (int j = polynomial.degree - i; j >= 0; --j) inner = inner * q + *c++;
-    sum = sum * p + inner;
-  }
-  return sum;
 }
 
 /// What all blocks share.
@@ -177,7 +163,7 @@ class KnotRow {
     const double g = geometry_.facing * e;
     const NodeArray q =
         (geometry_.place_constant.dot(e) + fit_.p * geometry_.place_slope.dot(e)) / g;
-    const NodeArray w = fit_.y + values(geometry_.lens, fit_.p, q);
+    const NodeArray w = fit_.y + geometry_.lens(fit_.p, q);
     const NodeArray numerator = w * geometry_.depth(3) - geometry_.coordinate(3);
     if (!((numerator * g).minCoeff() > 0)) {
       return Eigen::Matrix<double, nodes, 1>::Constant(NAN);

@@ -1,9 +1,6 @@
 #include "slipstream/geometry/ray_table.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
 #include "slipstream/base/parallel_rows.h"
 
@@ -41,12 +38,10 @@ struct Knots {
 
 Knots knots_of(const Lens& camera, int apart, Size size) {
   Knots knots{Image<double>(size), Image<double>(size)};
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      const Eigen::Vector3d ray = ray_through(camera, {column * apart, row * apart});
-      knots.E_x(column, row) = ray.x();
-      knots.E_y(column, row) = ray.y();
-    }
+  for_each_pixel(size, [&](int column, int row) {
+    const Eigen::Vector3d ray = ray_through(camera, {column * apart, row * apart});
+    knots.E_x(column, row) = ray.x();
+    knots.E_y(column, row) = ray.y();
   });
   return knots;
 }
@@ -170,11 +165,7 @@ std::optional<RayTable> ray_table(const Lens& camera) {
     return std::all_of(E.begin(), E.end(), [](double e) { return std::isfinite(e); });
   };
   if (!finite(rays.E_x) || !finite(rays.E_y)) return std::nullopt;
-  RayTable table{Image<float>(size), Image<float>(size)};
-  const auto narrow = [](double e) { return static_cast<float>(e); };
-  std::transform(rays.E_x.begin(), rays.E_x.end(), table.E_x.begin(), narrow);
-  std::transform(rays.E_y.begin(), rays.E_y.end(), table.E_y.begin(), narrow);
-  return table;
+  return RayTable{converted<float>(rays.E_x), converted<float>(rays.E_y)};
 }
 
 }  // namespace slipstream

@@ -29,7 +29,7 @@ struct Scan {
 };
 
 /// The scan with the frames of its exposures merged to those of one, where there are several, or
-/// with what they hold at once taken apart, see Demodulator, and those along the other axis as a
+/// with what they hold at once taken apart, see FrameAdapter, and those along the other axis as a
 /// scan beside it: all that decodes reads it then as any other. Throws Error where the frames are
 /// not as many.
 Scan merged(Scan scan);

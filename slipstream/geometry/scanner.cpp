@@ -5,6 +5,7 @@
 #include <variant>
 
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
@@ -14,9 +15,41 @@ namespace {
 
 void require_size(const Lens& lens, std::string_view device) {
   if (lens.size.width < 1 || lens.size.height < 1) {
-    throw Error(fmt::format("{}: size {}x{} is empty; the scanner file or a flag must say it",
-                            device, lens.size.width, lens.size.height));
+    throw Error(fmt::format("{}: size {} is empty; the scanner file or a flag must say it", device,
+                            text_of(lens.size)));
   }
+}
+
+/// K [R T] of a perspective matrix.
+struct Posed {
+  Eigen::Matrix3d intrinsic, rotation;
+  Eigen::Vector3d translation;
+};
+
+Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) {
+  const Eigen::Matrix3d left = matrix.leftCols<3>();
+  const Eigen::FullPivLU<Eigen::Matrix3d> lu(left);
+  if (!matrix.allFinite() || !lu.isInvertible()) {
+    throw Error(fmt::format("{}: its projection matrix is not one of a camera", device));
+  }
+  // K R = left: with the rows and columns of both turned around it is an orthogonal times an upper
+  // triangular matrix of the transpose.
+  const Eigen::Matrix3d turned = left.colwise().reverse().transpose();
+  const Eigen::HouseholderQR<Eigen::Matrix3d> qr(turned);
+  const Eigen::Matrix3d upper = qr.matrixQR().triangularView<Eigen::Upper>();
+  const Eigen::Matrix3d orthogonal = qr.householderQ();
+  Eigen::Matrix3d K = upper.transpose().reverse();
+  Eigen::Matrix3d R = orthogonal.transpose().colwise().reverse();
+  const Eigen::Vector3d signs = K.diagonal().cwiseSign();
+  K = (K * signs.asDiagonal()).eval();
+  R = (signs.asDiagonal() * R).eval();
+  Eigen::Vector3d T = K.triangularView<Eigen::Upper>().solve(matrix.col(3));
+  if (R.determinant() < 0) {  // the matrix is known up to its sign
+    R = -R;
+    T = -T;
+  }
+  const Eigen::Matrix3d intrinsic = K.triangularView<Eigen::Upper>();
+  return {intrinsic / K(2, 2), R, T};
 }
 
 }  // namespace
@@ -64,17 +97,17 @@ void require_valid(const Scanner& scanner) {
 
 void require_valid(const PhotometricCalibration& photometry) {
   const auto& [ambient, noise_variance, noise_gain, response, mixture] = photometry;
-  if (ambient && !(std::abs(*ambient) <= 255)) {
-    throw Error(fmt::format("ambient_light {} is out of range; -255 to 255 grey levels", *ambient));
-  }
   constexpr double full_scale = 255;
-  if (noise_variance && !(*noise_variance > 0 && *noise_variance <= full_scale * full_scale)) {
-    throw Error(
-        fmt::format("noise_variance {} is out of range; above 0, at most 255^2", *noise_variance));
+  if (ambient) {
+    require_in_range(std::abs(*ambient) <= full_scale, "ambient_light", *ambient,
+                     "-255 to 255 grey levels");
   }
-  if (!(noise_gain >= 0 && noise_gain <= full_scale)) {
-    throw Error(fmt::format("noise_gain {} is out of range; 0 to 255", noise_gain));
+  if (noise_variance) {
+    require_in_range(*noise_variance > 0 && *noise_variance <= full_scale * full_scale,
+                     "noise_variance", *noise_variance, "above 0, at most 255^2");
   }
+  require_in_range(noise_gain >= 0 && noise_gain <= full_scale, "noise_gain", noise_gain,
+                   "0 to 255");
   if (!response) return;
   if (const auto* law = std::get_if<PowerLaw>(&response->response)) {
     require_gamma(law->gamma, "gamma");
@@ -104,6 +137,16 @@ Scanner completed(Scanner scanner, const std::string& file, Size camera, Size pr
     throw Error(fmt::format("{}: {}", file, error.what()));
   }
   return scanner;
+}
+
+Scanner scanner_of(const Eigen::Matrix<double, 3, 4>& camera, Size camera_size,
+                   const Eigen::Matrix<double, 3, 4>& projector, Size projector_size) {
+  const Posed first = posed(camera, "camera"), second = posed(projector, "projector");
+  const Eigen::Matrix3d rotation = second.rotation * first.rotation.transpose();
+  return {.camera = {.intrinsic = first.intrinsic, .distortion = {}, .size = camera_size},
+          .projector = {.intrinsic = second.intrinsic, .distortion = {}, .size = projector_size},
+          .rotation = rotation,
+          .translation = second.translation - rotation * first.translation};
 }
 
 void require_depth_visible(const Scanner& scanner, Axis axis) {

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/base/colour_mixture.h"
-#include "slipstream/codes/axis.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/response.h"
 #include "slipstream/geometry/lens.h"
 
@@ -73,6 +73,12 @@ double noise_variance_at(double grey_level, double at_half, double gain);
 /// and `projector` may be empty. Throws Error, naming `file`, where they do not agree with what it
 /// says, no size is known for the projector, or the scanner is not valid.
 Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector);
+
+/// The scanner of a camera and a projector given by their perspective matrices in one world frame,
+/// mm, up to scale: lenses without distortion, perhaps with skew. Throws Error where a matrix is
+/// not of a camera: its first three columns are singular.
+Scanner scanner_of(const Eigen::Matrix<double, 3, 4>& camera, Size camera_size,
+                   const Eigen::Matrix<double, 3, 4>& projector, Size projector_size);
 
 /// Throws Error when patterns along `axis` carry no depth for this scanner: the baseline runs along
 /// the stripes, so that every ray meets the same stripe at every depth and Eq. (1.15) is singular.

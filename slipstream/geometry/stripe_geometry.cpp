@@ -1,15 +1,13 @@
 #include "slipstream/geometry/stripe_geometry.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "slipstream/geometry/chebyshev.h"
-#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/geometry/triangulator.h"
 
 namespace slipstream {
 namespace {
@@ -32,11 +30,8 @@ class ProjectorPlane {
  public:
   ProjectorPlane(const Scanner& scanner, Axis axis)
       : lens_(scanner.projector), along_(axis == Axis::x ? 0 : 1) {
-    Eigen::Matrix<double, 3, 4> pose;
-    pose << scanner.rotation, scanner.translation;
-    const Eigen::Matrix<double, 3, 4> m = lens_.intrinsic * pose;
-    across_row_ = m.row(1 - along_) / across_length();
     rows_ = projection_matrices(scanner, axis);
+    across_row_ = projection_matrices(scanner, slipstream::across(axis)).projector_coordinate;
     inverse_intrinsic_ = lens_.intrinsic.inverse();
   }
 
@@ -73,7 +68,7 @@ class ProjectorPlane {
       error_before = error_now;
       now -= step;
     }
-    return std::numeric_limits<double>::quiet_NaN();
+    return nan;
   }
 
  private:
@@ -182,17 +177,6 @@ void set_place(StripeGeometry& geometry, const ProjectorPlane& plane, const Unit
 }
 
 }  // namespace
-
-double PlanePolynomial::operator()(double p, double q) const {
-  double sum = 0;
-  auto c = coefficients.rbegin();
-  for (int i = degree; i >= 0; --i) {
-    double inner = 0;
-    for (int j = degree - i; j >= 0; --j) inner = inner * q + *c++;
-    sum = sum * p + inner;
-  }
-  return sum;
-}
 
 std::pair<double, double> StripeGeometry::places_at(double p) const {
   return {evaluated(low_edge, p), evaluated(high_edge, p)};

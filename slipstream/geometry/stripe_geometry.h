@@ -8,17 +8,40 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/codes/axis.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
+
+/// Row k: the coefficients of the Chebyshev polynomial T_k in ascending powers, k < count.
+template <int count>
+Eigen::Matrix<double, count, count> chebyshev_coefficients() {
+  Eigen::Matrix<double, count, count> T = Eigen::Matrix<double, count, count>::Zero();
+  T(0, 0) = T(1, 1) = 1;
+  for (int k = 2; k < count; ++k) {
+    T.row(k).tail(count - 1) = 2 * T.row(k - 1).head(count - 1);
+    T.row(k) -= T.row(k - 2);
+  }
+  return T;
+}
 
 /// A polynomial in two variables, sum of c_ij p^i q^j with i + j <= degree.
 struct PlanePolynomial {
   int degree = 0;
   std::vector<double> coefficients{0};  ///< c_00 c_01 ... c_0d c_10 ... c_d0
 
-  [[nodiscard]] double operator()(double p, double q) const;
+  /// `Number`: double, or an array of Eigen.
+  template <class Number>
+  [[nodiscard]] Number operator()(const Number& p, const Number& q) const {
+    Number sum = p - p;
+    auto c = coefficients.rbegin();
+    for (int i = degree; i >= 0; --i) {
+      Number inner = q - q;
+      for (int j = degree - i; j >= 0; --j) inner = inner * q + *c++;
+      sum = sum * p + inner;
+    }
+    return sum;
+  }
 };
 
 /// An interval mapped to [-1, 1].

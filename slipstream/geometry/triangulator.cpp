@@ -1,10 +1,137 @@
 #include "slipstream/geometry/triangulator.h"
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
+#include <Eigen/LU>
+
+#include "slipstream/base/numbers.h"
+
 namespace slipstream {
+namespace {
+
+using Row = Eigen::Matrix<double, 1, 4>;
+
+/// The homogeneous point in which three planes meet: signed 3x3 minors of their rows.
+Eigen::Vector4d meet(const Row& p, const Row& q, const Row& r) {
+  Eigen::Matrix<double, 3, 4> rows;
+  rows << p, q, r;
+  Eigen::Vector4d point;
+  for (int left_out = 0; left_out < 4; ++left_out) {
+    Eigen::Matrix3d minor;
+    for (int column = 0, next = 0; column < 4; ++column) {
+      if (column != left_out) minor.col(next++) = rows.col(column);
+    }
+    point(left_out) = (left_out % 2 == 0 ? 1 : -1) * minor.determinant();
+  }
+  return point;
+}
+
+/// meet(m_1 - x m_3, m_2 - y m_3, plane) for every pixel (x, y): the x y term vanishes.
+PixelPolynomial meet_ray(const Eigen::Matrix<double, 3, 4>& m, const Row& plane) {
+  PixelPolynomial polynomial;
+  polynomial.col(0) = -meet(m.row(2), m.row(1), plane);
+  polynomial.col(1) = -meet(m.row(0), m.row(2), plane);
+  polynomial.col(2) = meet(m.row(0), m.row(1), plane);
+  return polynomial;
+}
+
+/// d_1 x + d_2 y + d_3 is zero at a pixel whose ray is parallel to the plane y^p = 0. The points of
+/// that pixel are as good as any, so the tables hold their limit.
+double away_from_zero(double d) {
+  return d == 0 ? 1e-100 : d;
+}
+
+}  // namespace
+
+ProjectionMatrices projection_matrices(const Scanner& scanner, Axis axis) {
+  Eigen::Matrix<double, 3, 4> camera = Eigen::Matrix<double, 3, 4>::Zero();
+  camera.leftCols<3>() = scanner.camera.intrinsic;
+
+  Eigen::Matrix<double, 3, 4> pose;
+  pose << scanner.rotation, scanner.translation;
+  const Eigen::Matrix<double, 3, 4> projector = scanner.projector.intrinsic * pose;
+  const int length = length_along(axis, scanner.projector.size);
+  return {camera, projector.row(axis == Axis::x ? 0 : 1) / length, projector.row(2)};
+}
+
+Eigen::Vector3d triangulate(const ProjectionMatrices& matrices, double x, double y, double y_p) {
+  const auto& m = matrices.camera;
+  Eigen::Matrix<double, 3, 4> equations;
+  equations << m.row(0) - m.row(2) * x,  //
+      m.row(1) - m.row(2) * y,           //
+      matrices.projector_coordinate - matrices.projector_depth * y_p;
+  const Eigen::Matrix3d left = equations.leftCols<3>();
+  const Eigen::Vector3d right = -equations.col(3);
+  return left.inverse() * right;  // (1.15)
+}
+
+PointCoefficients point_coefficients(const ProjectionMatrices& matrices) {
+  return {.with_coordinate = -meet_ray(matrices.camera, matrices.projector_depth),
+          .constant = meet_ray(matrices.camera, matrices.projector_coordinate),
+          .camera = matrices.camera};
+}
+
+PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y) {
+  const Eigen::Vector3d pixel(x, y, 1);
+  const Eigen::Vector4d a = coefficients.with_coordinate * pixel;
+  const Eigen::Vector4d b = coefficients.constant * pixel;
+  const double D = 1 / away_from_zero(b.w());
+  return {.A_x = a.x() * D,
+          .B_x = b.x() * D,
+          .A_y = a.y() * D,
+          .B_y = b.y() * D,
+          .A_z = a.z() * D,
+          .B_z = b.z() * D,
+          .C = a.w() * D};
+}
+
+PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y) {
+  const PointForm1 form = point_form1(coefficients, x, y);
+  const double M_x = form.A_x / form.C;
+  const double M_y = form.A_y / form.C;
+  const double M_z = form.A_z / form.C;
+  return {.M_x = M_x,
+          .N_x = form.B_x - M_x,
+          .M_y = M_y,
+          .N_y = form.B_y - M_y,
+          .M_z = M_z,
+          .N_z = form.B_z - M_z,
+          .C = form.C};
+}
+
+PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y) {
+  const PointForm2 form = point_form2(coefficients, x, y);
+  const auto& m = coefficients.camera;
+  // Minors of M^c's columns p and q, as a function of the pixel; E and F are ratios of them.
+  const auto minors = [&](int p, int q) {
+    return (m(1, p) * m(2, q) - m(1, q) * m(2, p)) * x +
+           (m(0, q) * m(2, p) - m(0, p) * m(2, q)) * y + (m(0, p) * m(1, q) - m(0, q) * m(1, p));
+  };
+  const double denominator = minors(0, 1);
+  return {.M_z = form.M_z,
+          .N_z = form.N_z,
+          .C = form.C,
+          .E_x = minors(1, 2) / denominator,
+          .F_x = minors(1, 3) / denominator,
+          .E_y = minors(2, 0) / denominator,
+          .F_y = minors(3, 0) / denominator};
+}
+
+Eigen::Vector3d PointForm1::operator()(double y_p) const {
+  const double T_1 = 1 / (C * y_p + 1);                                                // (2.21)
+  return {(A_x * y_p + B_x) * T_1, (A_y * y_p + B_y) * T_1, (A_z * y_p + B_z) * T_1};  // -(2.24)
+}
+
+Eigen::Vector3d PointForm2::operator()(double y_p) const {
+  const double T_2 = 1 / (C * y_p + 1);                        // (2.25)
+  return {M_x + N_x * T_2, M_y + N_y * T_2, M_z + N_z * T_2};  // (2.26)-(2.28)
+}
+
+Eigen::Vector3d PointForm3::operator()(double y_p) const {
+  const double Z = M_z + N_z / (C * y_p + 1);  // (2.29)
+  return {E_x * Z + F_x, E_y * Z + F_y, Z};    // (2.30), (2.31)
+}
 
 Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method)
     : scanner_(scanner), axis_(axis) {
@@ -65,7 +192,7 @@ Eigen::Vector3d Triangulator::through_projector_lens(const PointOf& point_of, do
     error_before = error_now;
     now -= error_now / slope;
   }
-  return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return Eigen::Vector3d::Constant(nan);
 }
 
 }  // namespace slipstream

@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/base/number_bytes.h"
-#include "slipstream/io/detail/ply_intensity.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/io/detail/point_formats.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
@@ -51,22 +51,6 @@ std::string comments_of(const std::vector<std::string>& remarks, std::string_vie
     lines += fmt::format("{} {}\n", mark, remark);
   }
   return lines;
-}
-
-void append_place(std::string& bytes, const Cloud& cloud, int column, int row) {
-  append_numbers(bytes,
-                 std::array{cloud.x(column, row), cloud.y(column, row), cloud.z(column, row)});
-}
-
-void append_extras(std::string& bytes, const std::vector<Extra>& extras, int column, int row) {
-  for (const Extra& extra : extras) append_numbers(bytes, extra.values(column, row));
-}
-
-template <class Visit>
-void for_each_pixel(const Cloud& cloud, const Visit& visit) {
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) visit(column, row);
-  }
 }
 
 template <class Visit>
@@ -119,24 +103,24 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
 
 std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
                      const std::vector<std::string>& remarks) {
-  std::string fields, sizes, types, counts;
+  std::vector<const Image<float>*> columns{&cloud.x, &cloud.y, &cloud.z, &cloud.intensity};
+  std::string fields = "FIELDS x y z intensity", sizes = "SIZE 4 4 4 4", types = "TYPE F F F F",
+              counts = "COUNT 1 1 1 1";
   for (const Extra& extra : extras) {
+    columns.push_back(&extra.values);
     fields += fmt::format(" {}", extra.pcd_name);
     sizes += " 4";
     types += " F";
     counts += " 1";
   }
   std::string file = fmt::format(
-      "# .PCD v0.7 - slipstream, camera frame, mm\n{}VERSION 0.7\nFIELDS x y z intensity{}\n"
-      "SIZE 4 4 4 4{}\nTYPE F F F F{}\nCOUNT 1 1 1 1{}\nWIDTH {}\nHEIGHT {}\n"
-      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      "# .PCD v0.7 - slipstream, camera frame, mm\n{}VERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\n"
+      "HEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
       comments_of(remarks, "#"), fields, sizes, types, counts, cloud.size().width,
       cloud.size().height, cloud.z.pixel_count());
-  for_each_pixel(cloud, [&](int column, int row) {
-    append_place(file, cloud, column, row);
-    append_numbers(file, cloud.intensity(column, row));
-    append_extras(file, extras, column, row);
-  });
+  for (std::size_t pixel = 0; pixel < cloud.z.pixel_count(); ++pixel) {
+    for (const Image<float>* column : columns) append_numbers(file, column->begin()[pixel]);
+  }
   return file;
 }
 

@@ -13,6 +13,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <libdeflate.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -134,6 +135,21 @@ std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest)
 std::string read_text(const fs::path& path) {
   const std::vector<std::uint8_t> bytes = read_file(path, largest_text);
   return {bytes.begin(), bytes.end()};
+}
+
+std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before) {
+  return bytes.empty() ? before : libdeflate_crc32(before, bytes.data(), bytes.size());
+}
+
+std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
+  const InputFile file(path, no_limit);
+  std::vector<std::uint8_t> bytes;
+  for (std::uint64_t at = 0; at < file.size(); at += bytes.size()) {
+    bytes.resize(std::min(file.size() - at, std::uint64_t{1} << 20));
+    if (!file.read(at, {bytes})) break;
+    before = checksum(bytes, before);
+  }
+  return before;
 }
 
 void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes, const fs::path& path) {

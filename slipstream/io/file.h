@@ -4,14 +4,35 @@
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "slipstream/io/limits.h"
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
 
 namespace slipstream {
+
+// The most that is read of a file, whatever it says of itself, looked at before memory is taken.
+// docs/limits.md states them.
+
+/// Bytes of scan.yaml, a scanner file or a rig file, and of each text in a recording.
+inline constexpr std::uint64_t largest_text = std::uint64_t{1} << 20;
+/// Bytes of a picture's file.
+inline constexpr std::uint64_t largest_picture_file = (std::uint64_t{2} << 30) - 1;
+/// Bytes of a cloud's or mesh's file.
+inline constexpr std::uint64_t largest_file = std::uint64_t{4} << 30;
+/// Of a recording's file: it is read frame by frame.
+inline constexpr std::uint64_t no_limit = std::numeric_limits<std::uint64_t>::max();
+/// Pixels of a picture or of a recording's frames.
+inline constexpr std::uint64_t largest_picture = 160'000'000;
+/// Bytes of the pixels of all frames of a scan.
+inline constexpr std::uint64_t largest_scan = std::uint64_t{4} << 30;
+/// Scans of one run, by lists and ranges of windows.
+inline constexpr std::uint64_t most_scans = 10'000'000;
 
 /// A regular file that is read. Opening never waits: a pipe or a device is refused.
 class InputFile {
@@ -41,6 +62,11 @@ std::vector<std::uint8_t> read_file(const std::filesystem::path& path,
                                     std::uint64_t largest = largest_file);
 /// A text of at most largest_text bytes. Throws as InputFile.
 std::string read_text(const std::filesystem::path& path);
+
+/// The CRC-32 of zlib, of bytes that come behind those of which `before` is.
+std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
+/// The same of what a file holds. Throws Error where there is no such file.
+std::uint32_t checksum_of_file(const std::filesystem::path& path, std::uint32_t before = 0);
 
 /// Throws Error, naming the file, where so many frames of so many bytes are more than largest_scan.
 void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes,
@@ -122,6 +148,16 @@ class GrowingFile {
 /// Writes a file whole or not at all. Throws as OutputFile.
 void write_file(const std::filesystem::path& path, std::span<const std::uint8_t> bytes);
 void write_file(const std::filesystem::path& path, std::string_view text);
+
+/// What `read` returns; an Error that it throws gets the name, as of a file, before its message.
+template <class Read>
+auto naming(const std::string& name, const Read& read) {
+  try {
+    return read();
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", name, error.what()));
+  }
+}
 
 /// Removes what is being written at once. For a signal handler that then ends the program.
 void remove_temporary_files() noexcept;

@@ -8,6 +8,7 @@
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
 #include "slipstream/frames/frame_set.h"
+#include "slipstream/geometry/height_calibration.h"
 
 namespace slipstream {
 
@@ -56,6 +57,12 @@ void write_map(const std::filesystem::path& path, const Image<double>& map);
 Image<double> read_map(const std::filesystem::path& path);
 /// The same, and the levels of a grey picture of 8 or 16 bits.
 Image<double> read_levels(const std::filesystem::path& path);
+
+/// A calibration of heights as a NumPy file of 32-bit float: rows x 5 columns, the members of each
+/// pixel's HeightCurve one after the other. Throws Error for an ending other than .npy.
+void write_height_curves(const std::filesystem::path& path, const Image<HeightCurve>& curves);
+/// Throws Error, naming the file, where it is another or its numbers are no calibration's.
+Image<HeightCurve> read_height_curves(const std::filesystem::path& path);
 
 /// Writes the frames to those paths in order: 8- or 16-bit pictures, or 64-bit float TIFF for
 /// unquantised ones.

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <filesystem>
+#include <string>
+
 #include <opencv2/core.hpp>
 
 #include "slipstream/base/image.h"
@@ -27,5 +30,12 @@ Image<Pixel> image_from(const cv::Mat& mat) {
   mat.copyTo(mat_of(image));
   return image;
 }
+
+/// `size`: of the font, 0.45 for ordinary text.
+void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double size,
+               const cv::Scalar& ink);
+
+/// Writes blue, green and red of 8 bits. Throws as write_file.
+void write_png(const std::filesystem::path& path, const cv::Mat& picture);
 
 }  // namespace slipstream

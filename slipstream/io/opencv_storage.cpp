@@ -10,7 +10,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"

@@ -1,13 +1,41 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/sequence.h"
+#include "slipstream/frames/pattern_sink.h"
 
 namespace slipstream {
+
+/// Where pattern n, from 0, is written in a folder of patterns: pattern_00.png, pattern_01.png, ...
+std::filesystem::path pattern_file(const std::filesystem::path& folder, std::size_t n);
+
+/// A folder into which each pattern is written when it is shown, as pattern_file says, for a
+/// projector that somebody else feeds. Patterns are of any size.
+class FolderSink : public PatternSink {
+ public:
+  /// The folder is made when the first pattern is shown.
+  explicit FolderSink(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  [[nodiscard]] std::optional<Size> size() const override { return std::nullopt; }
+  void load(std::vector<Image<std::uint8_t>> patterns) override;
+  void show(std::size_t n) override;
+  [[nodiscard]] std::uint64_t shown() const override { return shown_; }
+  [[nodiscard]] std::string state() const override { return {}; }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<Image<std::uint8_t>> patterns_;
+  std::uint64_t shown_ = 0;
+};
 
 /// Writes patterns as pictures for a projector of that many bits, as pattern_file names them, into
 /// a folder, which is made, and a scan.yaml that says that they show `sequence`: all but the
@@ -29,5 +57,21 @@ std::vector<std::filesystem::path> write_colour_patterns(const std::filesystem::
 /// Writes one PNG of all patterns, a strip for each from the first on downwards, the projector
 /// coordinate from left to right, `length` pixels. Throws Error for another ending.
 void write_pattern_sheet(const std::filesystem::path& file, const PatternSet& patterns, int length);
+
+/// What a camera saw of uniform patterns.
+struct UniformLevels {
+  std::vector<double> values{};       ///< of the patterns, [0, 1]
+  std::vector<double> intensities{};  ///< grey levels of 255
+};
+
+/// The pictures of uniform patterns in a folder, each named by its grey level of 255, as
+/// level_017.png: the mean over the middle of each, where the light is even. Throws Error where one
+/// has no level in its name or is saturated.
+UniformLevels read_uniform_pictures(const std::filesystem::path& folder);
+
+/// Writes `count` pictures, 2 to 256, of that size and of one grey level each, from 0 to 255 in
+/// even steps, into a folder, which is made, under such names. Returns them.
+std::vector<std::filesystem::path> write_uniform_pictures(const std::filesystem::path& folder,
+                                                          Size size, int count);
 
 }  // namespace slipstream

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/decode/frame_adapter.h"
 #include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
@@ -28,7 +28,7 @@ struct Places {
 std::optional<FrameSet> cycle_among(const RecordingReader& recording, const Sequence& sequence,
                                     const Places& read, std::optional<std::uint64_t> least = {}) {
   const auto cycle = static_cast<std::uint64_t>(cycle_length(sequence) + sequence.motion);
-  PatternWindows windows(sequence,
+  PatternWindows windows(pattern_cycle(sequence),
                          sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
                          recording.header().format.size);
   // Frames take their memory when they are read.

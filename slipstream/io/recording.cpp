@@ -7,6 +7,7 @@
 #include <ranges>
 #include <span>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 
@@ -14,7 +15,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/checksum.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 
@@ -93,18 +94,13 @@ std::uint64_t record_size(const FrameFormat& format) {
   return sizeof(RecordHeader) + aligned(byte_count(format));
 }
 
-std::span<std::uint8_t> pixel_bytes(Frame& frame) {
-  const std::uint64_t size = byte_count(frame.format());
+/// The memory of the frame's pixels.
+template <class AnyFrame>
+auto pixel_bytes(AnyFrame& frame) {
+  using Byte = std::conditional_t<std::is_const_v<AnyFrame>, const std::uint8_t, std::uint8_t>;
   return std::visit(
-      [&](auto& image) { return std::span(reinterpret_cast<std::uint8_t*>(image.begin()), size); },
-      frame.pixels);
-}
-
-Bytes pixel_bytes(const Frame& frame) {
-  const std::uint64_t size = byte_count(frame.format());
-  return std::visit(
-      [&](const auto& image) {
-        return Bytes(reinterpret_cast<const std::uint8_t*>(image.begin()), size);
+      [size = byte_count(frame.format())](auto& image) {
+        return std::span(reinterpret_cast<Byte*>(image.begin()), size);
       },
       frame.pixels);
 }
@@ -112,9 +108,7 @@ Bytes pixel_bytes(const Frame& frame) {
 /// CRC-32 of the parts one behind another.
 std::uint32_t checksum(std::initializer_list<Bytes> parts) {
   std::uint32_t sum = 0;
-  for (const Bytes part : parts) {
-    sum = slipstream::checksum(part, sum);
-  }
+  for (const Bytes part : parts) sum = slipstream::checksum(part, sum);
   return sum;
 }
 
@@ -128,22 +122,6 @@ std::uint32_t checksum_of(const End& end) {
 
 std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
   return checksum({bytes_of(header).first(sizeof(header) - sizeof(header.checksum)), texts});
-}
-
-/// The texts of the header, padded so that the records begin at a multiple of the alignment.
-std::string texts_of(const std::string& scan, const std::string& scanner,
-                     const std::string& white) {
-  std::string texts = scan + scanner + white;
-  texts.resize(aligned(texts.size()), '\0');
-  return texts;
-}
-
-std::string scan_text(const RecordingHeader& header) {
-  return header.sequence ? scan_yaml_of({.sequence = *header.sequence}, {}) : std::string();
-}
-
-std::string scanner_text(const RecordingHeader& header) {
-  return header.scanner ? text_of(*header.scanner) : std::string();
 }
 
 std::string text_of(const FrameFormat& format) {
@@ -212,14 +190,16 @@ RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& he
                                  OutputFile::Writing writing)
     : path_(path), writing_(writing), format_(header.format) {
   require_valid(header);
-  const std::string scan = scan_text(header);
-  const std::string scanner = scanner_text(header);
+  const std::string scan =
+      header.sequence ? scan_yaml_of({.sequence = *header.sequence}, {}) : std::string();
+  const std::string scanner = header.scanner ? text_of(*header.scanner) : std::string();
   if (scanner.size() > largest_text) {
     throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
                             scanner.size(), largest_text));
   }
   const std::string white = pixels_of(header.white);
-  const std::string texts = texts_of(scan, scanner, white);
+  std::string texts = scan + scanner + white;
+  texts.resize(aligned(texts.size()), '\0');  // the records begin at a multiple of the alignment
   header_size_ = sizeof(FileHeader) + texts.size();
   FileHeader written{.recording_magic = recording_magic,
                      .version = header.in_colour ? colour_version : grey_version,

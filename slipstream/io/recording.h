@@ -10,8 +10,8 @@
 #include <string>
 
 #include "slipstream/codes/sequence.h"
-#include "slipstream/frames/frame.h"
 #include "slipstream/frames/frame_set.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/io/file.h"
 

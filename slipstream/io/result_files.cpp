@@ -1,29 +1,39 @@
 #include "slipstream/io/result_files.h"
 
+#include <algorithm>
 #include <array>
-#include <filesystem>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
 
-#include "slipstream/io/distinct_files.h"
+#include "slipstream/base/error.h"
+#include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/preview.h"
-#include "slipstream/io/surface_file.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/io/scan_folder.h"
 
 namespace slipstream {
+namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::pair<const char*, std::string ResultFiles::*>, 10> all_files{
+/// `map`: what is written to the file, where that is a map that the cloud does not hold.
+struct NamedFile {
+  const char* name;
+  std::string ResultFiles::*path;
+  Image<float> Maps::*map = nullptr;
+};
+
+constexpr std::array<NamedFile, 10> all_files{
     {{"cloud", &ResultFiles::cloud},
      {"mesh", &ResultFiles::mesh},
      {"depth", &ResultFiles::depth},
-     {"coordinate", &ResultFiles::coordinate},
-     {"phase", &ResultFiles::phase},
-     {"modulation", &ResultFiles::modulation},
-     {"mean", &ResultFiles::mean},
-     {"epipolar", &ResultFiles::epipolar},
-     {"motion", &ResultFiles::motion},
+     {"coordinate", &ResultFiles::coordinate, &Maps::coordinate},
+     {"phase", &ResultFiles::phase, &Maps::wrapped_phase},
+     {"modulation", &ResultFiles::modulation, &Maps::modulation},
+     {"mean", &ResultFiles::mean, &Maps::mean},
+     {"epipolar", &ResultFiles::epipolar, &Maps::epipolar_distance},
+     {"motion", &ResultFiles::motion, &Maps::motion},
      {"preview", &ResultFiles::preview}}};
 
 void replace_all(std::string& path, std::string_view placeholder, std::string_view name) {
@@ -33,15 +43,18 @@ void replace_all(std::string& path, std::string_view placeholder, std::string_vi
   }
 }
 
-void write_map_if_asked(const std::string& path, const Image<float>& map) {
-  if (!path.empty()) write_map(path, map);
+/// One for all names of a file.
+fs::path identity(const fs::path& path) {
+  std::error_code unknown;
+  fs::path whole = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
+  return unknown ? path : whole;
 }
 
 }  // namespace
 
 std::vector<std::pair<const char*, std::string>> ResultFiles::named() const {
   std::vector<std::pair<const char*, std::string>> asked;
-  for (const auto& [name, path] : all_files) {
+  for (const auto& [name, path, map] : all_files) {
     if (!(this->*path).empty()) asked.emplace_back(name, this->*path);
   }
   return asked;
@@ -57,8 +70,9 @@ std::vector<std::string> ResultFiles::written() const {
 }
 
 bool ResultFiles::any_map() const {
-  return !(coordinate.empty() && phase.empty() && modulation.empty() && mean.empty() &&
-           epipolar.empty() && motion.empty());
+  return std::any_of(all_files.begin(), all_files.end(), [this](const NamedFile& file) {
+    return file.map != nullptr && !(this->*file.path).empty();
+  });
 }
 
 std::string text_of(const ScanName& scan) {
@@ -66,14 +80,13 @@ std::string text_of(const ScanName& scan) {
 }
 
 ResultFiles files_of_scan(const ResultFiles& files, const ScanName& scan) {
-  const std::filesystem::path folder = scan.path;
-  const std::filesystem::path whole = std::filesystem::absolute(folder / "").parent_path();
-  const std::string name =
-      (std::filesystem::is_directory(whole) ? whole.filename() : whole.stem()).string();
+  const fs::path folder = scan.path;
+  const fs::path whole = fs::absolute(folder / "").parent_path();
+  const std::string name = (fs::is_directory(whole) ? whole.filename() : whole.stem()).string();
   ResultFiles filled = files;
-  for (const auto& [kind, member] : all_files) {
-    replace_all(filled.*member, "{name}", name);
-    if (scan.window) replace_all(filled.*member, "{window}", fmt::format("{:06}", *scan.window));
+  for (const NamedFile& file : all_files) {
+    replace_all(filled.*file.path, "{name}", name);
+    if (scan.window) replace_all(filled.*file.path, "{window}", fmt::format("{:06}", *scan.window));
   }
   return filled;
 }
@@ -94,14 +107,55 @@ void write_results(const ResultFiles& files, const Cloud& cloud, const Maps& map
                    const CloudExtras& extras) {
   if (!files.cloud.empty()) write_cloud(files.cloud, cloud, extras);
   if (!files.mesh.empty()) write_surface(files.mesh, surface_of(cloud));
-  write_map_if_asked(files.depth, cloud.z);
-  write_map_if_asked(files.coordinate, maps.coordinate);
-  write_map_if_asked(files.phase, maps.wrapped_phase);
-  write_map_if_asked(files.modulation, maps.modulation);
-  write_map_if_asked(files.mean, maps.mean);
-  write_map_if_asked(files.epipolar, maps.epipolar_distance);
-  write_map_if_asked(files.motion, maps.motion);
+  if (!files.depth.empty()) write_map(files.depth, cloud.z);
+  for (const auto& [name, path, map] : all_files) {
+    if (map != nullptr && !(files.*path).empty()) write_map(files.*path, maps.*map);
+  }
   if (!files.preview.empty()) write_depth_preview(files.preview, cloud);
+}
+
+void DistinctFiles::add_input(const fs::path& path) {
+  std::error_code unknown;
+  if (!inputs_.insert(identity(path)).second || !fs::is_directory(path, unknown)) return;
+  ScanFiles scan;
+  try {
+    const fs::path description = path / "scan.yaml";
+    inputs_.insert(identity(description));
+    if (fs::exists(description, unknown)) {
+      scan = read_scan_files(description);
+    } else {
+      scan.frames = images_in_folder(path);
+    }
+  } catch (const std::exception&) {
+    return;  // who reads it says why
+  }
+  for (const fs::path& frame : scan.frames) inputs_.insert(identity(frame));
+  if (scan.scanner) add_scanner(*scan.scanner);
+  if (scan.second_camera) add_input(*scan.second_camera);
+}
+
+void DistinctFiles::add_output(const fs::path& path) {
+  if (path.empty()) return;
+  const fs::path file = identity(path);
+  if (inputs_.contains(file)) {
+    throw Error(fmt::format("{}: is read, and would be written over; name another", path.string()));
+  }
+  if (!outputs_.insert(file).second) {
+    throw Error(
+        fmt::format("{}: two outputs would be written to it; give each its own name, which "
+                    "{{name}} in it does with several scans",
+                    path.string()));
+  }
+  for (const fs::path& beside : files_beside(path)) add_output(beside);
+}
+
+void DistinctFiles::add_scanner(const fs::path& path) {
+  scanners_.insert(identity(path));
+  add_input(path);
+}
+
+void DistinctFiles::add_scanner_output(const fs::path& path) {
+  if (!scanners_.contains(identity(path))) add_output(path);
 }
 
 }  // namespace slipstream

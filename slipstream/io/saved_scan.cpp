@@ -11,11 +11,10 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/geometry/nearest_error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
@@ -137,6 +136,12 @@ void add_scanner(Scan& scan, std::optional<Scanner> scanner, const ScanFiles& fi
   scan.sequence.projector = scan.scanner->projector.size;
 }
 
+/// Of a recording its header, and of the one that is the scan its frames.
+std::uint32_t checksum_of(const fs::path& file, std::uint32_t before) {
+  return is_recording(file) ? RecordingReader(file).checksum(0, 0, before)
+                            : checksum_of_file(file, before);
+}
+
 }  // namespace
 
 bool is_in_colour(const ScanFiles& files) {
@@ -230,6 +235,22 @@ ScanFiles save_scan(const fs::path& path, const FrameViews& frames, const Sequen
   }
   write_scan_files(path / "scan.yaml", files);
   return files;
+}
+
+std::uint32_t checksum_of(const ScanFiles& scan) {
+  std::uint32_t sum =
+      scan.second_camera ? checksum_of(scan_files_in(*scan.second_camera)) : std::uint32_t{0};
+  if (scan.recording) {
+    sum = cycle_checksum(*scan.recording, scan.sequence, scan.window, sum);
+  }
+  std::vector<fs::path> files = scan.frames;
+  if (fs::exists(scan.path / "scan.yaml")) files.push_back(scan.path / "scan.yaml");
+  if (scan.scanner) files.push_back(*scan.scanner);
+  for (const fs::path& file : files) {
+    sum = scan.recording && file == scan.path ? scan.recording->checksum(0, 0, sum)
+                                              : checksum_of(file, sum);
+  }
+  return sum;
 }
 
 fs::path free_path(const fs::path& path) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -46,6 +47,11 @@ ScanFiles save_scan(const std::filesystem::path& path, const FrameViews& frames,
                     const Sequence& sequence, const std::optional<Scanner>& scanner,
                     const std::optional<std::filesystem::path>& scanner_file = std::nullopt,
                     bool in_colour = false, const FrameSet& white = {});
+
+/// One checksum of all files that a scan consists of: scan.yaml, frames, scanner file, those of a
+/// second camera; of a recording its header and the frames of the window. Throws Error where one is
+/// missing.
+std::uint32_t checksum_of(const ScanFiles& scan);
 
 /// The path, with -2, -3 and so on before the ending where it is there already.
 std::filesystem::path free_path(const std::filesystem::path& path);

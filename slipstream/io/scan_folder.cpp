@@ -12,7 +12,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
@@ -251,46 +251,44 @@ void require_as_taken(const Strategy& strategy) {
 std::string scan_yaml_of(const ScanFiles& scan, const fs::path& folder) {
   require_as_taken(scan.sequence.strategy);
   YAML::Emitter yaml;
-  yaml << YAML::BeginMap << YAML::Key << "slipstream" << YAML::Value << 1;
+  const auto put = [&](const std::string& key, const auto& value) {
+    yaml << YAML::Key << key << YAML::Value << value;
+  };
+  const auto put_file = [&](const std::string& key, const std::optional<fs::path>& file) {
+    if (file) put(key, file->lexically_proximate(folder).string());
+  };
+  yaml << YAML::BeginMap;
+  put("slipstream", 1);
   yaml << YAML::Key << "strategy" << YAML::Value << YAML::Flow << YAML::BeginMap;
   const auto& [strategy, axis, light, projector, marker, exposures, binary, both_axes, motion] =
       scan.sequence;
-  yaml << YAML::Key << "name" << YAML::Value << strategy.name();
-  for (const auto& [name, value] : strategy.settings()) {
-    yaml << YAML::Key << name << YAML::Value << value.text();
-  }
-  yaml << YAML::Key << "axis" << YAML::Value << std::string(axes_of(scan.sequence));
-  yaml << YAML::Key << "alpha_p" << YAML::Value << light.alpha_p;
-  yaml << YAML::Key << "beta_p" << YAML::Value << light.beta_p;
-  if (marker) yaml << YAML::Key << "marker" << YAML::Value << true;
-  if (binary) yaml << YAML::Key << "binary" << YAML::Value << true;
-  if (motion > 0) yaml << YAML::Key << "motion" << YAML::Value << motion;
+  put("name", strategy.name());
+  for (const auto& [name, value] : strategy.settings()) put(name, value.text());
+  put("axis", std::string(axes_of(scan.sequence)));
+  put("alpha_p", light.alpha_p);
+  put("beta_p", light.beta_p);
+  if (marker) put("marker", true);
+  if (binary) put("binary", true);
+  if (motion > 0) put("motion", motion);
   yaml << YAML::EndMap;
   if (exposures != Sequence{}.exposures) {
     yaml << YAML::Key << "exposures" << YAML::Value << YAML::Flow << exposures;
   }
   if (projector != Size{}) {
     yaml << YAML::Key << "projector" << YAML::Value << YAML::Flow << YAML::BeginMap;
-    yaml << YAML::Key << "width" << YAML::Value << projector.width;
-    yaml << YAML::Key << "height" << YAML::Value << projector.height << YAML::EndMap;
+    put("width", projector.width);
+    put("height", projector.height);
+    yaml << YAML::EndMap;
   }
-  if (scan.bits != 0) yaml << YAML::Key << "bits" << YAML::Value << scan.bits;
+  if (scan.bits != 0) put("bits", scan.bits);
   if (!scan.frames.empty()) {
     yaml << YAML::Key << "frames" << YAML::Value << YAML::BeginSeq;
     for (const fs::path& frame : scan.frames) yaml << frame.lexically_proximate(folder).string();
     yaml << YAML::EndSeq;
   }
-  if (scan.scanner) {
-    yaml << YAML::Key << "scanner" << YAML::Value
-         << scan.scanner->lexically_proximate(folder).string();
-  }
-  if (scan.white) {
-    yaml << YAML::Key << "white" << YAML::Value << scan.white->lexically_proximate(folder).string();
-  }
-  if (scan.second_camera) {
-    yaml << YAML::Key << "second_camera" << YAML::Value
-         << scan.second_camera->lexically_proximate(folder).string();
-  }
+  put_file("scanner", scan.scanner);
+  put_file("white", scan.white);
+  put_file("second_camera", scan.second_camera);
   yaml << YAML::EndMap;
   return std::string(yaml.c_str()) + "\n";
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "slipstream/codes/sequence_changes.h"
+#include "slipstream/codes/sequence.h"
 
 namespace slipstream {
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/io/limits.h"
+#include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace {

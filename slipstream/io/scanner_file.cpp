@@ -6,35 +6,136 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/frames/colour_channels.h"
+#include "slipstream/geometry/triangulator.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
-#include "slipstream/io/photometric_file.h"
+#include "slipstream/response/response_fit.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-/// The names of one layout; the sizes are empty where the layout has none. A width without a height
-/// is an entry of both.
+using Entries = std::map<std::string, StoredMatrix>;
+
+constexpr const char* ambient_entry = "ambient_light";
+constexpr const char* noise_entry = "noise_variance";
+constexpr const char* gain_entry = "noise_gain";
+constexpr const char* gamma_entry = "gamma";
+constexpr const char* error_entry = "gamma_standard_error";
+constexpr const char* values_entry = "response_values";
+constexpr const char* light_entry = "response_light";
+constexpr const char* mixture_entry = "colour_mixture";
+
+std::optional<double> number(const Entries& entries, const char* name) {
+  const auto found = entries.find(name);
+  if (found == entries.end()) return std::nullopt;
+  if (found->second.numbers.size() != 1) throw Error(fmt::format("{} is not a number", name));
+  return found->second.numbers[0];
+}
+
+std::optional<MeasuredResponse> response_of(const Entries& entries) {
+  const std::optional<double> gamma = number(entries, gamma_entry);
+  MeasuredResponse measured{.gamma = gamma.value_or(1),
+                            .standard_error = number(entries, error_entry).value_or(0)};
+  const bool has_values = entries.contains(values_entry), has_light = entries.contains(light_entry);
+  if (has_values != has_light) {
+    throw Error(fmt::format("{} and {} go together", values_entry, light_entry));
+  }
+  if (has_values) {
+    measured.response =
+        response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
+    return measured;
+  }
+  if (!gamma) return std::nullopt;
+  measured.response = PowerLaw{*gamma};
+  return measured;
+}
+
+std::optional<ColourMixture> mixture_of(const Entries& entries) {
+  const auto found = entries.find(mixture_entry);
+  if (found == entries.end()) return std::nullopt;
+  const auto& [rows, columns, numbers, text] = found->second;
+  if (rows != 3 || columns != 4) throw Error(fmt::format("{} is no 3x4 matrix", mixture_entry));
+  ColourMixture mixture{};
+  for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
+  require_valid(mixture);
+  return mixture;
+}
+
+StoredMatrix row_of(std::vector<double> numbers) {
+  return {1, static_cast<int>(numbers.size()), std::move(numbers)};
+}
+
+PhotometricCalibration photometric_calibration_of(const Entries& entries, const std::string& name) {
+  return naming(name, [&] {
+    PhotometricCalibration read{.ambient = number(entries, ambient_entry),
+                                .noise_variance = number(entries, noise_entry),
+                                .noise_gain = number(entries, gain_entry).value_or(0),
+                                .response = response_of(entries),
+                                .colour_mixture = mixture_of(entries)};
+    require_valid(read);
+    return read;
+  });
+}
+
+Entries entries_of(const PhotometricCalibration& calibration) {
+  Entries entries;
+  if (calibration.ambient) entries[ambient_entry] = row_of({*calibration.ambient});
+  if (calibration.noise_variance) {
+    entries[noise_entry] = row_of({*calibration.noise_variance});
+    entries[gain_entry] = row_of({calibration.noise_gain});
+  }
+  if (const auto& mixture = calibration.colour_mixture) {
+    StoredMatrix& stored = entries[mixture_entry] = {3, 4};
+    for (const auto& row : *mixture) {
+      stored.numbers.insert(stored.numbers.end(), row.begin(), row.end());
+    }
+  }
+  if (!calibration.response) return entries;
+  const auto& [response, gamma, standard_error] = *calibration.response;
+  entries[gamma_entry] = row_of({gamma});
+  entries[error_entry] = row_of({standard_error});
+  // Empty ones take away what was there.
+  entries[values_entry] = entries[light_entry] = {};
+  if (const auto* curve = std::get_if<ResponseCurve>(&response)) {
+    entries[values_entry] = row_of(curve->values);
+    entries[light_entry] = row_of(curve->light);
+  }
+  return entries;
+}
+
+/// The names of a lens's entries, empty where a layout has none. A width without a height is an
+/// entry of both.
+struct LensNames {
+  std::string_view matrix, distortion, width, height;
+};
+
 struct Layout {
-  std::string_view camera_matrix, camera_distortion, camera_width, camera_height;
-  std::string_view projector_matrix, projector_distortion, projector_width, projector_height;
+  LensNames camera, projector;
   std::string_view rotation, translation;
 };
 
 constexpr std::array<Layout, 4> layouts{{
-    {"camera_matrix", "camera_distortion", "camera_width", "camera_height", "projector_matrix",
-     "projector_distortion", "projector_width", "projector_height", "rotation", "translation"},
-    {"Kc", "kc", "frameWidth", "frameHeight", "Kp", "kp", "screenResX", "screenResY", "Rp", "Tp"},
-    {"cam_K", "cam_kc", "", "", "proj_K", "proj_kc", "", "", "R", "T"},
-    {"M1", "D1", "S", "", "M4", "D4", "", "", "Rlp", "Tlp"},
+    {{"camera_matrix", "camera_distortion", "camera_width", "camera_height"},
+     {"projector_matrix", "projector_distortion", "projector_width", "projector_height"},
+     "rotation",
+     "translation"},
+    {{"Kc", "kc", "frameWidth", "frameHeight"},
+     {"Kp", "kp", "screenResX", "screenResY"},
+     "Rp",
+     "Tp"},
+    {{"cam_K", "cam_kc", "", ""}, {"proj_K", "proj_kc", "", ""}, "R", "T"},
+    {{"M1", "D1", "S", ""}, {"M4", "D4", "", ""}, "Rlp", "Tlp"},
 }};
 
 // The layout of projection matrices, whose sizes have slipstream's names.
@@ -43,14 +144,22 @@ constexpr std::array<std::string_view, 2> projections{"camera_projection", "proj
 constexpr const char* measured_entry = "measured";
 constexpr const char* depths_entry = "calibrated_depths";
 
+Eigen::Matrix<double, 3, 4> matrix34(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(values.data());
+}
+
+Eigen::Matrix3d matrix3(const std::vector<double>& values) {
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+}
+
 /// The named entries of one scanner file, with errors that name file and entry.
 class ScannerFile {
  public:
-  ScannerFile(std::string name, std::map<std::string, StoredMatrix> entries)
+  ScannerFile(std::string name, Entries entries)
       : name_(std::move(name)), entries_(std::move(entries)) {}
 
   [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const std::map<std::string, StoredMatrix>& entries() const { return entries_; }
+  [[nodiscard]] const Entries& entries() const { return entries_; }
 
   [[nodiscard]] bool has(std::string_view name) const {
     return !name.empty() && entries_.contains(std::string(name));
@@ -58,12 +167,11 @@ class ScannerFile {
 
   [[nodiscard]] const Layout& layout() const {
     for (const Layout& layout : layouts) {
-      if (has(layout.camera_matrix) || has(layout.projector_matrix)) return layout;
+      if (has(layout.camera.matrix) || has(layout.projector.matrix)) return layout;
     }
     throw Error(
         fmt::format("{}: no camera matrix; it is named camera_matrix, Kc, cam_K, M1 or "
-                    "camera_projection in a scanner "
-                    "file",
+                    "camera_projection in a scanner file",
                     name_));
   }
 
@@ -79,25 +187,28 @@ class ScannerFile {
     return values;
   }
 
-  [[nodiscard]] Distortion distortion(std::string_view name) const {
-    if (!has(name)) return {};
-    try {
-      return make_distortion(numbers(name));
-    } catch (const Error& error) {
-      const std::string_view message = error.what();
-      if (message.starts_with(name_)) throw;
-      throw Error(fmt::format("{}: {}: {}", name_, name, message));
-    }
+  [[nodiscard]] Lens lens(const LensNames& names) const {
+    return {.intrinsic = matrix3(matrix(names.matrix, 3, 3)),
+            .distortion = distortion(names.distortion),
+            .size = size(names)};
   }
 
   /// Whole numbers of pixels; 0 where the file does not say.
-  [[nodiscard]] Size size(std::string_view width, std::string_view height) const {
-    if (!height.empty()) return {pixel_counts(width, 1)[0], pixel_counts(height, 1)[0]};
-    const std::vector<int> both = pixel_counts(width, 2);
+  [[nodiscard]] Size size(const LensNames& names) const {
+    if (!names.height.empty())
+      return {pixel_counts(names.width, 1)[0], pixel_counts(names.height, 1)[0]};
+    const std::vector<int> both = pixel_counts(names.width, 2);
     return {both[0], both[1]};
   }
 
  private:
+  [[nodiscard]] Distortion distortion(std::string_view name) const {
+    if (!has(name)) return {};
+    const std::vector<double> coefficients = numbers(name);
+    return naming(fmt::format("{}: {}", name_, name),
+                  [&] { return make_distortion(coefficients); });
+  }
+
   [[nodiscard]] std::vector<int> pixel_counts(std::string_view name, std::size_t count) const {
     if (!has(name)) return std::vector<int>(count, 0);
     const std::vector<double> values = numbers(name);
@@ -126,19 +237,11 @@ class ScannerFile {
   }
 
   std::string name_;
-  std::map<std::string, StoredMatrix> entries_;
+  Entries entries_;
 };
 
-Eigen::Matrix<double, 3, 4> matrix34(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(values.data());
-}
-
-Eigen::Matrix3d matrix3(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
-}
-
-std::map<std::string, StoredMatrix> entries_of(const Scanner& scanner) {
-  std::map<std::string, StoredMatrix> entries = entries_of(scanner.photometry);
+Entries entries_of(const Scanner& scanner) {
+  Entries entries = entries_of(scanner.photometry);
   const auto put = [&](std::string_view name, const auto& matrix) {
     StoredMatrix& entry = entries[std::string(name)];
     entry = {static_cast<int>(matrix.rows()), static_cast<int>(matrix.cols())};
@@ -146,19 +249,16 @@ std::map<std::string, StoredMatrix> entries_of(const Scanner& scanner) {
       entry.numbers.insert(entry.numbers.end(), row.begin(), row.end());
     }
   };
-  const auto put_lens = [&](const Lens& lens, std::string_view matrix, std::string_view distortion,
-                            std::string_view width, std::string_view height) {
+  const auto put_lens = [&](const LensNames& names, const Lens& lens) {
     const auto& k = lens.distortion.coefficients;
-    put(matrix, lens.intrinsic);
-    put(distortion, Eigen::Map<const Eigen::RowVectorXd>(k.data(), k.size()));
-    put(width, Eigen::Matrix<double, 1, 1>(lens.size.width));
-    put(height, Eigen::Matrix<double, 1, 1>(lens.size.height));
+    put(names.matrix, lens.intrinsic);
+    put(names.distortion, Eigen::Map<const Eigen::RowVectorXd>(k.data(), k.size()));
+    put(names.width, Eigen::Matrix<double, 1, 1>(lens.size.width));
+    put(names.height, Eigen::Matrix<double, 1, 1>(lens.size.height));
   };
   const Layout& names = layouts.front();
-  put_lens(scanner.camera, names.camera_matrix, names.camera_distortion, names.camera_width,
-           names.camera_height);
-  put_lens(scanner.projector, names.projector_matrix, names.projector_distortion,
-           names.projector_width, names.projector_height);
+  put_lens(names.camera, scanner.camera);
+  put_lens(names.projector, scanner.projector);
   put(names.rotation, scanner.rotation);
   put(names.translation, scanner.translation);
   if (const auto& depths = scanner.calibrated_depths) {
@@ -176,20 +276,20 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
 }
 
 bool names_geometry(std::string_view entry) {
-  if (std::find(projections.begin(), projections.end(), entry) != projections.end()) return true;
-  return std::any_of(layouts.begin(), layouts.end(), [&](const Layout& layout) {
-    const std::array names{layout.camera_matrix,    layout.camera_distortion,
-                           layout.camera_width,     layout.camera_height,
-                           layout.projector_matrix, layout.projector_distortion,
-                           layout.projector_width,  layout.projector_height,
-                           layout.rotation,         layout.translation};
-    return std::find(names.begin(), names.end(), entry) != names.end();
-  });
+  const auto is_of = [&](const LensNames& lens) {
+    return entry == lens.matrix || entry == lens.distortion || entry == lens.width ||
+           entry == lens.height;
+  };
+  return entry == projections[0] || entry == projections[1] ||
+         std::any_of(layouts.begin(), layouts.end(), [&](const Layout& layout) {
+           return is_of(layout.camera) || is_of(layout.projector) || entry == layout.rotation ||
+                  entry == layout.translation;
+         });
 }
 
 /// What a file holds besides geometry; nothing where there is no such file.
-std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
-  std::map<std::string, StoredMatrix> entries;
+Entries other_entries(const fs::path& path) {
+  Entries entries;
   if (!fs::exists(path)) return entries;
   try {
     entries = read_opencv_storage(path);
@@ -204,18 +304,12 @@ std::map<std::string, StoredMatrix> other_entries(const fs::path& path) {
 }
 
 Scanner geometry_of_projections(const ScannerFile& file) {
-  const Layout& names = layouts.front();
-  const auto [camera, projector] = projections;
-  try {
-    return scanner_of(matrix34(file.matrix(camera, 3, 4)),
-                      file.size(names.camera_width, names.camera_height),
-                      matrix34(file.matrix(projector, 3, 4)),
-                      file.size(names.projector_width, names.projector_height));
-  } catch (const Error& error) {
-    const std::string_view message = error.what();
-    if (message.starts_with(file.name())) throw;
-    throw Error(fmt::format("{}: {}", file.name(), message));
-  }
+  const Size projector_size = file.size(layouts.front().projector);
+  const auto projector = matrix34(file.matrix(projections[1], 3, 4));
+  const Size camera_size = file.size(layouts.front().camera);
+  const auto camera = matrix34(file.matrix(projections[0], 3, 4));
+  return naming(file.name(),
+                [&] { return scanner_of(camera, camera_size, projector, projector_size); });
 }
 
 /// Lenses and pose.
@@ -223,12 +317,8 @@ Scanner geometry_of(const ScannerFile& file) {
   if (file.has(projections[0]) || file.has(projections[1])) return geometry_of_projections(file);
   const Layout& names = file.layout();
   Scanner scanner;
-  scanner.camera = {.intrinsic = matrix3(file.matrix(names.camera_matrix, 3, 3)),
-                    .distortion = file.distortion(names.camera_distortion),
-                    .size = file.size(names.camera_width, names.camera_height)};
-  scanner.projector = {.intrinsic = matrix3(file.matrix(names.projector_matrix, 3, 3)),
-                       .distortion = file.distortion(names.projector_distortion),
-                       .size = file.size(names.projector_width, names.projector_height)};
+  scanner.camera = file.lens(names.camera);
+  scanner.projector = file.lens(names.projector);
   scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
   scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
   return scanner;
@@ -265,11 +355,33 @@ void write_scanner(const fs::path& path, const Scanner& scanner) {
 }
 
 std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& scanner) {
-  const std::map<std::string, StoredMatrix> kept = other_entries(path);
+  const Entries kept = other_entries(path);
   write_file(path, with_entries(text_of(path, scanner), kept, path.string()));
   std::vector<std::string> names;
   for (const auto& [name, numbers] : kept) names.push_back(name);
   return names;
+}
+
+PhotometricCalibration read_photometric_calibration(const fs::path& scanner_file) {
+  return photometric_calibration_of(read_opencv_storage(scanner_file), scanner_file.string());
+}
+
+void write_photometric_calibration(const std::optional<fs::path>& from, const fs::path& to,
+                                   const PhotometricCalibration& calibration) {
+  write_entries(from, to, entries_of(calibration));
+}
+
+Response response_named(const std::string& text, const std::string& name) {
+  if (const auto gamma = number_in<double>(text)) {
+    require_gamma(*gamma, name);
+    return PowerLaw{*gamma};
+  }
+  if (auto curve = curve_named(text)) return *std::move(curve);
+  const auto measured = read_photometric_calibration(text).response;
+  if (!measured) {
+    throw Error(fmt::format("{}: no gamma in it; slipstream calibrate gamma puts it there", text));
+  }
+  return measured->response;
 }
 
 }  // namespace slipstream

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,9 +17,9 @@ namespace slipstream {
 ///   cam_K cam_kc proj_K proj_kc R T, which says no sizes: they come out empty;
 ///   M1 D1 S M4 D4 Rlp Tlp, which says the camera's size alone: S, its width and height;
 ///   camera_projection projector_projection and sizes as slipstream's: the 3x4 matrices from one
-///     world, mm, to the pixels of either, up to scale (see scanner_of in projection_matrices.h).
+///     world, mm, to the pixels of either, up to scale (see scanner_of in scanner.h).
 /// Distortion may be missing (none) and sizes too. Rotation and translation take the camera's frame
-/// to the projector's, mm. What is known of light and sensor, see photometric_file.h, and the line
+/// to the projector's, mm. What is known of light and sensor, see below, and the line
 /// of text `measured` are read too. A recording serves as well, with what it holds. Throws Error,
 /// naming the file and the entry, for anything missing, of another shape, or not a number.
 Scanner read_scanner(const std::filesystem::path& path);
@@ -36,5 +37,30 @@ void write_scanner(const std::filesystem::path& path, const Scanner& scanner);
 /// geometry, such as gamma, are kept; `measured` is not. Returns the names of those kept.
 std::vector<std::string> replace_geometry(const std::filesystem::path& path,
                                           const Scanner& scanner);
+
+// What a scanner file says of light and sensor, each entry for itself:
+//   ambient_light, noise_variance          numbers
+//   noise_gain                             a number, 0 where it is missing
+//   gamma, gamma_standard_error            of a power law, or of the one nearest to a curve
+//   response_values, response_light        a measured curve, two rows of numbers
+//   colour_mixture                         3x4, see ColourMixture
+
+/// Reads it from a file that may hold nothing else. Throws Error, naming file and entry, for one
+/// that is not of its form or out of range.
+PhotometricCalibration read_photometric_calibration(const std::filesystem::path& scanner_file);
+
+/// The response that a text names: a number, gamma of a power law; a curve as curve_named has it;
+/// or a scanner file that holds one, of which response_values and response_light are enough. Throws
+/// Error, by `name` what a message calls the number, where gamma is out of range, and naming the
+/// file where it holds none.
+Response response_named(const std::string& text, const std::string& name);
+
+/// Writes the scanner file `from` to `to` (which may be the same) with what the calibration has in
+/// place of what the file says, and all else as it was, what slipstream does not know too. `from`
+/// may be missing: the new file then holds the calibration alone. Throws Error where both names do
+/// not end alike in .xml or not.
+void write_photometric_calibration(const std::optional<std::filesystem::path>& from,
+                                   const std::filesystem::path& to,
+                                   const PhotometricCalibration& calibration);
 
 }  // namespace slipstream

@@ -1,5 +1,3 @@
-#include "slipstream/io/surface_file.h"
-
 #include <iterator>
 #include <string>
 
@@ -7,9 +5,8 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_bytes.h"
-#include "slipstream/io/detail/glb.h"
-#include "slipstream/io/detail/ply_intensity.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/io/detail/point_formats.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 

@@ -1,11 +1,15 @@
 #include "slipstream/live/cyclic_scans.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {
@@ -19,8 +23,9 @@ CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scan
     : source_(source),
       frames_(frame_count(sequence)),
       scans_(scans),
-      windows_(sequence, sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
-               source.format().size, scans),
+      windows_(pattern_cycle(sequence, scans),
+               sequence.marker ? PatternIndexing::marker : PatternIndexing::told,
+               source.format().size),
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
             [&] { return Frame(source.format()); }) {
   if (scans > 1 && sequence.motion > 0) {
@@ -57,19 +62,16 @@ std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
 
 std::optional<std::vector<FrameSet>> CyclicScans::cycle_of(
     const std::vector<Pooled<Frame>>& window) {
-  std::uint64_t oldest = window.front()->stamp.sequence, newest = oldest;
-  for (const Pooled<Frame>& frame : window) {
-    oldest = std::min(oldest, frame->stamp.sequence);
-    newest = std::max(newest, frame->stamp.sequence);
-  }
-  if (newest_ && oldest <= *newest_) return std::nullopt;
-  newest_ = newest;
+  const auto [oldest, newest] = std::minmax_element(
+      window.begin(), window.end(),
+      [](const auto& a, const auto& b) { return a->stamp.sequence < b->stamp.sequence; });
+  if (newest_ && (*oldest)->stamp.sequence <= *newest_) return std::nullopt;
+  newest_ = (*newest)->stamp.sequence;
   std::vector<FrameSet> scans;
-  for (int scan = 0; scan < scans_; ++scan) {
+  for (auto first = window.begin(); first != window.end(); first += frames_) {
     std::vector<Frame> frames;
-    for (int n = 0; n < frames_; ++n) {
-      frames.push_back(*window[static_cast<std::size_t>(scan * frames_ + n)]);
-    }
+    std::transform(first, first + frames_, std::back_inserter(frames),
+                   [](const Pooled<Frame>& frame) { return *frame; });
     scans.push_back(frame_set_of(std::move(frames)));
   }
   return scans;
@@ -78,6 +80,39 @@ std::optional<std::vector<FrameSet>> CyclicScans::cycle_of(
 std::optional<std::vector<FrameSet>> CyclicScans::take() {
   if (seen_.empty()) return std::nullopt;
   return seen_;
+}
+
+FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::string& source) {
+  frames.start();
+  std::optional<Glimpse> seen = CyclicScans(frames, sequence, 1).look(std::chrono::seconds(10));
+  frames.stop();
+  if (seen) return std::move(seen->frames.front());
+  throw WorldError(
+      fmt::format("{}: no whole cycle of {} frames came", source, cycle_length(sequence)));
+}
+
+FrameSet joined(const std::vector<FrameSet>& sets) {
+  if (sets.empty()) return {};
+  return sets.front().visit([&]<class Pixel>(const Frames<Pixel>&) {
+    std::vector<Image<Pixel>> images;
+    for (const FrameSet& set : sets) {
+      set.visit([&]<class Other>(const Frames<Other>& views) {
+        if constexpr (std::is_same_v<Pixel, Other>) {
+          for (const auto& view : views) {
+            Image<Pixel>& image = images.emplace_back(view.size());
+            std::copy_n(view.row(0), image.pixel_count(), image.begin());
+          }
+        } else {
+          throw Error("frames of several formats cannot be merged");
+        }
+      });
+    }
+    if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
+      return FrameSet(std::move(images), sets.front().bits());
+    } else {
+      return FrameSet(std::move(images));
+    }
+  });
 }
 
 }  // namespace slipstream

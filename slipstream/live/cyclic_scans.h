@@ -3,8 +3,11 @@
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "slipstream/codes/sequence.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/frames/frame_source.h"
 #include "slipstream/frames/pattern_windows.h"
 #include "slipstream/frames/pool.h"
@@ -39,5 +42,12 @@ class CyclicScans : public ScanCamera {
   std::vector<FrameSet> seen_;
   std::optional<std::uint64_t> newest_;  ///< sequence, of the last glimpse
 };
+
+/// The frames of one cycle of a source that shows the sequence over and over, in pattern order; the
+/// source is started and stopped. Throws WorldError, naming `source`, where none comes whole.
+FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::string& source);
+
+/// Frame sets of one format, one behind another. Throws Error where they differ.
+FrameSet joined(const std::vector<FrameSet>& sets);
 
 }  // namespace slipstream

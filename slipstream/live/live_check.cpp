@@ -41,10 +41,12 @@ LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
   constexpr double most_residual = 0.011;
   fit_.moving = settings_.moving;
   fit_.frames = judge_(samples_, order_);
-  return {.residual = fit_.frames.residual > std::max(most_residual, harmless_residual_),
-          .bands = !fit_.bands_agree(),
-          .seam = !fit_.no_seam(),
-          .darkened = darkened()};
+  Suspicion raised;
+  raised[0] = fit_.frames.residual > std::max(most_residual, harmless_residual_);
+  raised[1] = !fit_.bands_agree();
+  raised[2] = !fit_.no_seam();
+  raised[3] = darkened();
+  return raised;
 }
 
 std::vector<Finding> LiveCheck::look(const FrameViews& window) {
@@ -59,7 +61,7 @@ std::vector<Finding> LiveCheck::look(const FrameViews& window) {
     }
     if (raised == suspected_ && now - checked_ < next_look) return findings_;
   } else {
-    harmless_ = harmless_.of(raised);
+    harmless_ &= raised;
     if (!first && harmless_ == raised) return {};
   }
   findings_ = check_frames(window, sequence_, scanner_, settings_).findings;

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <bitset>
 #include <chrono>
 #include <optional>
 #include <vector>
 
 #include "slipstream/check/fit.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 
@@ -26,18 +27,8 @@ class LiveCheck {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// What does not look as it should in a few pixels.
-  struct Suspicion {
-    bool residual = false, bands = false, seam = false, darkened = false;
-
-    [[nodiscard]] bool any() const { return residual || bands || seam || darkened; }
-    /// What both raise.
-    [[nodiscard]] Suspicion of(const Suspicion& other) const {
-      return {residual && other.residual, bands && other.bands, seam && other.seam,
-              darkened && other.darkened};
-    }
-    friend bool operator==(const Suspicion&, const Suspicion&) = default;
-  };
+  /// What does not look as it should in a few pixels: residual, bands, seam, brightness.
+  using Suspicion = std::bitset<4>;
 
   Suspicion suspicion(const FrameViews& window);
   /// Whether a frame has lost much of its light since the last that was right.
@@ -52,7 +43,7 @@ class LiveCheck {
   ScanSamples samples_;
   Fit fit_;
   Suspicion harmless_;              ///< raised, but the whole check found nothing
-  double harmless_residual_ = 0;    ///< likewise
+  double harmless_residual_ = 0;    ///< with a margin, of the frames that raised that
   std::vector<double> right_sums_;  ///< of each frame, when last all was right
   std::vector<Finding> findings_;   ///< of the last whole check
   Suspicion suspected_;             ///< that led to it

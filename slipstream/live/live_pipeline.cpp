@@ -88,14 +88,18 @@ void LivePipeline::stop() {
   source_->stop();
 }
 
-bool LivePipeline::running() const {
+template <class Answer>
+Answer LivePipeline::asked(Answer (LiveRun::*question)() const) const {
   const auto current = run();
-  return current && current->capturing();
+  return current ? (*current.*question)() : Answer();
+}
+
+bool LivePipeline::running() const {
+  return asked(&LiveRun::capturing);
 }
 
 std::exception_ptr LivePipeline::failure() const {
-  const auto current = run();
-  return current ? current->failure() : nullptr;
+  return asked(&LiveRun::failure);
 }
 
 void LivePipeline::change(const EngineSetup& setup) {
@@ -104,8 +108,7 @@ void LivePipeline::change(const EngineSetup& setup) {
 }
 
 Pooled<LiveCloud> LivePipeline::newest() const {
-  const auto current = run();
-  return current ? current->newest() : Pooled<LiveCloud>();
+  return asked(&LiveRun::newest);
 }
 
 void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
@@ -113,23 +116,19 @@ void LivePipeline::shown(std::chrono::steady_clock::time_point captured) {
 }
 
 LiveStatistics LivePipeline::statistics() const {
-  const auto current = run();
-  return current ? current->statistics() : LiveStatistics();
+  return asked(&LiveRun::statistics);
 }
 
 ModelPoints LivePipeline::model() const {
-  const auto current = run();
-  return current ? current->model() : ModelPoints();
+  return asked(&LiveRun::model);
 }
 
 std::vector<LiveFinding> LivePipeline::findings() const {
-  const auto current = run();
-  return current ? current->findings() : std::vector<LiveFinding>();
+  return asked(&LiveRun::findings);
 }
 
 std::string LivePipeline::gpu_failure() const {
-  const auto current = run();
-  return current ? current->gpu_failure() : "";
+  return asked(&LiveRun::gpu_failure);
 }
 
 }  // namespace slipstream

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "slipstream/decode/frame_adapter.h"
 #include "slipstream/frames/thread_priority.h"
 #include "slipstream/live/live_check.h"
 
@@ -146,24 +147,9 @@ void LiveRun::stop() {
   if (!end_) end_ = Clock::now();
 }
 
-std::exception_ptr LiveRun::failure() const {
-  const std::lock_guard lock(mutex_);
-  return failure_;
-}
-
 void LiveRun::change(std::shared_ptr<const LivePlan> plan) {
   const std::lock_guard lock(mutex_);
   plan_ = std::move(plan);
-}
-
-std::shared_ptr<const LivePlan> LiveRun::plan() const {
-  const std::lock_guard lock(mutex_);
-  return plan_;
-}
-
-Pooled<LiveCloud> LiveRun::newest() const {
-  const std::lock_guard lock(mutex_);
-  return newest_;
 }
 
 void LiveRun::shown(Clock::time_point captured) {
@@ -171,7 +157,7 @@ void LiveRun::shown(Clock::time_point captured) {
 }
 
 Pooled<Frame> LiveRun::free_frame() {
-  const std::shared_ptr<Pool<Frame>> frames = plan()->frames;
+  const std::shared_ptr<Pool<Frame>> frames = locked(plan_)->frames;
   Pooled<Frame> frame = frames->take();
   if (paced_) {
     if (!frame && captured_.drop_oldest()) {
@@ -187,14 +173,8 @@ Pooled<Frame> LiveRun::free_frame() {
   return frame;
 }
 
-SequenceWatch::Kind LiveRun::look(std::uint64_t sequence) {
-  const SequenceWatch::Kind kind = sequence_.look(sequence);
-  if (kind == SequenceWatch::Kind::restart) ++restarts_;
-  return kind;
-}
-
 void LiveRun::receive(Pooled<Frame> frame) {
-  const SequenceWatch::Kind kind = look(frame->stamp.sequence);
+  const SequenceWatch::Kind kind = sequence_.look(frame->stamp.sequence);
   frames_lost_ = sequence_.lost();
   if (kind == SequenceWatch::Kind::repeated) {
     ++frames_repeated_;
@@ -203,9 +183,9 @@ void LiveRun::receive(Pooled<Frame> frame) {
   ++frames_captured_;
   const Clock::time_point captured_at = frame->stamp.host_time;
   if (paced_) {
-    if (captured_.push_over_oldest({std::move(frame), restarts_})) ++frames_overwritten_;
+    if (captured_.push_over_oldest({std::move(frame), sequence_.restarts()})) ++frames_overwritten_;
   } else {
-    captured_.push_when_room({std::move(frame), restarts_});
+    captured_.push_when_room({std::move(frame), sequence_.restarts()});
   }
   capture_meter_.done(captured_at);
 }
@@ -234,7 +214,7 @@ void LiveRun::capture() {
     if (frame) {
       receive(std::move(frame));
     } else {
-      look(nobodys.stamp.sequence);
+      sequence_.look(nobodys.stamp.sequence);
       ++frames_captured_;
       ++frames_overwritten_;
     }
@@ -260,12 +240,12 @@ void LiveRun::make_windows() {
   std::uint64_t lost_before = 0, resynchronised_before = 0, restarts = 0;
   std::vector<Pooled<Frame>> window;
   while (auto captured = captured_.pop()) {
-    if (auto wanted = plan(); wanted != current) {
+    if (auto wanted = locked(plan_); wanted != current) {
       const Sequence& sequence = sequence_of(*wanted);
       if (!windows || !same_patterns(sequence, sequence_of(*current))) {
         lost_before = windows_lost_;
         resynchronised_before = resynchronisations_;
-        windows.emplace(sequence, settings_.indexing, format_.size);
+        windows.emplace(pattern_cycle(sequence), settings_.indexing, format_.size);
       }
       current = std::move(wanted);
     }
@@ -301,29 +281,25 @@ void LiveRun::make_windows() {
 void LiveRun::reconstruct() {
   while (auto window = windows_.pop()) {
     LiveCloud& cloud = window->cloud.fill();
-    look(*window->reconstruct, cloud);
-    cloud.cleaned = window->reconstruct->reconstruct(cloud);
+    WindowEngine& engine = *window->reconstruct;
+    if (engine.is_due(cloud)) {
+      std::vector<Finding> findings = engine.look(cloud);
+      const std::lock_guard lock(mutex_);
+      findings_.replace(std::move(findings), cloud.newest.sequence);
+    }
+    cloud.cleaned = engine.reconstruct(cloud);
     cloud_latency_.add(Clock::now() - cloud.newest.host_time);
-    note_backend(*window->reconstruct);
+    std::string backend = engine.used->backend_for(engine.views);
+    std::string failure = engine.used->gpu_failure();
+    {
+      const std::lock_guard lock(mutex_);
+      backend_ = std::move(backend);
+      gpu_failure_ = std::move(failure);
+    }
     reconstruct_meter_.done(cloud.newest.host_time);
     finished_.push_when_room(std::move(window->cloud));
   }
   finished_.close();
-}
-
-void LiveRun::note_backend(WindowEngine& engine) {
-  std::string backend = engine.used->backend_for(engine.views);
-  std::string failure = engine.used->gpu_failure();
-  const std::lock_guard lock(mutex_);
-  backend_ = std::move(backend);
-  gpu_failure_ = std::move(failure);
-}
-
-void LiveRun::look(WindowEngine& engine, const LiveCloud& window) {
-  if (!engine.is_due(window)) return;
-  std::vector<Finding> findings = engine.look(window);
-  const std::lock_guard lock(mutex_);
-  findings_.replace(std::move(findings), window.newest.sequence);
 }
 
 void LiveRun::show() {
@@ -338,11 +314,6 @@ void LiveRun::show() {
   }
 }
 
-LiveRun::Clock::time_point LiveRun::until() const {
-  const std::lock_guard lock(mutex_);
-  return end_.value_or(Clock::now());
-}
-
 LiveStatistics LiveRun::statistics() const {
   LiveStatistics statistics;
   statistics.frames = {.captured = frames_captured_,
@@ -352,7 +323,7 @@ LiveStatistics LiveRun::statistics() const {
   statistics.clouds = show_meter_.count();
   statistics.windows_lost = windows_lost_;
   statistics.resynchronisations = resynchronisations_;
-  const Clock::time_point now = until();
+  const Clock::time_point now = locked(end_).value_or(Clock::now());
   statistics.seconds = std::chrono::duration<double>(now - start_).count();
   statistics.clouds_per_second = static_cast<double>(statistics.clouds) / statistics.seconds;
   statistics.latency = cloud_latency_.latency();
@@ -379,16 +350,6 @@ LiveStatistics LiveRun::statistics() const {
     statistics.backend = backend_;
   }
   return statistics;
-}
-
-std::string LiveRun::gpu_failure() const {
-  const std::lock_guard lock(mutex_);
-  return gpu_failure_;
-}
-
-std::vector<LiveFinding> LiveRun::findings() const {
-  const std::lock_guard lock(mutex_);
-  return findings_.told();
 }
 
 }  // namespace slipstream

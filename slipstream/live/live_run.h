@@ -14,13 +14,10 @@
 #include <vector>
 
 #include "slipstream/frames/pattern_windows.h"
-#include "slipstream/frames/window_frames.h"
 #include "slipstream/live/bounded_queue.h"
-#include "slipstream/live/cloud_follower.h"
-#include "slipstream/live/finding_log.h"
 #include "slipstream/live/live_pipeline.h"
-#include "slipstream/live/sequence_watch.h"
-#include "slipstream/live/stage_meter.h"
+#include "slipstream/live/meters.h"
+#include "slipstream/live/object_track.h"
 #include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {
@@ -68,13 +65,13 @@ class LiveRun {
 
   void stop();
   [[nodiscard]] bool capturing() const { return capturing_; }
-  [[nodiscard]] std::exception_ptr failure() const;
   void change(std::shared_ptr<const LivePlan> plan);
-  [[nodiscard]] Pooled<LiveCloud> newest() const;
   void shown(std::chrono::steady_clock::time_point captured);
+  [[nodiscard]] std::exception_ptr failure() const { return locked(failure_); }
+  [[nodiscard]] Pooled<LiveCloud> newest() const { return locked(newest_); }
   [[nodiscard]] LiveStatistics statistics() const;
-  [[nodiscard]] std::vector<LiveFinding> findings() const;
-  [[nodiscard]] std::string gpu_failure() const;
+  [[nodiscard]] std::vector<LiveFinding> findings() const { return locked(findings_).told(); }
+  [[nodiscard]] std::string gpu_failure() const { return locked(gpu_failure_); }
   [[nodiscard]] ModelPoints model() const { return followed_.model(); }
 
  private:
@@ -92,8 +89,6 @@ class LiveRun {
   void capture();
   void make_windows();
   void reconstruct();
-  void note_backend(WindowEngine& engine);
-  void look(WindowEngine& engine, const LiveCloud& window);
   void show();
 
   /// Runs a stage; what it throws ends the whole run.
@@ -101,13 +96,14 @@ class LiveRun {
   std::thread thread_of(Stage stage);
   void fail(std::exception_ptr failure);
 
-  /// Now, or when it was stopped.
-  [[nodiscard]] Clock::time_point until() const;
-  [[nodiscard]] std::shared_ptr<const LivePlan> plan() const;
+  /// A copy of one of the members that the mutex guards.
+  template <class Value>
+  [[nodiscard]] Value locked(const Value& value) const {
+    const std::lock_guard lock(mutex_);
+    return value;
+  }
   /// A frame to be filled; empty where there is none.
   Pooled<Frame> free_frame();
-  /// Whether a frame has come before; notices where the source counts from the beginning again.
-  SequenceWatch::Kind look(std::uint64_t sequence);
   /// Counts a frame that has come, and passes it on unless it came before.
   void receive(Pooled<Frame> frame);
   /// Waits for a cloud that nobody holds; empty once that is waited for in vain at the stop.
@@ -136,8 +132,7 @@ class LiveRun {
 
   std::atomic<bool> stopping_ = false;
   std::atomic<bool> capturing_ = true;
-  SequenceWatch sequence_;      ///< of the capture stage
-  std::uint64_t restarts_ = 0;  ///< likewise: how often the source counted from the beginning again
+  SequenceWatch sequence_;  ///< of the capture stage
   std::atomic<std::uint64_t> frames_captured_ = 0, frames_lost_ = 0, frames_overwritten_ = 0,
                              frames_repeated_ = 0, windows_lost_ = 0, resynchronisations_ = 0;
   StageMeter capture_meter_, window_meter_, reconstruct_meter_, show_meter_;

@@ -18,13 +18,6 @@ std::string text_of_cleaned(const ValidityCounts& cleaned) {
 
 }  // namespace
 
-std::string text_of(const ModelStatistics& model) {
-  return fmt::format(
-      "model: {} points of {} views, {:.3f} mm from the last; {} did not fit, {} missed; {:.1f} ms "
-      "a view",
-      model.points, model.views, model.rms, model.left_out, model.missed, model.milliseconds);
-}
-
 std::string text_of(const LiveStatistics& statistics) {
   const LiveStatistics::Frames& frames = statistics.frames;
   std::string text = fmt::format(

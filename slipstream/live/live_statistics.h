@@ -12,11 +12,29 @@
 
 namespace slipstream {
 
+/// A finding of a live scan, from the frame on at which it was first told.
+struct LiveFinding {
+  Finding finding;          ///< as it was told first
+  std::uint64_t begin = 0;  ///< sequence of the newest frame that was looked at then
+  /// That of the first look that did not find it again; none while it lasts.
+  std::optional<std::uint64_t> end{};
+
+  friend bool operator==(const LiveFinding&, const LiveFinding&) = default;
+};
+
 /// How long things took, ms; 0 where nothing has been measured yet.
 struct Latency {
   double p50 = 0;
   double p99 = 0;
   double max = 0;
+
+  /// See LiveStatistics::for_each_figure.
+  template <class Visit>
+  void for_each_figure(const Visit& visit) const {
+    visit("p50", p50);
+    visit("p99", p99);
+    visit("max", max);
+  }
 };
 
 /// One of the threads that the data passes.
@@ -27,20 +45,18 @@ struct StageStatistics {
   std::size_t waiting = 0;   ///< in the queue before it
   std::size_t capacity = 0;  ///< of that queue
   Latency latency;           ///< from a frame's capture to the end of this stage
-};
 
-/// How a model of the clouds comes on.
-struct ModelStatistics {
-  int views = 0;             ///< taken in
-  int left_out = 0;          ///< that did not fit
-  std::uint64_t missed = 0;  ///< that came while another was taken in
-  std::size_t points = 0;    ///< of the model, sure or not
-  double rms = 0;            ///< of the last view from the model, mm
-  double milliseconds = 0;   ///< that a view took, on average
+  /// See LiveStatistics::for_each_figure.
+  template <class Visit>
+  void for_each_figure(const Visit& visit) const {
+    visit("name", name);
+    visit("done", done);
+    visit("rate", rate);
+    visit("waiting", waiting);
+    visit("capacity", capacity);
+    visit("latency_ms", latency);
+  }
 };
-
-/// A line for people.
-std::string text_of(const ModelStatistics& model);
 
 /// Measured all the time; the counts are from the start.
 struct LiveStatistics {
@@ -49,6 +65,15 @@ struct LiveStatistics {
     std::uint64_t lost = 0;         ///< gaps in the sequence and damaged frames
     std::uint64_t overwritten = 0;  ///< came whole, but nobody had time for them
     std::uint64_t repeated = 0;     ///< came again, or too late to be put in order
+
+    /// See LiveStatistics::for_each_figure.
+    template <class Visit>
+    void for_each_figure(const Visit& visit) const {
+      visit("captured", captured);
+      visit("lost", lost);
+      visit("overwritten", overwritten, "frames not used");
+      visit("repeated", repeated, "frames repeated");
+    }
   } frames;
   std::uint64_t clouds = 0;
   std::uint64_t windows_lost = 0;        ///< without a cloud: a frame was missing or slipped
@@ -66,8 +91,32 @@ struct LiveStatistics {
   std::string backend;               ///< Engine::backend_for the newest cloud; empty before it
   std::optional<ObjectTrack> track;  ///< where one is asked for, as the next
   std::optional<ModelStatistics> model;
-  std::vector<Finding>
-      findings;  ///< about the newest cycle that was looked at; empty: all is right
+  /// About the newest cycle that was looked at; empty: all is right.
+  std::vector<Finding> findings;
+
+  /// The one description of the statistics, of which JSON, metrics and the panel are views. Calls
+  /// `visit(name, value)` for each figure but the findings, `track` and `model` where there are
+  /// any. A name is the key in JSON and ends in its unit. A value is a number, a text,
+  /// ValidityCounts, an Eigen::Vector3d, a struct with a for_each_figure of its own, or a vector of
+  /// such. A count of what goes wrong has a third argument, which says so in a row for people.
+  template <class Visit>
+  void for_each_figure(const Visit& visit) const {
+    visit("frames", frames);
+    visit("clouds", clouds);
+    visit("clouds_per_second", clouds_per_second);
+    visit("windows_lost", windows_lost, "scans lost");
+    visit("resynchronisations", resynchronisations, "order set right");
+    visit("cleaned", cleaned);
+    visit("motion", motion);
+    visit("backend", backend);
+    visit("seconds", seconds);
+    visit("latency_ms", latency);
+    visit("screen_latency_ms", screen_latency);
+    visit("stages", stages);
+    visit("source_state", source_state);
+    if (track) visit("track", *track);
+    if (model) visit("model", *model);
+  }
 };
 
 /// Lines for people: frames, clouds, latency, what cleaning took, what is followed.

@@ -2,6 +2,10 @@
 
 #include <cstdint>
 #include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +14,8 @@
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/measure.h"
+#include "slipstream/cloud/object_model.h"
+#include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
 
@@ -33,12 +39,48 @@ struct ObjectTrack {
   Residuals residuals{};
   /// mm/s, by the clouds of the last moments; a plane's is along its normal. Zero before three.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+
+  /// See LiveStatistics::for_each_figure.
+  template <class Visit>
+  void for_each_figure(const Visit& visit) const {
+    visit("found", found);
+    visit("looked", looked);
+    visit("missed", missed);
+    visit(shape.radius ? "centre_mm" : "place_mm", place);
+    visit("residual_mm", residuals.rms);
+    visit("points", residuals.points);
+    visit("velocity_mm_per_s", velocity);
+    visit("speed_mm_per_s", velocity.norm());
+    if (!shape.radius) visit("normal", normal);
+  }
+};
+
+/// How a model of the clouds comes on.
+struct ModelStatistics {
+  int views = 0;             ///< taken in
+  int left_out = 0;          ///< that did not fit
+  std::uint64_t missed = 0;  ///< that came while another was taken in
+  std::size_t points = 0;    ///< of the model, sure or not
+  double rms = 0;            ///< of the last view from the model, mm
+  double milliseconds = 0;   ///< that a view took, on average
+
+  /// See LiveStatistics::for_each_figure.
+  template <class Visit>
+  void for_each_figure(const Visit& visit) const {
+    visit("views", views);
+    visit("left_out", left_out);
+    visit("missed", missed);
+    visit("points", points);
+    visit("rms_mm", rms);
+    visit("view_ms", milliseconds);
+  }
 };
 
 /// A line for people.
 std::string text_of(const ObjectTrack& track);
+std::string text_of(const ModelStatistics& model);
 
-/// Looks for it cloud by cloud.
+/// Looks for a shape cloud by cloud.
 class ObjectTracker {
  public:
   explicit ObjectTracker(const TrackedShape& shape) : track_{.shape = shape} {}
@@ -60,6 +102,35 @@ class ObjectTracker {
 
   ObjectTrack track_;
   std::deque<Moment> moments_;
+};
+
+struct LiveSettings;
+struct LiveStatistics;
+
+/// All that the settings want followed in the clouds of a run, each in a thread of its own.
+class FollowedObject {
+ public:
+  FollowedObject(const LiveSettings& settings, const Lens& camera,
+                 const std::function<void(std::exception_ptr)>& failed);
+
+  void follow(const Pooled<LiveCloud>& cloud);
+  void finish();
+  void add_to(LiveStatistics& statistics) const;
+  /// Without points where no model was asked for.
+  [[nodiscard]] ModelPoints model() const;
+
+ private:
+  void track(const LiveCloud& cloud);
+  void take_in(const LiveCloud& cloud);
+
+  mutable std::mutex mutex_;  ///< of what follows but for the model, which its own guards
+  std::optional<ObjectTracker> tracker_;
+  std::uint64_t track_missed_ = 0;
+  ModelStatistics model_statistics_;
+  double model_milliseconds_ = 0;
+  mutable std::mutex model_mutex_;
+  std::optional<ObjectModel> model_;
+  std::unique_ptr<CloudFollower> track_follower_, model_follower_;
 };
 
 }  // namespace slipstream

@@ -2,18 +2,34 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "slipstream/cloud/uncertainty.h"
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/codes/sequence.h"
 #include "slipstream/frames/pool.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/live/live_cloud.h"
-#include "slipstream/publish/run_setting.h"
 
 namespace slipstream {
+
+/// Something of a run that can be changed while it goes on, as it is now.
+struct RunSetting {
+  std::string name;                    ///< as the flag of `slipstream live`: "min-modulation"
+  std::string help;                    ///< what it means, in a few words
+  std::string unit{};                  ///< of a number: "ms"; empty where it has none
+  std::string value{};                 ///< a number, or one of the choices
+  std::vector<std::string> choices{};  ///< "off" and "on" of a switch; empty for a number
+  double least = 0, most = 0;          ///< of a number
+  std::string state{};                 ///< what is to be said beside it; mostly empty
+};
+
+/// Throws Error, one line with what would be right, where there is no setting of that name or it
+/// cannot have that value.
+void require_settable(const std::vector<RunSetting>& settings, const std::string& name,
+                      const std::string& value);
 
 /// The run whose clouds are published. The functions are called from any thread; they may throw.
 struct PublishedRun {
@@ -55,5 +71,51 @@ class CloudSink {
   /// Lines for people that were not told before. From any thread.
   virtual std::vector<std::string> news() { return {}; }
 };
+
+/// A sink of clouds that share no frame with the one before.
+class DisjointCloudSink : public CloudSink {
+ public:
+  [[nodiscard]] bool wants(const LiveCloud& cloud) final {
+    const std::uint64_t newest = cloud.newest.sequence, frames = cloud.frames.size();
+    const bool wanted = !last_ || newest < *last_ || newest - *last_ >= frames;
+    if (wanted) last_ = newest;
+    return wanted;
+  }
+
+ private:
+  std::optional<std::uint64_t> last_;  ///< sequence of the newest frame of the one chosen last
+};
+
+/// What can be asked for: "web:[ADDRESS:]PORT, mcap:FILE, ros2:NAMESPACE, genicam:ADDRESS".
+std::string sink_forms();
+
+/// Throws Error, which names the forms, for what is none of them.
+void require_sink(const std::string& name);
+
+/// Throws as require_sink, and WorldError for a port that is taken or a file that cannot be
+/// written.
+std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run);
+
+/// One kind of sink: a file that defines one of these.
+struct SinkKind {
+  const char* name;
+  const char* form;                          ///< "NAME:WHAT"
+  void (*require)(const std::string& what);  ///< throws Error where that cannot be meant
+  std::unique_ptr<CloudSink> (*open)(const std::string& what, PublishedRun run);
+};
+
+/// Serves a page with the newest cloud, its picture and the run's statistics over HTTP and
+/// WebSocket; /statistics as JSON, /metrics as Prometheus reads it, /health. Where other machines
+/// reach it, those who know a random token are answered, which the news tell as part of the page's
+/// address. Clients get a cloud when they ask for one.
+extern const SinkKind web_sink;
+/// Writes clouds and pictures as messages of ROS 2 into an MCAP file: /points and /image, of clouds
+/// that share no frame.
+extern const SinkKind mcap_sink;
+/// Clouds, pictures and services of ROS 2 over Cyclone DDS, in the domain of ROS_DOMAIN_ID.
+extern const SinkKind ros2_sink;
+/// Is a 3-D camera to whoever reads GigE Vision and GenICam: one client at a time gets clouds, as
+/// points or depth, with intensity and confidence where it asks for these.
+extern const SinkKind genicam_sink;
 
 }  // namespace slipstream

@@ -17,12 +17,10 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/devices/gige_block.h"
 #include "slipstream/devices/gige_sockets.h"
-#include "slipstream/publish/detail/cloud_block.h"
-#include "slipstream/publish/detail/scan3d_description.h"
-#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/scan3d.h"
 
 namespace slipstream {
 namespace {
@@ -30,12 +28,9 @@ using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 using enum GigeRegister;
 using enum GigeStatus;
+using namespace scan3d;
 
-constexpr std::array components{GigeComponent::range, GigeComponent::intensity,
-                                GigeComponent::confidence};
-constexpr std::array default_pixels{GigePixels::coord3d_abc32f, GigePixels::mono8,
-                                    GigePixels::confidence8};
-constexpr std::uint32_t multipart = 0x40, fire_test_packet = 0x80000000, is_test_whole = 0x40000000;
+constexpr std::uint32_t fire_test_packet = 0x80000000, is_test_whole = 0x40000000;
 /// A receiver's socket holds some hundred kilobytes: a block is spread over the time to the next,
 /// within these, bytes per second.
 constexpr double slowest = 50e6, fastest = 400e6, spread = 0.5;
@@ -46,77 +41,30 @@ constexpr std::chrono::nanoseconds first_pause = 5ms, shortest_sleep = 200us;
 constexpr auto between_checks = 200ms;
 constexpr std::uint32_t depth = 2;  // of the coordinates
 
-std::uint32_t bits_of(double number) {
-  return std::bit_cast<std::uint32_t>(static_cast<float>(number));
-}
-
-/// What a camera says of itself before anybody asks.
-std::vector<std::uint8_t> memory_of(const std::string& address, const PublishedRun& run,
-                                    const std::vector<RunSetting>& settings,
-                                    std::uint16_t stream_port_here) {
-  const std::string description = scan3d_description(settings);
-  std::vector<std::uint8_t> memory(0x10000);
-  const auto text = [&](std::size_t at, const std::string& words) {
-    std::copy(words.begin(), words.end(), memory.begin() + static_cast<std::ptrdiff_t>(at));
-  };
-  text(0x48, "slipstream");
-  text(0x68, "Scanner");
-  text(0x88, "1");
-  text(0xd8, address);
-  text(0x200, fmt::format("Local:slipstream.xml;10000;{:X}", description.size()));
-  memory.insert(memory.end(), description.begin(), description.end());
-  memory.resize((memory.size() + 3) / 4 * 4);  // clients read four bytes at a time
-
-  GigeControl registers(std::move(memory));
-  const std::uint32_t host = ntohl(host_from(address).s_addr);
-  const auto wide = static_cast<std::uint32_t>(run.camera.size.width);
-  const auto high = static_cast<std::uint32_t>(run.camera.size.height);
-  const auto standard = [](std::uint32_t at) { return static_cast<GigeRegister>(at); };
-  using enum Scan3dRegister;
-  for (const auto& [which, value] : std::initializer_list<std::pair<GigeRegister, std::uint32_t>>{
-           {standard(0x0), 0x00020001},       // version of the standard
-           {standard(0x4), 0x80000001},       // big-endian, UTF-8
-           {standard(0x8), 0x0200},           // a locally administered MAC address, and
-           {standard(0xc), host},             // the rest of it
-           {standard(0x10), 4},               // can have an address from its link
-           {standard(0x14), 4},               // and has
-           {standard(0x24), host},            //
-           {standard(0x600), 1},              // interfaces
-           {standard(0x904), 1},              // streams
-           {standard(0x934), 0x40000006},     // serial number, memory written, packets sent again
-           {standard(0x940), 1'000'000'000},  // ticks per second
-           {standard(0xd1c), stream_port_here},
-           {standard(0xd20), multipart},
-           {heartbeat_timeout, 3000},
-           {packet_size, host >> 24 == 127 ? 16'000 : 1500},
-           {trigger_source, 1},
-           {frame_period, 33'333},
-           {sensor_width, wide},
-           {sensor_height, high},
-           {width, wide},
-           {height, high},
-           {at(acquisition_mode), 1},
-           {at(output_mode), calibrated_abc_grid},
-           {at(component_enable), 1},
-           {at(focal_length), bits_of(run.camera.intrinsic(0, 0))}}) {
-    registers.write(which, value);
-  }
-  for (std::uint32_t i = 0; i < 3; ++i) {
-    registers.write(at(component_id, i), static_cast<std::uint32_t>(components[i]));
-    registers.write(at(pixel_format, i), static_cast<std::uint32_t>(default_pixels[i]));
-    registers.write(at(coordinate_scale, i), bits_of(1));
-    registers.write(at(invalid_value, i), bits_of(std::numeric_limits<float>::quiet_NaN()));
-    registers.write(at(invalid_flag, i), 1);
-  }
-  return registers.memory();
-}
-
 GigeControl::Writable writable() {
   return {{0x100, 0x108},   {0x124, 0x128},   {0x130, 0x13c},   {0x300, 0x308},
           {0x30c, 0x310},   {0x938, 0x93c},   {0xa00, 0xa04},   {0xd00, 0xd0c},
           {0xd18, 0xd1c},   {0xd24, 0xd28},   {0x8000, 0x8010}, {0x8020, 0x802c},
           {0x8040, 0x804c}, {0x8050, 0x805c}, {0x8060, 0x806c}, {0x8100, 0x8200}};
 }
+
+/// What a client may write into a register: always, or while no blocks are sent.
+struct Bounds {
+  GigeRegister which;
+  std::uint32_t least, most;
+  bool while_sending;
+};
+constexpr std::array bounds{Bounds{acquisition, 0, 1, true},
+                            Bounds{trigger_mode, 0, 1, true},
+                            Bounds{trigger_source, 1, 1, true},
+                            Bounds{frame_period, 1000, 10'000'000, true},
+                            Bounds{software_trigger, 0, 1, true},
+                            Bounds{component_selector, 0, 2, true},
+                            Bounds{coordinate_selector, 0, 2, true},
+                            Bounds{acquisition_mode, 1, 2, false},
+                            Bounds{component_enable, 0, 1, false},
+                            Bounds{at(component_enable, 1), 0, 1, false},
+                            Bounds{at(component_enable, 2), 0, 1, false}};
 
 /// A block that was sent and may be asked for again, as much of it as it has.
 struct SentBlock {
@@ -132,7 +80,7 @@ class GenicamSink final : public CloudSink {
         settings_(run_.settings ? run_.settings() : std::vector<RunSetting>()),
         sockets_(address),
         stream_socket_(host_from(address), 0, false),
-        control_(memory_of(address, run_, settings_, stream_socket_.port()), writable(),
+        control_(scan3d_memory(address, run_, settings_, stream_socket_.port()), writable(),
                  [this](GigeRegister which, std::uint32_t value) { return accept(which, value); }),
         thread_([this](const std::stop_token& stop) { serve(stop); }) {}
 
@@ -204,7 +152,7 @@ void GenicamSink::look_at_settings() try {
     for (const RunSetting& now : all) {
       if (now.name != settings_[i].name) continue;
       const auto choice = std::find(now.choices.begin(), now.choices.end(), now.value);
-      control_.write(at(Scan3dRegister::setting, i),
+      control_.write(at(setting, i),
                      now.choices.empty()
                          ? bits_of(number_in<double>(now.value).value_or(0) * feature_scale(now))
                          : static_cast<std::uint32_t>(choice - now.choices.begin()));
@@ -230,48 +178,44 @@ GigeStatus GenicamSink::change_setting(std::size_t i, std::uint32_t value) {
 
 /// Nothing that changes what a block is may be written while blocks are sent.
 GigeStatus GenicamSink::accept(GigeRegister which, std::uint32_t value) {
-  using enum Scan3dRegister;
-  const auto within = [&](std::uint32_t least, std::uint32_t most) {
-    return value >= least && value <= most ? success : invalid_parameter;
-  };
-  const auto beside = [&](std::uint32_t least, GigeRegister other, GigeRegister all) {
-    return within(least, control_.read(all) - control_.read(other));
-  };
-  if (which == acquisition || which == trigger_mode) return within(0, 1);
-  if (which == trigger_source) return within(1, 1);
-  if (which == frame_period) return within(1000, 10'000'000);
-  if (which == software_trigger) {
-    triggered_ = steady_clock::now();
-    return within(0, 1);
-  }
-  if (which == at(component_selector) || which == at(coordinate_selector)) return within(0, 2);
-  const bool is_of_every_camera = which >= heartbeat_timeout && which < at(component_selector);
-  const bool is_of_blocks = which == packet_size || which == stream_configuration;
-  if (which >= at(setting)) {
+  if (which >= setting) {
     return change_setting((static_cast<std::size_t>(which) - static_cast<std::size_t>(setting)) / 4,
                           value);
   }
+  if (which == software_trigger) triggered_ = steady_clock::now();
   if (which == stream_port) number_ = 0;
-  if (is_of_every_camera && !is_of_blocks) return success;
-  if (control_.read(acquisition) != 0) return access_denied;
+  const auto bound = std::find_if(bounds.begin(), bounds.end(),
+                                  [&](const Bounds& known) { return known.which == which; });
+  const bool is_of_every_camera = which >= heartbeat_timeout && which < component_selector &&
+                                  which != packet_size && which != stream_configuration;
+  const bool is_free = bound == bounds.end() ? is_of_every_camera : bound->while_sending;
+  if (!is_free && control_.read(acquisition) != 0) return access_denied;
+  const auto within = [&](std::uint32_t least, std::uint32_t most) {
+    return value >= least && value <= most ? success : invalid_parameter;
+  };
+  if (bound != bounds.end()) return within(bound->least, bound->most);
+  if (is_of_every_camera) return success;
 
+  const auto room = [&](GigeRegister all, GigeRegister other) {
+    return control_.read(all) - control_.read(other);
+  };
+  if (which == width) return within(1, room(sensor_width, left));
+  if (which == height) return within(1, room(sensor_height, top));
+  if (which == left) return within(0, room(sensor_width, width));
+  if (which == top) return within(0, room(sensor_height, height));
   if (which == packet_size) {
     value &= ~(fire_test_packet | is_test_whole);
     return within(smallest_gige_packet, largest_gige_packet);
   }
-  if (which == stream_configuration) return (value & ~multipart) == 0 ? success : invalid_parameter;
-  if (which == width) return beside(1, left, sensor_width);
-  if (which == height) return beside(1, top, sensor_height);
-  if (which == left) return beside(0, width, sensor_width);
-  if (which == top) return beside(0, height, sensor_height);
-  if (which == at(acquisition_mode)) return within(1, 2);
-  if (which >= at(component_enable) && which <= at(component_enable, 2)) return within(0, 1);
-  if (which == at(output_mode)) {
+  if (which == stream_configuration) {
+    return (value & ~gige_multipart) == 0 ? success : invalid_parameter;
+  }
+  if (which == output_mode) {
     return choose(value == projected_c           ? GigePixels::coord3d_c32f
                   : value == calibrated_abc_grid ? GigePixels::coord3d_abc32f
                                                  : GigePixels::mono8);
   }
-  if (which == at(pixel_format)) return choose(static_cast<GigePixels>(value));
+  if (which == pixel_format) return choose(static_cast<GigePixels>(value));
   if (which == at(pixel_format, 1) || which == at(pixel_format, 2)) {
     return value == control_.read(which) ? success : invalid_parameter;
   }
@@ -280,12 +224,11 @@ GigeStatus GenicamSink::accept(GigeRegister which, std::uint32_t value) {
 
 /// A point's pixels, with what their numbers mean.
 GigeStatus GenicamSink::choose(GigePixels pixels) {
-  using enum Scan3dRegister;
   const bool has_steps = pixels == GigePixels::coord3d_c16;
   const bool has_axes = pixels == GigePixels::coord3d_abc32f;
   if (!has_steps && !has_axes && pixels != GigePixels::coord3d_c32f) return invalid_parameter;
-  control_.change(at(pixel_format), static_cast<std::uint32_t>(pixels));
-  control_.change(at(output_mode), has_axes ? calibrated_abc_grid : projected_c);
+  control_.change(pixel_format, static_cast<std::uint32_t>(pixels));
+  control_.change(output_mode, has_axes ? calibrated_abc_grid : projected_c);
   control_.change(at(coordinate_scale, depth), bits_of(has_steps ? DepthScale().scale : 1));
   control_.change(at(coordinate_offset, depth), bits_of(0));
   control_.change(at(invalid_value, depth),
@@ -295,25 +238,23 @@ GigeStatus GenicamSink::choose(GigePixels pixels) {
 
 /// How 16 bits tell a depth; other numbers are millimetres.
 GigeStatus GenicamSink::accept_steps(GigeRegister which, float number) const {
-  using enum Scan3dRegister;
   const bool has_steps =
-      control_.read(at(pixel_format)) == static_cast<std::uint32_t>(GigePixels::coord3d_c16);
+      control_.read(pixel_format) == static_cast<std::uint32_t>(GigePixels::coord3d_c16);
   const bool is_scale = which == at(coordinate_scale, depth);
   if (!has_steps || (!is_scale && which != at(coordinate_offset, depth))) return access_denied;
   return std::isfinite(number) && (number > 0 || !is_scale) ? success : invalid_parameter;
 }
 
 Packing GenicamSink::packing() const {
-  using enum Scan3dRegister;
-  const auto number = [&](Scan3dRegister which) {
+  const auto number = [&](GigeRegister which) {
     return std::bit_cast<float>(control_.read(at(which, depth)));
   };
   Packing packing{.parts = {},
                   .depth = {number(coordinate_scale), number(coordinate_offset)},
-                  .is_multipart = (control_.read(stream_configuration) & multipart) != 0};
-  for (std::uint32_t i = 0; i < components.size(); ++i) {
+                  .is_multipart = (control_.read(stream_configuration) & gige_multipart) != 0};
+  for (std::uint32_t i = 0; i < scan3d_components.size(); ++i) {
     if (control_.read(at(component_enable, i)) == 0) continue;
-    packing.parts.emplace_back(components[i],
+    packing.parts.emplace_back(scan3d_components[i],
                                static_cast<GigePixels>(control_.read(at(pixel_format, i))));
     if (!packing.is_multipart) break;
   }
@@ -322,13 +263,12 @@ Packing GenicamSink::packing() const {
 
 /// What follows from what was written.
 void GenicamSink::refresh() {
-  using enum Scan3dRegister;
   std::size_t bytes = 0;
   for (const auto& [component, pixels] : packing().parts) bytes += bytes_per_pixel(pixels);
-  control_.change(at(payload_size),
+  control_.change(payload_size,
                   static_cast<std::uint32_t>(bytes) * control_.read(width) * control_.read(height));
-  control_.change(at(principal_u), bits_of(run_.camera.intrinsic(0, 2) - control_.read(left)));
-  control_.change(at(principal_v), bits_of(run_.camera.intrinsic(1, 2) - control_.read(top)));
+  control_.change(principal_u, bits_of(run_.camera.intrinsic(0, 2) - control_.read(left)));
+  control_.change(principal_v, bits_of(run_.camera.intrinsic(1, 2) - control_.read(top)));
   const std::uint32_t size = control_.read(packet_size);
   if ((size & fire_test_packet) == 0) return;
   control_.change(packet_size, size & ~fire_test_packet);
@@ -396,7 +336,7 @@ void GenicamSink::put(const Pooled<LiveCloud>& cloud, bool /*alone*/) {
   if (!stream) return;
   due_ = std::max(due_ + stream->period, steady_clock::now() + stream->period / 2);
   control_.change(software_trigger, 0);
-  if (control_.read(at(Scan3dRegister::acquisition_mode)) == 2) control_.change(acquisition, 0);
+  if (control_.read(acquisition_mode) == 2) control_.change(acquisition, 0);
   const Packing packing = this->packing();
   if (packing.parts.empty()) return;
   const auto next = next_block(packing.is_multipart);

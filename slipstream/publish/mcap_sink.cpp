@@ -6,41 +6,33 @@
 #include <fmt/format.h>
 
 #include "slipstream/io/scan_folder.h"
-#include "slipstream/publish/disjoint_clouds.h"
-#include "slipstream/publish/mcap_writer.h"
-#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/mcap.h"
 #include "slipstream/publish/ros_messages.h"
 
 namespace slipstream {
 namespace {
 
-class McapSink final : public CloudSink {
+class McapSink final : public DisjointCloudSink {
  public:
   McapSink(const std::string& path, PublishedRun run) : run_(std::move(run)), writer_(path) {
-    image_ = add(image_type(), "/image");
-    if (run_.statistics) statistics_ = add(string_type(), "/statistics");
+    add(image_topic());
+    if (run_.statistics) statistics_ = add(string_type(), "statistics");
     if (!run_.has_points) return;
-    points_ = add(point_cloud_type(), "/points");
-    camera_info_ = add(camera_info_type(), "/camera_info");
+    add(points_topic());
+    add(camera_info_topic());
   }
 
-  bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
-
   void put(const Pooled<LiveCloud>& cloud, bool alone) override {
-    const std::uint64_t time = world_time(cloud->newest.host_time);
+    const PublishedCloud published{*cloud, run_, alone};
     if (run_.sequence && !alone) put_frames(*cloud);
-    write_image(*cloud, time, message_);
-    writer_.write(image_, time, message_);
-    if (run_.has_points) {
-      write_point_cloud(*cloud, run_, alone, time, message_);
-      writer_.write(points_, time, message_);
-      write_camera_info(run_.camera, cloud->cloud.size(), time, message_);
-      writer_.write(camera_info_, time, message_);
+    for (const auto& [channel, topic] : topics_) {
+      topic.write(published, message_);
+      writer_.write(channel, published.time, message_);
     }
-    if (run_.statistics && time >= next_statistics_) {
+    if (run_.statistics && published.time >= next_statistics_) {
       write_string(run_.statistics(), message_);
-      writer_.write(statistics_, time, message_);
-      next_statistics_ = time + second;
+      writer_.write(statistics_, published.time, message_);
+      next_statistics_ = published.time + second;
     }
     writer_.end_message_group();
   }
@@ -51,8 +43,9 @@ class McapSink final : public CloudSink {
   static constexpr std::uint64_t second = 1'000'000'000;  ///< ns
 
   std::uint16_t add(const RosType& type, const std::string& topic) {
-    return writer_.add_channel(topic, type.name, type.definition);
+    return writer_.add_channel("/" + topic, type.name, type.definition);
   }
+  void add(const CloudTopic& topic) { topics_.emplace_back(add(topic.type, topic.name), topic); }
 
   /// As they came, each on the topic of its pattern. Those of a strategy that has just been changed
   /// are left out.
@@ -69,7 +62,7 @@ class McapSink final : public CloudSink {
     for (const auto& [number, frame] : in_time) {
       const auto& [pattern, picture] = frame;
       while (frames_.size() <= pattern) {
-        frames_.push_back(add(image_type(), fmt::format("/frames/{}", frames_.size())));
+        frames_.push_back(add(image_type(), fmt::format("frames/{}", frames_.size())));
       }
       const std::uint64_t time = world_time(picture->stamp.host_time);
       write_image(*picture, time, message_);
@@ -92,12 +85,12 @@ class McapSink final : public CloudSink {
 
   PublishedRun run_;
   McapWriter writer_;
-  std::uint16_t image_ = 0, points_ = 0, camera_info_ = 0, statistics_ = 0;
+  std::vector<std::pair<std::uint16_t, CloudTopic>> topics_;  ///< by channel
+  std::uint16_t statistics_ = 0;
   std::vector<std::uint16_t> frames_;  ///< by pattern
   std::optional<Sequence> sequence_;   ///< that is attached
   std::uint64_t next_statistics_ = 0;
   RosMessage message_;
-  DisjointClouds clouds_;
 };
 
 }  // namespace

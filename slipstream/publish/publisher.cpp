@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/frames/thread_priority.h"
-#include "slipstream/live/cloud_follower.h"
+#include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
 namespace {

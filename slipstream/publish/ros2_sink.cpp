@@ -7,7 +7,6 @@
 #include <functional>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -19,11 +18,9 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/frames/thread_priority.h"
 #include "slipstream/publish/dds_messages.h"
-#include "slipstream/publish/disjoint_clouds.h"
-#include "slipstream/publish/named_sink.h"
 #include "slipstream/publish/ros_parameters.h"
 
 namespace slipstream {
@@ -123,18 +120,22 @@ class Domain {
   dds_entity_t domain_ = 0, participant_ = 0;
 };
 
-/// Messages of one type under one name, made where somebody listens.
+/// "sensor_msgs::msg::dds_::Image_" of "sensor_msgs/msg/Image".
+std::string dds_name(const std::string& type) {
+  const std::size_t slash = type.find('/'), last = type.rfind('/');
+  return fmt::format("{}::{}::dds_::{}_", type.substr(0, slash),
+                     type.substr(slash + 1, last - slash - 1), type.substr(last + 1));
+}
+
+/// Messages of one type under one name.
 class MessageWriter {
  public:
+  /// `type`: as "sensor_msgs/msg/Image".
   MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type,
                 const Qos& qos) {
-    const dds_entity_t topic = made(create_message_topic(participant, name, type), name);
+    const dds_entity_t topic = made(create_message_topic(participant, name, dds_name(type)), name);
     writer_ = made(dds_create_writer(participant, topic, qos.get(), nullptr), name);
   }
-  /// Of a sensor's data.
-  MessageWriter(dds_entity_t participant, const std::string& name, const std::string& type)
-      : MessageWriter(participant, "rt/" + name, "sensor_msgs::msg::dds_::" + type + "_",
-                      quality(DDS_RELIABILITY_BEST_EFFORT, 5)) {}
 
   [[nodiscard]] bool is_heard() const {
     dds_publication_matched_status_t listeners;
@@ -149,10 +150,6 @@ class MessageWriter {
     const SharedMessage message = message_;
     made(dds_write(writer_, &message), "a message");
   }
-  template <class Write>
-  void write_if_heard(Write write_message) {
-    if (is_heard()) write(write_message);
-  }
 
  private:
   dds_entity_t writer_;
@@ -166,11 +163,12 @@ class Service {
     const std::string& name = service.name;
     const Qos qos = quality(DDS_RELIABILITY_RELIABLE, 10);
     const auto topic = [&](const char* prefix, const char* ending, const char* type) {
-      return made(create_message_topic(participant, prefix + name + ending, service.type + type),
-                  name);
+      return made(
+          create_message_topic(participant, prefix + name + ending, dds_name(service.type + type)),
+          name);
     };
-    const dds_entity_t requests = topic("rq/", "Request", "_Request_"),
-                       answers = topic("rr/", "Reply", "_Response_");
+    const dds_entity_t requests = topic("rq/", "Request", "_Request"),
+                       answers = topic("rr/", "Reply", "_Response");
     dds_guid_t participant_id;
     dds_instance_handle_t number = 0;
     made(dds_get_guid(participant, &participant_id), name);
@@ -218,14 +216,12 @@ struct TriggerAnswer {
   std::string text;
 };
 
-class Ros2Sink final : public CloudSink {
+class Ros2Sink final : public DisjointCloudSink {
  public:
-  Ros2Sink(const std::string& name, PublishedRun run)
-      : run_(std::move(run)), name_(name), image_(participant_, name + "/image", "Image") {
+  Ros2Sink(const std::string& name, PublishedRun run) : run_(std::move(run)), name_(name) {
+    add(image_topic());
     if (run_.has_points) {
-      points_.emplace(participant_, name + "/points", "PointCloud2");
-      depth_.emplace(participant_, name + "/depth", "Image");
-      camera_.emplace(participant_, name + "/camera_info", "CameraInfo");
+      for (const auto& topic : {camera_info_topic(), depth_topic(), points_topic()}) add(topic);
     }
     add_trigger("capture", [this] { return TriggerAnswer{true, run_.save()}; });
     add_trigger("check", [this] { return check(); });
@@ -247,24 +243,24 @@ class Ros2Sink final : public CloudSink {
   }
   ~Ros2Sink() override { stop(); }
 
-  bool wants(const LiveCloud& cloud) override { return clouds_.is_next(cloud); }
-
   void put(const Pooled<LiveCloud>& cloud, bool alone) override {
-    const std::uint64_t time = world_time(cloud->newest.host_time);
-    image_.write_if_heard([&](RosMessage& message) { write_image(*cloud, time, message); });
-    if (!points_) return;
-    const Cloud& points = cloud->cloud;
-    camera_->write_if_heard(
-        [&](RosMessage& message) { write_camera_info(run_.camera, points.size(), time, message); });
-    depth_->write_if_heard([&](RosMessage& message) { write_depth(points, time, message); });
-    points_->write_if_heard(
-        [&](RosMessage& message) { write_point_cloud(*cloud, run_, alone, time, message); });
+    const PublishedCloud published{*cloud, run_, alone};
+    for (auto& [topic, writer] : topics_) {
+      if (!writer.is_heard()) continue;
+      writer.write([&](RosMessage& message) { topic.write(published, message); });
+    }
   }
 
   void finish() override { stop(); }
   std::vector<std::string> news() override { return domain_.news(); }
 
  private:
+  void add(const CloudTopic& topic) {
+    topics_.emplace_back(
+        topic, MessageWriter(participant_, "rt/" + name_ + "/" + topic.name, topic.type.name,
+                             quality(DDS_RELIABILITY_BEST_EFFORT, 5)));
+  }
+
   void stop() {
     stopping_ = true;
     dds_set_guardcondition(wake_, true);
@@ -286,7 +282,7 @@ class Ros2Sink final : public CloudSink {
   /// A service std_srvs/srv/Trigger.
   void add_trigger(const char* what, std::function<TriggerAnswer()> pulled) {
     services_.emplace_back(participant_,
-                           RosService{name_ + "/" + what, "std_srvs::srv::dds_::Trigger",
+                           RosService{name_ + "/" + what, "std_srvs/srv/Trigger",
                                       [pulled = std::move(pulled)](CdrReader&, Cdr& answer) {
                                         const auto [success, text] = outcome_of(pulled);
                                         answer.add(static_cast<std::uint8_t>(success));
@@ -345,18 +341,15 @@ class Ros2Sink final : public CloudSink {
   const std::string name_;
   Domain domain_;
   const dds_entity_t participant_ = domain_.participant();
-  MessageWriter image_;
-  std::optional<MessageWriter> points_, depth_, camera_;
-  MessageWriter events_{participant_, "rt/parameter_events",
-                        "rcl_interfaces::msg::dds_::ParameterEvent_",
+  std::vector<std::pair<CloudTopic, MessageWriter>> topics_;
+  MessageWriter events_{participant_, "rt/parameter_events", "rcl_interfaces/msg/ParameterEvent",
                         quality(DDS_RELIABILITY_RELIABLE, 100)};
   MessageWriter node_{participant_, "ros_discovery_info",
-                      "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_",
+                      "rmw_dds_common/msg/ParticipantEntitiesInfo",
                       quality(DDS_RELIABILITY_RELIABLE, 1, DDS_DURABILITY_TRANSIENT_LOCAL)};
   std::vector<Service> services_;
   std::vector<RunSetting> told_;  ///< of the serving thread
   dds_entity_t waiting_ = 0, wake_ = 0;
-  DisjointClouds clouds_;
   std::atomic<bool> stopping_ = false;
   std::thread thread_;
 };

@@ -12,17 +12,21 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/io/limits.h"
+#include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace {
 
-constexpr const char* header_definition =
-    "\n{0:=>80}\nMSG: std_msgs/Header\nbuiltin_interfaces/Time stamp\nstring frame_id\n"
-    "\n{0:=>80}\nMSG: builtin_interfaces/Time\nint32 sec\nuint32 nanosec\n";
-constexpr const char* field_definition =
-    "\n{0:=>80}\nMSG: sensor_msgs/PointField\nstring name\nuint32 offset\nuint8 datatype\n"
-    "uint32 count\n";
+/// The definition of a type that another one names.
+std::string named_definition(std::string_view name, std::string_view fields) {
+  return fmt::format("\n{:=>80}\nMSG: {}\n{}", "", name, fields);
+}
+
+std::string header_definition() {
+  return named_definition("std_msgs/Header", "builtin_interfaces/Time stamp\nstring frame_id\n") +
+         named_definition("builtin_interfaces/Time", "int32 sec\nuint32 nanosec\n");
+}
+
 constexpr std::uint8_t float32 = 7;  // PointField's number of it
 
 struct PointField {
@@ -38,18 +42,52 @@ constexpr std::array<PointField, 8> point_fields{{{"x", 1000},
                                                   {"sigma_y", 1000},
                                                   {"sigma_z", 1000}}};
 
+/// How messages of pictures begin.
+Cdr begin_picture(RosMessage& message, std::uint64_t time, Size size) {
+  Cdr cdr(message);
+  cdr.add_header(time).add(static_cast<std::uint32_t>(size.height));
+  return cdr.add(static_cast<std::uint32_t>(size.width));
+}
+
 template <class Pixel, class Grey>
-void add_picture(Cdr& cdr, const Image<Pixel>& picture, std::string_view encoding, Grey grey) {
+void write_picture(const Image<Pixel>& picture, std::string_view encoding, Grey grey,
+                   std::uint64_t time, RosMessage& message) {
   using Level = decltype(grey(Pixel{}));
-  const auto width = static_cast<std::uint32_t>(picture.size().width);
-  cdr.add(static_cast<std::uint32_t>(picture.size().height)).add(width).add_text(encoding);
-  cdr.add(std::uint8_t{0}).add(static_cast<std::uint32_t>(width * sizeof(Level)));
+  Cdr cdr = begin_picture(message, time, picture.size());
+  cdr.add_text(encoding).add(std::uint8_t{0});
+  cdr.add_count(static_cast<std::size_t>(picture.width()) * sizeof(Level));
   std::uint8_t* at = cdr.add_bytes(picture.pixel_count() * sizeof(Level)).data();
   for (const Pixel pixel : picture) {
     const Level level = grey(pixel);
     std::memcpy(at, &level, sizeof level);
     at += sizeof level;
   }
+}
+
+void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message) {
+  const auto& D = lens.distortion.coefficients;
+  const auto any_from = [&](std::size_t first) {
+    return std::any_of(D.begin() + static_cast<std::ptrdiff_t>(first), D.end(),
+                       [](double d) { return d != 0; });
+  };
+  // Of ROS's models the first has five coefficients, the second eight; OpenCV, which reads them,
+  // takes 12 and 14 as well.
+  const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
+  Cdr cdr = begin_picture(message, time, size);
+  cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial").add_count(count);
+  for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
+  const auto add_rows = [&](const auto& matrix) {
+    for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
+      for (Eigen::Index column = 0; column < matrix.cols(); ++column) cdr.add(matrix(row, column));
+    }
+  };
+  Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
+  projection.leftCols<3>() = lens.intrinsic;
+  add_rows(lens.intrinsic);
+  add_rows(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));  // rectified is not turned
+  add_rows(projection);
+  for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, all of the sensor
+  cdr.add(std::uint8_t{0});
 }
 
 void skip_header(CdrReader& cdr) {
@@ -64,45 +102,70 @@ RosType point_cloud_type() {
   return {"sensor_msgs/msg/PointCloud2",
           "std_msgs/Header header\nuint32 height\nuint32 width\nsensor_msgs/PointField[] fields\n"
           "bool is_bigendian\nuint32 point_step\nuint32 row_step\nuint8[] data\nbool is_dense\n" +
-              fmt::format(fmt::runtime(header_definition), "") +
-              fmt::format(fmt::runtime(field_definition), "")};
+              header_definition() +
+              named_definition("sensor_msgs/PointField",
+                               "string name\nuint32 offset\nuint8 datatype\nuint32 count\n")};
 }
 
 RosType image_type() {
   return {"sensor_msgs/msg/Image",
           "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
           "uint8 is_bigendian\nuint32 step\nuint8[] data\n" +
-              fmt::format(fmt::runtime(header_definition), "")};
-}
-
-RosType camera_info_type() {
-  return {"sensor_msgs/msg/CameraInfo",
-          "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
-          "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
-          "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
-              fmt::format(fmt::runtime(header_definition), "") +
-              fmt::format("\n{0:=>80}\nMSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\n"
-                          "uint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n",
-                          "")};
+              header_definition()};
 }
 
 RosType string_type() {
   return {"std_msgs/msg/String", "string data\n"};
 }
 
+CloudTopic image_topic() {
+  return {"image", image_type(), [](const PublishedCloud& of, RosMessage& message) {
+            if (!of.cloud.cloud.z.empty()) return write_image(of.cloud.cloud, of.time, message);
+            write_image(*of.cloud.frames.front(), of.time, message);
+          }};
+}
+
+CloudTopic points_topic() {
+  return {"points", point_cloud_type(), [](const PublishedCloud& of, RosMessage& message) {
+            const bool is_known = of.run.uncertainty && !of.alone;
+            const auto sigma = is_known ? of.run.uncertainty(of.cloud) : std::nullopt;
+            write_point_cloud(of.cloud.cloud, of.time, message, sigma ? &*sigma : nullptr);
+          }};
+}
+
+CloudTopic depth_topic() {
+  return {"depth", image_type(), [](const PublishedCloud& of, RosMessage& message) {
+            const auto metres = [](float z) { return z / 1000; };
+            write_picture(of.cloud.cloud.z, "32FC1", metres, of.time, message);
+          }};
+}
+
+CloudTopic camera_info_topic() {
+  return {"camera_info",
+          {"sensor_msgs/msg/CameraInfo",
+           "std_msgs/Header header\nuint32 height\nuint32 width\nstring distortion_model\n"
+           "float64[] d\nfloat64[9] k\nfloat64[9] r\nfloat64[12] p\nuint32 binning_x\n"
+           "uint32 binning_y\nsensor_msgs/RegionOfInterest roi\n" +
+               header_definition() +
+               named_definition("sensor_msgs/RegionOfInterest",
+                                "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\n"
+                                "bool do_rectify\n")},
+          [](const PublishedCloud& of, RosMessage& message) {
+            write_camera_info(of.run.camera, of.cloud.cloud.size(), of.time, message);
+          }};
+}
+
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
                        const Uncertainty* uncertainty) {
   const std::size_t fields = uncertainty == nullptr ? 4 : point_fields.size();
   const std::size_t point_bytes = fields * sizeof(float), points = cloud.z.pixel_count();
-  const auto width = static_cast<std::uint32_t>(cloud.size().width);
-  Cdr cdr(message);
-  cdr.add_header(time).add(static_cast<std::uint32_t>(cloud.size().height)).add(width);
+  const auto width = static_cast<std::size_t>(cloud.size().width);
+  Cdr cdr = begin_picture(message, time, cloud.size());
   cdr.add_count(fields);
   for (std::uint32_t i = 0; i < fields; ++i) {
     cdr.add_text(point_fields[i].name).add(4 * i).add(float32).add(std::uint32_t{1});
   }
-  cdr.add(std::uint8_t{0}).add(static_cast<std::uint32_t>(point_bytes));
-  cdr.add(static_cast<std::uint32_t>(width * point_bytes));
+  cdr.add(std::uint8_t{0}).add_count(point_bytes).add_count(width * point_bytes);
   std::uint8_t* at = cdr.add_bytes(points * point_bytes).data();
   for (std::size_t i = 0; i < points; ++i, at += point_bytes) {
     const std::array<float, 4> point{cloud.x.begin()[i] / 1000, cloud.y.begin()[i] / 1000,
@@ -115,12 +178,6 @@ void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& messa
     std::memcpy(at + sizeof point, sigma.data(), sizeof sigma);
   }
   cdr.add(std::uint8_t{0});  // some points are NaN
-}
-
-void write_point_cloud(const LiveCloud& cloud, const PublishedRun& run, bool alone,
-                       std::uint64_t time, RosMessage& message) {
-  const auto sigma = run.uncertainty && !alone ? run.uncertainty(cloud) : std::nullopt;
-  write_point_cloud(cloud.cloud, time, message, sigma ? &*sigma : nullptr);
 }
 
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
@@ -190,20 +247,18 @@ std::uint64_t world_time(std::chrono::steady_clock::time_point time) {
   return static_cast<std::uint64_t>(std::chrono::nanoseconds(since_1970).count());
 }
 
-void write_image(const LiveCloud& cloud, std::uint64_t time, RosMessage& message) {
-  if (!cloud.cloud.z.empty()) return write_image(cloud.cloud, time, message);
-  write_image(*cloud.frames.front(), time, message);
-}
-
 void write_image(const Frame& frame, std::uint64_t time, RosMessage& message) {
-  Cdr cdr(message);
-  cdr.add_header(time);
   std::visit(
       [&]<class Pixel>(const Image<Pixel>& pixels) {
-        add_picture(cdr, pixels, sizeof(Pixel) == 1 ? "mono8" : "mono16",
-                    [](Pixel pixel) { return pixel; });
+        write_picture(
+            pixels, sizeof(Pixel) == 1 ? "mono8" : "mono16", [](Pixel pixel) { return pixel; },
+            time, message);
       },
       frame.pixels);
+}
+
+void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
+  write_picture(cloud.intensity, "mono8", grey_level, time, message);
 }
 
 Frame read_frame(std::span<const std::uint8_t> message, int bits) {
@@ -223,47 +278,6 @@ Frame read_frame(std::span<const std::uint8_t> message, int bits) {
   std::visit([&](auto& pixels) { std::memcpy(pixels.begin(), data.data(), data.size()); },
              frame.pixels);
   return frame;
-}
-
-void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
-  Cdr cdr(message);
-  cdr.add_header(time);
-  add_picture(cdr, cloud.intensity, "mono8", grey_level);
-}
-
-void write_depth(const Cloud& cloud, std::uint64_t time, RosMessage& message) {
-  Cdr cdr(message);
-  cdr.add_header(time);
-  add_picture(cdr, cloud.z, "32FC1", [](float z) { return z / 1000; });
-}
-
-void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessage& message) {
-  const auto& D = lens.distortion.coefficients;
-  const auto any_from = [&](std::size_t first) {
-    return std::any_of(D.begin() + static_cast<std::ptrdiff_t>(first), D.end(),
-                       [](double d) { return d != 0; });
-  };
-  // Of ROS's models the first has five coefficients, the second eight; OpenCV, which reads them,
-  // takes 12 and 14 as well.
-  const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
-  Cdr cdr(message);
-  cdr.add_header(time).add(static_cast<std::uint32_t>(size.height));
-  cdr.add(static_cast<std::uint32_t>(size.width));
-  cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial");
-  cdr.add_count(count);
-  for (std::size_t i = 0; i < count; ++i) cdr.add(D[i]);
-  const auto add_rows = [&](const auto& matrix) {
-    for (Eigen::Index row = 0; row < matrix.rows(); ++row) {
-      for (Eigen::Index column = 0; column < matrix.cols(); ++column) cdr.add(matrix(row, column));
-    }
-  };
-  Eigen::Matrix<double, 3, 4> projection = Eigen::Matrix<double, 3, 4>::Zero();
-  projection.leftCols<3>() = lens.intrinsic;
-  add_rows(lens.intrinsic);
-  add_rows(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));  // rectified is not turned
-  add_rows(projection);
-  for (int i = 0; i < 2 + 4; ++i) cdr.add(std::uint32_t{0});  // no binning, all of the sensor
-  cdr.add(std::uint8_t{0});
 }
 
 void write_string(std::string_view text, RosMessage& message) {

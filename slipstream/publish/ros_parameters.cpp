@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {
@@ -122,7 +122,7 @@ void add_description(const std::string& name, const RunSetting& setting, Cdr& cd
 
 std::vector<RosService> parameter_services(const std::string& node, const PublishedRun& run) {
   const auto service = [&](const char* name, const char* type, auto answer) {
-    return RosService{node + "/" + name, std::string("rcl_interfaces::srv::dds_::") + type,
+    return RosService{node + "/" + name, std::string("rcl_interfaces/srv/") + type,
                       std::move(answer)};
   };
   /// What is told of each of the names that are asked for.

@@ -12,7 +12,7 @@ namespace slipstream {
 /// A service of ROS 2.
 struct RosService {
   std::string name;  ///< "scanner/capture"
-  std::string type;  ///< "std_srvs::srv::dds_::Trigger"
+  std::string type;  ///< "std_srvs/srv/Trigger"
   /// Reads what is asked and adds the answer. Throws Error where the request is none.
   std::function<void(CdrReader& request, Cdr& answer)> answer;
 };

@@ -20,13 +20,14 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_text.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/frames/thread_priority.h"
-#include "slipstream/publish/metrics.h"
-#include "slipstream/publish/named_sink.h"
-#include "slipstream/publish/web_cloud.h"
+#include "slipstream/publish/cloud_sink.h"
+#include "slipstream/publish/web_content.h"
 
 namespace slipstream {
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSetting, name, help, unit, value, choices, least, most, state)
+
 namespace {
 namespace asio = boost::asio;
 namespace beast = boost::beast;
@@ -167,10 +168,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
     page_->async_write(asio::buffer(*sending_),
                        [self = shared_from_this()](Failure failure, std::size_t) {
                          self->sending_.reset();
-                         if (failure == beast::error::timeout) {
-                           self->sink_.tell("a page that stopped reading was let go");
-                         }
-                         if (!failure) self->send_cloud();
+                         if (!self->has_failed(failure)) self->send_cloud();
                        });
   }
 
@@ -202,14 +200,16 @@ class Connection : public std::enable_shared_from_this<Connection> {
     });
   }
 
+  bool has_failed(Failure failure) {
+    if (failure == beast::error::timeout) sink_.tell("a page that stopped reading was let go");
+    return failure.failed();
+  }
+
   /// All that a page says is "next" or "next phase".
   void read_wish() {
     buffer_.clear();
     page_->async_read(buffer_, [self = shared_from_this()](Failure failure, std::size_t) {
-      if (failure == beast::error::timeout) {
-        self->sink_.tell("a page that stopped reading was let go");
-      }
-      if (failure) return;
+      if (self->has_failed(failure)) return;
       const std::string wish = beast::buffers_to_string(self->buffer_.data());
       self->with_phase_ = wish == "next phase";
       if (wish != "next" && !self->with_phase_) {
@@ -360,19 +360,9 @@ std::string WebSink::refusal(const Request& request) const {
 const std::string& WebSink::settings() {
   const auto now = std::chrono::steady_clock::now();
   if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& [name, help, unit, value, choices, least, most, state] : run_.settings()) {
-    list.push_back({{"name", name},
-                    {"help", help},
-                    {"unit", unit},
-                    {"value", value},
-                    {"choices", choices},
-                    {"least", least},
-                    {"most", most},
-                    {"state", state}});
-  }
+  settings_ = nlohmann::json(run_.settings()).dump();
   looked_at_ = now;
-  return settings_ = list.dump();
+  return settings_;
 }
 
 /// As "min-modulation=20".

@@ -13,23 +13,16 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/decode/demodulator.h"
+#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/decode/frame_adapter.h"
 #include "slipstream/decode/frame_motion.h"
-#include "slipstream/decode/temporal_unwrapping.h"
 #include "slipstream/frames/merged_exposures.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/reconstruct/gpu/gpu_engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 
 namespace slipstream {
 namespace {
-
-bool is_point(Validity pixel) {
-  return pixel == Validity::valid;
-}
-bool is_point(std::uint16_t number) {
-  return number != 0;
-}
 
 void pack(const Cloud& cloud, PackedPoints& points) {
   const std::array values{std::pair(&cloud.x, &points.x), std::pair(&cloud.y, &points.y),
@@ -39,9 +32,18 @@ void pack(const Cloud& cloud, PackedPoints& points) {
     if (to->size() != cloud.size()) *to = Image<float>(cloud.size(), uninitialised);
     points.count = 0;
     for (std::size_t i = 0; i < from->pixel_count(); ++i) {
-      if (is_point(cloud.validity.begin()[i])) to->begin()[points.count++] = from->begin()[i];
+      if (cloud.validity.begin()[i] == Validity::valid)
+        to->begin()[points.count++] = from->begin()[i];
     }
   }
+}
+
+template <class Body>
+void for_each_index(Size size, const Body& body) {
+  for_each_row(size.height, [&](int row) {
+    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(size.width);
+    for (std::size_t i = first; i < first + static_cast<std::size_t>(size.width); ++i) body(i);
+  });
 }
 
 /// One scale of brightness for all pixels: that of the shortest exposure.
@@ -127,6 +129,7 @@ struct Engine::Tables {
   [[nodiscard]] bool is_fused(const FrameViews& frames) const {
     return fused && frames.quantised();
   }
+  [[nodiscard]] bool is_on_gpu() const { return gpu && !gpu_failed; }
 
   EngineSetup setup;
   /// See as_reconstructed; with the modulation that its cue needs.
@@ -144,17 +147,13 @@ struct Engine::Tables {
 };
 
 struct Engine::Memory {
-  explicit Memory(const EngineSetup& setup) : clean(setup.settings.clean) {
-    const auto& [scanner, sequence, settings] = setup;
-    if (const auto how = sequence.strategy.demodulation()) demodulate.emplace(*how, sequence.axis);
-  }
+  explicit Memory(const EngineSetup& setup) : adapt(setup.sequence), clean(setup.settings.clean) {}
 
   FusedMemory fused;
   GpuScanMemory gpu;
-  MergedFrames merged;
-  std::optional<Demodulator> demodulate;
+  FrameAdapter adapt;
   Image<float> modulation;
-  std::optional<Cloud> cloud;  ///< whose points are packed
+  std::optional<Cloud> cloud;  ///< whose points are packed; an empty one allocates
   Image<float> coarse;         ///< coordinates whose orders the picture gives
   Maps phases;                 ///< by which it does
   DepthOrders orders;
@@ -187,181 +186,105 @@ const EngineSetup& Engine::setup() const {
 }
 
 const FrameViews& Engine::merged(const FrameViews& frames) {
-  const auto& [scanner, sequence, settings] = setup();
-  const std::vector<double>& exposures = sequence.exposures;
-  if (memory_->demodulate && frames.count() != sequence.strategy.layout().frames) {
-    return (*memory_->demodulate)(frames);
-  }
-  if (exposures.size() == 1 || frames.merged()) return frames;
-  merge_exposures(frames, exposures, memory_->merged);
-  return memory_->merged.views;
+  return memory_->adapt(frames);
 }
 
-void Engine::raw_cloud(const FrameViews& frames, Cloud& cloud, Image<float>* modulation) {
-  if (tables_->is_fused(frames)) {
-    run_fused(frames, {.cloud = &cloud, .modulation = modulation});
-  } else {
-    const ReferenceResult result = tables_->reference()(frames);
-    convert(result.cloud, cloud);
-    if (modulation != nullptr) convert(result.maps.modulation, *modulation);
-  }
-  leave_out_moved(frames, cloud);
-  divide_by_gain(frames, cloud.intensity);
-}
-
-ValidityCounts Engine::cloud(const FrameViews& given, Cloud& cloud) {
-  tables_->require_geometry();
+ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
+  Memory& memory = *memory_;
+  if (outputs.makes_points()) tables_->require_geometry();
   const FrameViews& frames = merged(given);
-  Image<float>& modulation = memory_->modulation;
-  raw_cloud(frames, cloud, memory_->clean.wants_modulation() ? &modulation : nullptr);
-  return memory_->clean(cloud, modulation, tables_->noise_for(frames));
-}
-
-void Engine::points(const FrameViews& given, PackedPoints& points) {
-  tables_->require_geometry();
-  const FrameViews& frames = merged(given);
-  if (backend_for(frames) == "fused" && !frames.merged() && !tables_->measure_motion) {
-    return run_fused(frames, {.points = &points});
+  const bool packs = tables_->is_fused(frames) && !tables_->is_on_gpu() && !frames.merged() &&
+                     !tables_->measure_motion;
+  Outputs made = outputs;
+  if (outputs.points != nullptr && !packs) {
+    if (!memory.cloud) memory.cloud.emplace();
+    made = {.cloud = &*memory.cloud};
   }
-  if (!memory_->cloud) memory_->cloud.emplace();
-  raw_cloud(frames, *memory_->cloud, nullptr);
-  pack(*memory_->cloud, points);
-}
-
-void Engine::depth(const FrameViews& given, Depth& depth) {
-  tables_->require_geometry();
-  const FrameViews& frames = merged(given);
-  if (tables_->is_fused(frames)) {
-    run_fused(frames, {.depth = &depth});
-  } else {
-    const BasicCloud<double> cloud = tables_->reference()(frames).cloud;
-    convert(cloud.z, depth.z);
-    depth.validity = cloud.validity;
+  if (outputs.cloud != nullptr && outputs.maps == nullptr && memory.clean.wants_modulation()) {
+    made.modulation = &memory.modulation;
   }
-  leave_out_moved(frames, depth.validity, [&](int column, int row) {
-    depth.z(column, row) = std::numeric_limits<float>::quiet_NaN();
-    depth.validity(column, row) = Validity::moved;
-  });
-}
-
-void Engine::depth(const FrameViews& given, const DepthScale& scale,
-                   Image<std::uint16_t>& numbers) {
-  tables_->require_geometry();
-  const FrameViews& frames = merged(given);
-  if (tables_->is_fused(frames)) {
-    run_fused(frames, {.numbers = &numbers, .scale = scale});
-  } else {
-    Image<float> z;
-    convert(tables_->reference()(frames).cloud.z, z);
-    if (numbers.size() != z.size()) numbers = Image<std::uint16_t>(z.size());
-    std::transform(z.begin(), z.end(), numbers.begin(), scale);
+  compute(frames, made);
+  leave_out_moved(frames, made);
+  if (made.cloud == nullptr) return {};
+  divide_by_gain(frames, made.cloud->intensity);
+  if (outputs.points != nullptr) {
+    pack(*made.cloud, *outputs.points);
+    return {};
   }
-  leave_out_moved(frames, numbers, [&](int column, int row) { numbers(column, row) = 0; });
+  const auto& modulation = outputs.maps != nullptr ? outputs.maps->modulation : memory.modulation;
+  return memory.clean(*made.cloud, modulation, tables_->noise_for(frames));
 }
 
-void Engine::maps(const FrameViews& given, Maps& maps) {
-  const FrameViews& frames = merged(given);
-  if (tables_->is_fused(frames)) {
-    run_fused(frames, {.maps = &maps});
-  } else {
-    convert(tables_->reference().maps(frames), maps);
-  }
-  if (!tables_->measure_motion) return;
-  (*tables_->measure_motion)(frames, memory_->motion);
-  std::swap(maps.motion, memory_->motion.speed);
+void Engine::compute(const FrameViews& frames, const Outputs& outputs) {
+  if (!tables_->is_fused(frames)) return tables_->reference().run(frames, outputs);
+  if (tables_->fused->wants_coarse()) return compute_by_picture(frames, outputs);
+  run_pass(frames, outputs, nullptr);
 }
 
-ValidityCounts Engine::cloud_and_maps(const FrameViews& given, Cloud& cloud, Maps& maps) {
-  tables_->require_geometry();
-  const FrameViews& frames = merged(given);
-  if (tables_->is_fused(frames)) {
-    run_fused(frames, {.cloud = &cloud, .maps = &maps});
-  } else {
-    const ReferenceResult result = tables_->reference()(frames);
-    convert(result.cloud, cloud);
-    convert(result.maps, maps);
-  }
-  leave_out_moved(frames, cloud);
-  if (tables_->measure_motion) std::swap(maps.motion, memory_->motion.speed);
-  divide_by_gain(frames, cloud.intensity);
-  return memory_->clean(cloud, maps.modulation, tables_->noise_for(frames));
-}
-
-void Engine::run_pass(const FrameViews& frames, const FusedOutput& output,
+/// On the GPU, or where it has failed in the fused pass.
+void Engine::run_pass(const FrameViews& frames, const Outputs& outputs,
                       const Image<float>* coarse) {
-  if (tables_->gpu && !tables_->gpu_failed) {
-    require_frames(frames, tables_->fused->stages());
+  if (tables_->is_on_gpu()) {
     try {
-      return (*tables_->gpu)(frames, output, memory_->gpu, coarse);
+      return (*tables_->gpu)(frames, outputs, memory_->gpu, coarse);
     } catch (const GpuError& error) {  // the same comes from the processor
       tables_->give_up_gpu(error);
     }
   }
   memory_->gpu.slots.clear();
-  (*tables_->fused)(frames, output, memory_->fused, coarse);
+  (*tables_->fused)(frames, outputs, memory_->fused, coarse);
 }
 
-/// The coordinates whose orders the picture gives, and why there is none, where that is known.
-const Image<Validity>* Engine::find_coarse(const FrameViews& frames) {
+/// First the coordinates whose orders the picture gives, then what follows from them; of pixels
+/// without one, why, where that is known.
+void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs) {
   Memory& memory = *memory_;
   const DepthUnwrapper* const by_depth = tables_->reference().by_depth();
   if (by_depth == nullptr) {
     convert(tables_->reference().maps(frames).coordinate, memory.coarse);
-    return nullptr;
+  } else {
+    if (memory.coarse.size() != frames.size()) memory.coarse = Image<float>(frames.size());
+    run_pass(frames, {.maps = &memory.phases}, &memory.coarse);
+    const Image<float>& phase = memory.phases.wrapped_phase;
+    (*by_depth)(phase, memory.phases.modulation, frames.full_scale(), memory.orders);
+    by_depth->unwrap(phase, memory.orders.order, memory.coarse);
   }
-  if (memory.coarse.size() != frames.size()) memory.coarse = Image<float>(frames.size());
-  run_pass(frames, {.maps = &memory.phases}, &memory.coarse);
-  const Image<float>& phase = memory.phases.wrapped_phase;
-  (*by_depth)(phase, memory.phases.modulation, frames.full_scale(), memory.orders);
-  for_each_row(phase.height(), [&](int row) {
-    const int* const order = memory.orders.order.row(row);
-    for (int column = 0; column < phase.width(); ++column) {
-      const double y = unwrapped_coordinate(phase(column, row), order[column], by_depth->periods());
-      memory.coarse(column, row) = order[column] == SurfaceOrders::none
-                                       ? std::numeric_limits<float>::quiet_NaN()
-                                       : static_cast<float>(y);
-    }
-  });
-  return &memory.orders.validity;
-}
-
-void Engine::run_fused(const FrameViews& frames, const FusedOutput& output) {
-  if (!tables_->fused->wants_coarse()) return run_pass(frames, output, nullptr);
-  const Image<Validity>* const order = find_coarse(frames);
-  run_pass(frames, output, &memory_->coarse);
+  run_pass(frames, outputs, &memory.coarse);
   const auto say_why = [&](Image<Validity>& validity) {
-    for_each_row(validity.height(), [&](int row) {
-      for (int column = 0; column < validity.width(); ++column) {
-        Validity& pixel = validity(column, row);
-        const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
-        if (unmeasured || !std::isnan(memory_->coarse(column, row))) continue;
-        pixel = order == nullptr ? Validity::doubtful_order : (*order)(column, row);
-      }
+    for_each_index(validity.size(), [&](std::size_t i) {
+      Validity& pixel = validity.begin()[i];
+      const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
+      if (unmeasured || !std::isnan(memory.coarse.begin()[i])) return;
+      pixel = by_depth == nullptr ? Validity::doubtful_order : memory.orders.validity.begin()[i];
     });
   };
-  if (output.cloud != nullptr) say_why(output.cloud->validity);
-  if (output.depth != nullptr) say_why(output.depth->validity);
+  if (outputs.cloud != nullptr) say_why(outputs.cloud->validity);
+  if (outputs.depth != nullptr) say_why(outputs.depth->validity);
 }
 
-template <class Pixel, class LeaveOut>
-void Engine::leave_out_moved(const FrameViews& frames, const Image<Pixel>& pixels,
-                             const LeaveOut& leave_out) {
+void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
   if (!tables_->measure_motion) return;
   FrameMotion& motion = memory_->motion;
   (*tables_->measure_motion)(frames, motion);
   constexpr double deviations = 5;
   const auto limit = static_cast<float>(deviations * std::sqrt(tables_->noise_variance_of(frames)));
-  for_each_row(pixels.height(), [&](int row) {
-    for (int column = 0; column < pixels.width(); ++column) {
-      if (is_point(pixels(column, row)) && motion.unexplained(column, row) > limit)
-        leave_out(column, row);
+  const auto leave_out = [&](Validity& pixel, auto&... depths) {
+    if (pixel != Validity::valid) return;
+    pixel = Validity::moved;
+    ((depths = std::numeric_limits<float>::quiet_NaN()), ...);
+  };
+  for_each_index(motion.unexplained.size(), [&](std::size_t i) {
+    if (!(motion.unexplained.begin()[i] > limit)) return;
+    if (Cloud* const cloud = outputs.cloud) {
+      leave_out(cloud->validity.begin()[i], cloud->x.begin()[i], cloud->y.begin()[i],
+                cloud->z.begin()[i]);
     }
+    if (Depth* const depth = outputs.depth) {
+      leave_out(depth->validity.begin()[i], depth->z.begin()[i]);
+    }
+    if (outputs.depth16 != nullptr) outputs.depth16->begin()[i] = 0;
   });
-}
-
-void Engine::leave_out_moved(const FrameViews& frames, Cloud& cloud) {
-  leave_out_moved(frames, cloud.validity,
-                  [&](int column, int row) { cloud.leave_out(column, row, Validity::moved); });
+  if (outputs.maps != nullptr) std::swap(outputs.maps->motion, motion.speed);
 }
 
 double Engine::moving_share(const FrameViews& frames) const {
@@ -374,12 +297,12 @@ double Engine::moving_share(const FrameViews& frames) const {
 
 Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const FrameViews& given) {
   tables_->require_geometry();
-  return tables_->reference().uncertainty(cloud, maps, merged(given).full_scale());
+  return uncertainty_of(cloud, maps, tables_->complete, merged(given).full_scale());
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {
   if (!tables_->is_fused(frames)) return tables_->reference().method_for(frames);
-  return tables_->gpu && !tables_->gpu_failed ? "gpu" : "fused";
+  return tables_->is_on_gpu() ? "gpu" : "fused";
 }
 
 std::string Engine::gpu_failure() const {

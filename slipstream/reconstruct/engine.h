@@ -1,19 +1,17 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/depth_scale.h"
-#include "slipstream/cloud/uncertainty.h"
 #include "slipstream/decode/maps.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scan.h"
+#include "slipstream/reconstruct/outputs.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
 namespace slipstream {
-
-struct FusedOutput;
 
 /// Frames to cloud and maps, for one scanner and one sequence: the one way there is. Tables are
 /// built once and memory is reused, so that from the second call on nothing is allocated where the
@@ -41,23 +39,32 @@ class Engine {
   /// itself.
   [[nodiscard]] const FrameViews& merged(const FrameViews& frames);
 
-  // Each throws Error when the frames are not of the camera's size or not as many as the
-  // sequence's. Memory that the output has is used where it is of the size.
+  /// Makes what is wanted of a scan, by the engine chosen or the next that can: the GPU, else the
+  /// fused pass, else the reference engine. Of a window over more than a cycle, pixels are left out
+  /// whose frames differ by what neither noise nor an even motion makes; then a cloud is cleaned.
+  /// Returns how many of its points cleaning took, by reason. Throws Error when the frames are not
+  /// of the camera's size or not as many as the sequence's.
+  ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
-  /// Returns how many points cleaning took, by reason. Of a window over more than a cycle, pixels
-  /// are left out before that whose frames differ by what neither noise nor an even motion makes.
-  ValidityCounts cloud(const FrameViews& frames, Cloud& cloud);
+  ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {
+    return run(frames, {.cloud = &cloud});
+  }
   /// Less is computed and written than for a cloud; nothing is cleaned.
-  void depth(const FrameViews& frames, Depth& depth);
-  /// And less: what 16 bits tell of the depth, without reasons.
-  void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers);
-  /// The points of the cloud alone, nothing cleaned, whatever the threads in one order; frames of
-  /// one exposure to packed points without a cloud between, but on a GPU and in motion.
-  void points(const FrameViews& frames, PackedPoints& points);
+  void depth(const FrameViews& frames, Depth& depth) { run(frames, {.depth = &depth}); }
+  /// Depth only, quantised to 16 bits; pixels without a point are 0.
+  void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers) {
+    run(frames, {.depth16 = &numbers, .scale = scale});
+  }
+  /// The points of the cloud alone, not cleaned, in the same order whatever the threads. The fused
+  /// pass packs points without a cloud between; of merged frames and in motion, and on other
+  /// engines, they are packed from a cloud.
+  void points(const FrameViews& frames, PackedPoints& points) { run(frames, {.points = &points}); }
   /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
-  void maps(const FrameViews& frames, Maps& maps);
-  /// Both in one pass; likewise.
-  ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps);
+  void maps(const FrameViews& frames, Maps& maps) { run(frames, {.maps = &maps}); }
+  /// Both in one pass.
+  ValidityCounts cloud_and_maps(const FrameViews& frames, Cloud& cloud, Maps& maps) {
+    return run(frames, {.cloud = &cloud, .maps = &maps});
+  }
 
   /// Share of the measured pixels whose phase moves, see MotionMeasurement; 0 where the frames are
   /// no window of more than a cycle.
@@ -78,14 +85,10 @@ class Engine {
   [[nodiscard]] std::string gpu_failure() const;
 
  private:
-  void raw_cloud(const FrameViews& frames, Cloud& cloud, Image<float>* modulation);
-  const Image<Validity>* find_coarse(const FrameViews& frames);
-  void run_fused(const FrameViews& frames, const FusedOutput& output);
-  void run_pass(const FrameViews& frames, const FusedOutput& output, const Image<float>* coarse);
-  template <class Pixel, class LeaveOut>
-  void leave_out_moved(const FrameViews& frames, const Image<Pixel>& pixels,
-                       const LeaveOut& leave_out);
-  void leave_out_moved(const FrameViews& frames, Cloud& cloud);
+  void compute(const FrameViews& frames, const Outputs& outputs);
+  void compute_by_picture(const FrameViews& frames, const Outputs& outputs);
+  void run_pass(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse);
+  void leave_out_moved(const FrameViews& frames, const Outputs& outputs);
 
   struct Tables;
   struct Memory;

@@ -11,8 +11,9 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/base/robust.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/decoder.h"
 
 namespace slipstream {
@@ -103,7 +104,7 @@ EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& 
   const Layout& layout = setup.sequence.strategy.layout();
   const double unit = std::sqrt(coordinate_variance(layout, 1, cue_settings(setup).noise_variance));
   const auto sigma_of = [&](double modulation) {
-    return layout.unwrapping == Unwrapping::code_alone ? unit : unit * grey_level / modulation;
+    return way_of(layout.unwrapping).whole_stripes ? unit : unit * grey_level / modulation;
   };
   const auto [width, height] = setup.scanner.projector.size;
   const Size size = cloud.size();

@@ -14,9 +14,9 @@
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/decode/modulation_mask.h"
-#include "slipstream/reconstruct/detail/epipolar_line.h"
-#include "slipstream/reconstruct/detail/second_camera_orders.h"
+#include "slipstream/codes/unwrapping.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/reconstruct/second_camera.h"
 
 namespace slipstream {
 namespace {
@@ -28,15 +28,17 @@ Image<Phasor> phasors(const Image<double>& modulation, const Image<double>& phas
   return result;
 }
 
-CameraPhases phases_of(const FrameViews& frames, const Decoder& decode, const PhaseDecoder& phase,
+CameraPhases phases_of(const FrameViews& frames, const Decoder& decode,
                        const ReconstructSettings& settings) {
-  CameraPhases phases{decode(frames), {}, Image<Validity>(frames.size())};
+  LayoutPhases decoded = decode.demodulate(frames);
+  CameraPhases phases{{}, {}, Image<Validity>(frames.size())};
   // Each by itself: under gamma the coordinate may be of another fringe in both cameras.
   for (const std::size_t i : coarse_to_fine(decode.layout())) {
-    const PhaseMaps band = phase(frames, decode.layout().bands[i]);
+    const PhaseMaps& band = decoded.bands[i];
     phases.bands.push_back(phasors(band.modulation, band.wrapped_phase));
   }
   if (phases.bands.size() == 1) phases.bands.push_back(phases.bands.front());
+  phases.maps = decode.unwrapped(std::move(decoded), frames.full_scale(), 0);
   const double least = least_modulation(settings, frames.full_scale());
   const Image<std::uint8_t> lit = modulation_mask(phases.maps.modulation, least);
   const Image<std::uint8_t> saturated = saturation_mask(frames);
@@ -234,12 +236,10 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
       second_(second),
       match_(match),
       triangulate_(first, sequence.axis, PointMethod::form3),
-      decode_(sequence.strategy.layout(), projector_length(first_), settings.phase_method),
-      phase_(settings.phase_method, step_counts(sequence.strategy)) {
+      decode_(sequence.strategy.layout(), projector_length(first_), settings.phase_method) {
   require_valid(first_);
   require_pair(first, second, match);
-  const Unwrapping unwrapping = decode_.layout().unwrapping;
-  if (unwrapping != Unwrapping::none && unwrapping != Unwrapping::hierarchical) {
+  if (order_source(decode_.layout()) != OrderSource::bands) {
     throw Error(
         fmt::format("{}: its frames do not match between cameras; use a strategy of sinusoids, one "
                     "band or bands that unwrap each other, or --one-camera",
@@ -255,8 +255,8 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
   const ReconstructSettings& settings = first_.settings;
   require_size(first_frames, first_.scanner, "first");
   require_size(second_frames, second_, "second");
-  CameraPhases first = phases_of(first_frames, decode_, phase_, settings);
-  const CameraPhases second = phases_of(second_frames, decode_, phase_, settings);
+  CameraPhases first = phases_of(first_frames, decode_, settings);
+  const CameraPhases second = phases_of(second_frames, decode_, settings);
   const DepthRange depths = depth_range(first_);
   const Stereo stereo(first_.scanner, second_);
   const std::vector<double> fringes = fringes_of(decode_.layout());

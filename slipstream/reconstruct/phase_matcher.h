@@ -6,7 +6,7 @@
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/decode/decoder.h"
 #include "slipstream/decode/maps.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
@@ -56,7 +56,6 @@ class PhaseMatcher {
   Triangulator triangulate_;
   std::optional<Triangulator> second_triangulate_;  ///< where the second tells the fringe order
   Decoder decode_;
-  PhaseDecoder phase_;
 };
 
 }  // namespace slipstream

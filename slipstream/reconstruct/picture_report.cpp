@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 

@@ -2,7 +2,7 @@
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/decode/maps.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {

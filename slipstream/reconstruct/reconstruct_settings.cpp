@@ -13,8 +13,9 @@
 #include "slipstream/base/error.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/registry.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/cue_evidence.h"
-#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/geometry/triangulator.h"
 #include "slipstream/response/correction.h"
 
 namespace slipstream {
@@ -23,16 +24,13 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 void require_valid(const ReconstructSettings& settings) {
-  const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
-    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
-  };
-  const double least = settings.minimum_modulation;
-  require(least >= 0 && std::isfinite(least), "minimum modulation", least, "0 grey levels or more");
-  require(settings.field_margin >= 0, "field margin", settings.field_margin, "0 or more");
+  require_in_range(settings);
   const double nearest = settings.nearest.value_or(0);
-  require(nearest >= 0, "nearest depth", nearest, "0 mm or more");
+  require_in_range({.name = "nearest_depth", .unit = "mm", .least = 0}, nearest);
   const double farthest = settings.farthest.value_or(infinity);
-  require(farthest > nearest, "farthest depth", farthest, "more than the nearest");
+  if (!(farthest > nearest)) {
+    throw Error(fmt::format("farthest depth {} is out of range; more than the nearest", farthest));
+  }
   require_valid(settings.clean);
 }
 
@@ -82,7 +80,7 @@ bool unwraps_by_depth(const EngineSetup& setup) {
 
 bool unwraps_by_picture(const EngineSetup& setup) {
   return unwraps_by_depth(setup) ||
-         setup.sequence.strategy.layout().unwrapping == Unwrapping::surfaces;
+         order_source(setup.sequence.strategy.layout()) == OrderSource::surface;
 }
 
 void require_valid(const EngineSetup& setup) {
@@ -151,7 +149,7 @@ int projector_length(const EngineSetup& setup) {
 double least_modulation(const EngineSetup& setup) {
   const Layout& layout = setup.sequence.strategy.layout();
   const double least = setup.settings.minimum_modulation;
-  if (layout.unwrapping != Unwrapping::vote) return least;
+  if (order_source(layout) != OrderSource::neighbours) return least;
   return std::max(least, CueEvidence(layout, cue_settings(setup)).least_modulation());
 }
 

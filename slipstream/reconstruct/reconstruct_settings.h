@@ -1,14 +1,14 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string_view>
 
-#include "slipstream/cloud/clean_settings.h"
+#include "slipstream/base/setting.h"
 #include "slipstream/cloud/cleaner.h"
 #include "slipstream/codes/sequence.h"
-#include "slipstream/decode/cue_settings.h"
-#include "slipstream/decode/fringe_order_consensus.h"
-#include "slipstream/decode/phase_correction.h"
+#include "slipstream/decode/cue_evidence.h"
+#include "slipstream/decode/maps.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/geometry/scanner.h"
 
@@ -45,6 +45,36 @@ struct ReconstructSettings {
   CleanSettings clean{};
   /// Of EngineKind::gpu: the device, see gpu_devices; none: that which Gpu::open chooses.
   std::optional<int> gpu{};
+
+  /// Without those of `clean`, and those that have names: see set_backend and cue_rule_named.
+  template <class Self, class Visit>
+  static void for_each_setting(Self& self, const Visit& visit) {
+    visit({.name = "minimum_modulation",
+           .unit = "grey levels",
+           .least = 0,
+           .most = std::numeric_limits<double>::max(),
+           .flag = "--min-modulation",
+           .help = "least modulation, grey levels of 255 whatever the camera's bits",
+           .live = {"least modulation of a point", "grey levels of 255", 0, 127}},
+          self.minimum_modulation);
+    visit({.name = "drop_saturated",
+           .flag = "--keep-saturated",
+           .help = "keep pixels with a saturated frame",
+           .flag_clears = true,
+           .live = {"pixels with a saturated frame become points"}},
+          self.drop_saturated);
+    FringeOrderConsensus::for_each_setting(self.fringe_order, visit);
+    visit({.name = "least_voting_share"}, self.least_voting_share);
+    visit({.name = "field_margin", .least = 0}, self.field_margin);
+    visit({.name = "nearest",
+           .flag = "--nearest",
+           .help = "least depth, mm; half of the nearest calibrated where not given"},
+          self.nearest);
+    visit({.name = "farthest",
+           .flag = "--farthest",
+           .help = "largest depth, mm; twice the farthest calibrated where not given"},
+          self.farthest);
+  }
 
   friend bool operator==(const ReconstructSettings&, const ReconstructSettings&) = default;
 };

@@ -2,16 +2,72 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/codes/unwrapping.h"
+#include "slipstream/decode/equations.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/decode/reflectivity.h"
-#include "slipstream/response/response_linearity.h"
+#include "slipstream/response/harmonics.h"
 
 namespace slipstream {
 namespace {
+
+using std::numbers::pi;
+
+std::optional<StepRun> first_run_of_four(const Layout& layout) {
+  constexpr int fewest_steps = 4;
+  for (const Band& band : layout.bands) {
+    const auto run = step_run(band);
+    if (run && run->steps >= fewest_steps) return run;
+  }
+  return std::nullopt;
+}
+
+/// Light of the patterns at an angle of their sinusoid, grey levels of 255.
+double light_at_angle(const PatternLight& light, const Response& response, double angle) {
+  const double value = light.alpha_p * (1 + std::cos(angle)) / 2 + light.beta_p;
+  return 255 * light_at(response, value / 255);
+}
+
+/// What a second harmonic as large as the first would be measured as.
+std::complex<double> whole_second(const MeasuredHarmonics& pixel, int steps) {
+  const std::complex<double> whole = pixel.fundamental * pixel.fundamental / pixel.B_1();
+  // Four steps fold the harmonic -2 onto it.
+  return steps == 4 ? 2 * whole.real() : whole;
+}
+
+/// Least squares of second harmonic = share x whole_second.
+struct ShareFit {
+  double product = 0, square = 0;
+
+  void add(const MeasuredHarmonics& pixel, int steps) {
+    const std::complex<double> whole = whole_second(pixel, steps);
+    product += (std::conj(whole) * pixel.second).real();
+    square += std::norm(whole);
+  }
+  [[nodiscard]] double share() const { return product / square; }
+};
+
+/// Mean of the values in the one grey level, wherever it begins, that holds most of them.
+double mode_of(const std::vector<double>& sorted) {
+  std::size_t first = 0, best_first = 0, best_count = 0;
+  for (std::size_t last = 0; last < sorted.size(); ++last) {
+    while (sorted[last] - sorted[first] > 1) ++first;
+    if (last - first + 1 > best_count) {
+      best_count = last - first + 1;
+      best_first = first;
+    }
+  }
+  double sum = 0;
+  for (std::size_t i = best_first; i < best_first + best_count; ++i) sum += sorted[i];
+  return sum / static_cast<double>(best_count);
+}
 
 /// Throws Error where the frames show another response: mean and modulation then say nothing of
 /// ambient light.
@@ -37,6 +93,106 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
 
 }  // namespace
 
+PatternLight linear_equivalent(const PatternLight& light, const Response& response) {
+  constexpr int samples = 720;  // harmonics up to 700 are not folded in
+  double mean = 0, first = 0;
+  for (int i = 0; i < samples; ++i) {
+    const double angle = 2 * pi * i / samples;
+    const double shown = light_at_angle(light, response, angle);
+    mean += shown / samples;
+    first += 2 * shown * std::cos(angle) / samples;
+  }
+  return {2 * first, mean - first};
+}
+
+double second_harmonic(const PatternLight& light, const Response& response, int steps) {
+  constexpr int phases = 90;
+  ShareFit fit;
+  for (int i = 0; i < phases; ++i) {
+    MeasuredHarmonics pixel;
+    for (int n = 0; n < steps; ++n) {
+      const double turn = 2 * pi * n / steps;
+      const double shown = light_at_angle(light, response, 2 * pi * i / phases - turn);
+      pixel.fundamental += 2 * shown / steps * std::polar(1.0, turn);
+      pixel.second += 2 * shown / steps * std::polar(1.0, 2 * turn);
+    }
+    fit.add(pixel, steps);
+  }
+  return fit.share();
+}
+
+std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
+  constexpr std::size_t fewest_pixels = 100;
+  const auto run = first_run_of_four(scans.sequence().strategy.layout());
+  if (!run) return std::nullopt;
+  const FrameSet frames = scans.frames().mean();
+  const auto pixels = pixel_harmonics(frames, run->first, run->steps);
+  const Image<std::uint8_t> lit = well_lit(pixels, frames);
+  ResponseLinearity found{.steps = run->steps};
+  ShareFit fit;
+  const auto serves = [&](std::size_t i) {
+    return lit.begin()[i] != 0 && scans.unclipped().begin()[i] != 0;
+  };
+  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
+    if (!serves(i)) continue;
+    fit.add(pixels.begin()[i], run->steps);
+    ++found.pixels;
+  }
+  if (found.pixels < fewest_pixels) return std::nullopt;
+  found.second = fit.share();
+  double residual = 0;
+  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
+    if (!serves(i)) continue;
+    const MeasuredHarmonics& pixel = pixels.begin()[i];
+    residual += std::norm(pixel.second - found.second * whole_second(pixel, run->steps));
+  }
+  found.standard_error = std::sqrt(residual / static_cast<double>(found.pixels) / fit.square);
+  return found;
+}
+
+bool has_second_harmonic(const ResponseLinearity& linearity, double share) {
+  // By a power law a share of 0.004 is a gamma of 1.012, and moves the mean by 0.6 % of the
+  // modulation, which is a hundred grey levels at most; at a gamma of 2.2 three hundredths of the
+  // share do as much.
+  constexpr double negligible = 0.004, negligible_part = 0.03, deviations = 5;
+  return std::abs(linearity.second - share) <=
+         std::max({negligible, negligible_part * std::abs(share),
+                   deviations * linearity.standard_error});
+}
+
+Image<double> ambient_map(const Image<double>& mean, const Image<double>& modulation,
+                          const PatternLight& light, double least_alpha,
+                          const Image<std::uint8_t>& measured) {
+  Image<double> map(mean.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < map.pixel_count(); ++i) {
+    const double alpha = reflectivity(modulation.begin()[i], light.alpha_p);
+    if (measured.begin()[i] == 0 || !(alpha >= least_alpha)) continue;
+    map.begin()[i] = ambient_light(mean.begin()[i], alpha, light);
+  }
+  return map;
+}
+
+AmbientEstimate ambient_estimate(const Image<double>& map) {
+  constexpr std::size_t fewest = 100;
+  std::vector<double> values = finite_values(map);
+  if (values.size() < fewest) {
+    throw Error(
+        fmt::format("{} pixels are bright enough to measure ambient light; at least {} are "
+                    "wanted",
+                    values.size(), fewest));
+  }
+  std::sort(values.begin(), values.end());
+  const auto count = static_cast<double>(values.size());
+  AmbientEstimate estimate{
+      .mode = mode_of(values), .median = values[values.size() / 2], .pixels = values.size()};
+  for (const double value : values) estimate.mean += value / count;
+  for (const double value : values) {
+    const double from_mean = value - estimate.mean;
+    estimate.variance += from_mean * from_mean / (count - 1);
+  }
+  return estimate;
+}
+
 void require_ambient_measurable(const Scan& scan, const std::string& name) {
   if (scan.exposures.size() > 1) {
     throw Error(fmt::format("{}: {} exposures; ambient light is measured with one", name,
@@ -44,7 +200,7 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
   }
   const Strategy& strategy = scan.sequence.strategy;
   const Layout& layout = strategy.layout();
-  if (layout.unwrapping != Unwrapping::vote && carrier_periods(strategy) == 0) return;
+  if (order_source(layout) != OrderSource::neighbours && carrier_periods(strategy) == 0) return;
   throw Error(
       fmt::format("{}: {}; ambient light is measured with patterns that hold no cue and no carrier",
                   name, strategy.name()));
@@ -52,10 +208,8 @@ void require_ambient_measurable(const Scan& scan, const std::string& name) {
 
 AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alpha,
                                      const std::optional<Response>& response) {
-  if (!(least_alpha > 0 && least_alpha <= 1)) {
-    throw Error(
-        fmt::format("--least-reflectivity {} is out of range; above 0, at most 1", least_alpha));
-  }
+  require_in_range(least_alpha > 0 && least_alpha <= 1, "--least-reflectivity", least_alpha,
+                   "above 0, at most 1");
   const Sequence& sequence = scans.sequence();
   require_response(scans, response);
   const Band& band = sequence.strategy.layout().bands.front();

@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/response/distortion.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/equations.h"
+#include "slipstream/response/harmonics.h"
 
 namespace slipstream {
 namespace {
@@ -47,20 +49,6 @@ double root_between(const Function& f, double low, double high) {
   return std::midpoint(low, high);
 }
 
-/// Brings the measured phase to [0, pi / N], where measured and true phase agree at both ends and
-/// rise together, and the solution back.
-template <class Model>
-double solve(const Model& model, int steps, double measured) {
-  const double half = pi / steps;
-  const double period = std::floor(measured / half);
-  const double within = measured - period * half;
-  const bool mirrored = std::fmod(period, 2) != 0;
-  const double target = mirrored ? half - within : within;
-  const double phi = root_between(
-      [&](double trial) { return distorted_phase(model, steps, trial) - target; }, 0, half);
-  return period * half + (mirrored ? half - phi : phi);
-}
-
 void require_steps(int steps) {
   if (steps < 3) throw Error(fmt::format("{} steps are out of range; 3 or more", steps));
 }
@@ -73,11 +61,20 @@ double added_at(const Response& response, int steps, double place) {
 }  // namespace
 
 double true_phase(const Response& response, int steps, double measured) {
-  return solve(response, steps, measured);
+  return true_phase([&](double phi) { return distorted_phase(response, steps, phi); }, steps,
+                    measured);
 }
 
-double true_phase(const HarmonicRatios& G, int steps, double measured) {
-  return solve(G, steps, measured);
+double true_phase(const std::function<double(double)>& distorted, int steps, double measured) {
+  // Brings the measured phase to [0, pi / N], where measured and true phase agree at both ends and
+  // rise together, and the solution back.
+  const double half = pi / steps;
+  const double period = std::floor(measured / half);
+  const double within = measured - period * half;
+  const bool mirrored = std::fmod(period, 2) != 0;
+  const double target = mirrored ? half - within : within;
+  const double phi = root_between([&](double trial) { return distorted(trial) - target; }, 0, half);
+  return period * half + (mirrored ? half - phi : phi);
 }
 
 double noise_gain(const Response& response, int steps, double phi) {
@@ -120,6 +117,15 @@ PhaseCorrections phase_corrections(const Response& response, std::span<const int
     if (!corrections.contains(steps)) corrections[steps] = phase_correction(response, steps);
   }
   return corrections;
+}
+
+PatternSet precompensated(const PatternSet& patterns, const Response& response) {
+  PatternSet changed = patterns;
+  changed.light = {.alpha_p = 255, .beta_p = 0};
+  changed.shape = [patterns, response](int n, double y, double across) {
+    return value_for(response, patterns.intensity(n, y, across) / 255);
+  };
+  return changed;
 }
 
 }  // namespace slipstream

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <span>
 
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/response.h"
-#include "slipstream/decode/phase_correction.h"
-#include "slipstream/response/distortion.h"
+#include "slipstream/decode/phase_decoder.h"
+#include "slipstream/response/harmonics.h"
 
 namespace slipstream {
 
@@ -12,8 +14,8 @@ namespace slipstream {
 /// (4.42) for phi to rounding. `measured` in rad, any; N >= 3.
 double true_phase(const Response& response, int steps, double measured);
 
-/// The same with the given harmonics alone, as Table 4.1 has it.
-double true_phase(const HarmonicRatios& G, int steps, double measured);
+/// The same by any `distorted(phi)` that agrees with phi at the multiples of pi / N and rises.
+double true_phase(const std::function<double(double)>& distorted, int steps, double measured);
 
 /// What correcting multiplies the noise of a measured phase by, at true phase phi, rad: more than 1
 /// where the response presses phases together. N >= 3.
@@ -27,5 +29,10 @@ PhaseCorrection phase_correction(const Response& response, int steps, double acc
 
 /// One for each of the step counts.
 PhaseCorrections phase_corrections(const Response& response, std::span<const int> step_counts);
+
+/// The pictures that a projector of that response turns into the light of `patterns`: the inverse
+/// response is applied before projection. What people do instead of correcting the phase; it costs
+/// grey levels, because the pictures are rounded to the projector's after it.
+PatternSet precompensated(const PatternSet& patterns, const Response& response);
 
 }  // namespace slipstream

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/merged_exposures.h"
@@ -47,12 +47,10 @@ Image<double> brightest_level(const FrameViews& frames) {
   Image<double> brightest(frames.size());
   frames.visit([&](const auto& views) {
     for (const auto& view : views) {
-      for (int row = 0; row < view.height(); ++row) {
-        for (int column = 0; column < view.width(); ++column) {
-          double& level = brightest(column, row);
-          level = std::max(level, static_cast<double>(view(column, row)));
-        }
-      }
+      for_each_pixel_in_order(view.size(), [&](int column, int row) {
+        double& level = brightest(column, row);
+        level = std::max(level, static_cast<double>(view(column, row)));
+      });
     }
   });
   return brightest;
@@ -70,18 +68,16 @@ LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shor
   const double grey_level = frames.full_scale() / 255;
   const Image<double> B = modulation(frames, layout), peak = brightest_level(frames);
   LitPixels lit{.all = B.pixel_count()};
-  for (int row = 0; row < B.height(); ++row) {
-    for (int column = 0; column < B.width(); ++column) {
-      const double level = peak(column, row);
-      if (frames.quantised() && level >= frames.saturation()) {
-        ++lit.saturated;
-      } else if (B(column, row) / grey_level >= least) {
-        const double gain = frames.merged() ? frames.gain()(column, row) : 1;
-        const double scale = 1 / (grey_level * gain * shortest);
-        lit.known.push_back({B(column, row) * scale, level * scale});
-      }
+  for_each_pixel_in_order(B.size(), [&](int column, int row) {
+    const double level = peak(column, row);
+    if (frames.quantised() && level >= frames.saturation()) {
+      ++lit.saturated;
+    } else if (B(column, row) / grey_level >= least) {
+      const double gain = frames.merged() ? frames.gain()(column, row) : 1;
+      const double scale = 1 / (grey_level * gain * shortest);
+      lit.known.push_back({B(column, row) * scale, level * scale});
     }
-  }
+  });
   return lit;
 }
 
@@ -218,13 +214,10 @@ void propose(const Prediction& prediction, const ExposureNeeds& needs, ExposureA
 }
 
 void require_good(const ExposureNeeds& needs) {
-  if (!(needs.least_modulation > 0 && needs.least_modulation <= 127)) {
-    throw Error(fmt::format("least modulation {} is out of range; above 0, up to 127 grey levels",
-                            needs.least_modulation));
-  }
-  if (!(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance))) {
-    throw Error(fmt::format("noise variance {} is out of range; 0 or more", needs.noise_variance));
-  }
+  require_in_range(needs.least_modulation > 0 && needs.least_modulation <= 127, "least modulation",
+                   needs.least_modulation, "above 0, up to 127 grey levels");
+  require_in_range(needs.noise_variance >= 0 && std::isfinite(needs.noise_variance),
+                   "noise variance", needs.noise_variance, "0 or more");
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "slipstream/codes/sequence.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/response/harmonic_samples.h"
 
 namespace slipstream {
 namespace {
@@ -98,16 +98,55 @@ void add_response(GammaCalibration& found, const Image<MeasuredHarmonics>& pixel
 
 }  // namespace
 
+double gamma_from_harmonics(double B_1, double B_2) {
+  return (B_1 + 2 * B_2) / (B_1 - B_2);
+}
+
+Image<double> gamma_map(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit) {
+  Image<double> map(pixels.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
+    const MeasuredHarmonics& pixel = pixels.begin()[i];
+    if (lit.begin()[i] != 0) map.begin()[i] = gamma_from_harmonics(pixel.B_1(), pixel.B_2());
+  }
+  return map;
+}
+
+GammaEstimate robust_gamma(const Image<double>& map) {
+  const std::vector<double> gammas = finite_values(map);
+  constexpr std::size_t fewest = 100;
+  if (gammas.size() < fewest) {
+    throw Error(fmt::format("{} pixels are lit and not saturated; gamma takes at least {}",
+                            gammas.size(), fewest));
+  }
+  double centre = median(gammas);
+  const double scale = std::max(robust_deviation(gammas, centre), 1e-12);
+  GammaEstimate estimate{.pixels = gammas.size()};
+  for (int i = 0; i < 20; ++i) {
+    double weights = 0, sum = 0, squares = 0, squared_weights = 0;
+    for (const double gamma : gammas) {
+      const double weight = tukey_weight((gamma - centre) / scale);
+      weights += weight;
+      sum += weight * gamma;
+      squares += weight * (gamma - centre) * (gamma - centre);
+      squared_weights += weight * weight;
+    }
+    centre = sum / weights;
+    estimate.spread = std::sqrt(squares / weights);
+    estimate.standard_error = estimate.spread * std::sqrt(squared_weights) / weights;
+  }
+  estimate.gamma = centre;
+  return estimate;
+}
+
 GammaCalibration calibrate_gamma(const ScanAverage& scans, double minimum_modulation) {
   const StepRun run = longest_run(scans.sequence());
   const FrameSet frames = scans.frames().mean();
   const auto pixels = pixel_harmonics(frames, run.first, run.steps);
   Image<std::uint8_t> lit = well_lit(pixels, frames, minimum_modulation);
   const Image<std::uint8_t>& saturated = scans.frames().saturated();
-  std::transform(lit.begin(), lit.end(), saturated.begin(), lit.begin(),
-                 [](std::uint8_t is_lit, std::uint8_t is_saturated) {
-                   return static_cast<std::uint8_t>(is_lit != 0 && is_saturated == 0 ? 1 : 0);
-                 });
+  for (std::size_t i = 0; i < lit.pixel_count(); ++i) {
+    if (saturated.begin()[i] != 0) lit.begin()[i] = 0;
+  }
   GammaCalibration found{.steps = run.steps, .fit = find_gamma(pixels, lit, run.steps)};
   if (found.fit.refusal == BlindRefusal::too_few_pixels) {
     throw Error(fmt::format("{}; show the patterns brighter or expose longer",

@@ -1,13 +1,37 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 
-#include "slipstream/response/blind.h"
-#include "slipstream/response/measurement.h"
+#include "slipstream/base/image.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/codes/response.h"
+#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/harmonics.h"
 #include "slipstream/response/response_fit.h"
 #include "slipstream/response/scan_average.h"
 
 namespace slipstream {
+
+/// gamma from neighbouring harmonics, Liu 2010, Eq. (4.55). B_1 != B_2.
+double gamma_from_harmonics(double B_1, double B_2);
+
+/// gamma of every pixel by Eqs. (4.50), (4.55); NaN where `lit` is 0. For N >= 5 steps; the fewer
+/// they are, the more of the harmonics N - 2 and above is taken for the second (Fig. 4.7).
+Image<double> gamma_map(const Image<MeasuredHarmonics>& pixels, const Image<std::uint8_t>& lit);
+
+/// One gamma for a device.
+struct GammaEstimate {
+  double gamma = 1;
+  double standard_error = 0;  ///< of gamma, if the pixels' errors are independent
+  double spread = 0;          ///< standard deviation among pixels, outliers left out
+  std::size_t pixels = 0;     ///< how many spoke
+};
+
+/// The pixels' common gamma: their mean with Tukey's weights, so that edges and shadows do not
+/// count, from the median. Throws Error where the map has fewer than 100 finite pixels.
+GammaEstimate robust_gamma(const Image<double>& map);
 
 /// What each pixel says of gamma by itself.
 struct PixelGamma {

@@ -3,51 +3,55 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "slipstream/base/error.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/phase_decoder.h"
+#include "slipstream/response/scan_average.h"
 
 namespace slipstream {
 namespace {
 
+/// Variance over the measured pixels of what `value` gives at each, times `factor`.
+template <class Value>
+NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor,
+                              const Value& value) {
+  constexpr std::size_t fewest = 100;
+  double mean = 0, squares = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
+    if (measured.begin()[i] == 0) continue;
+    ++count;
+    const double x = value(i);
+    const double from_mean = x - mean;
+    mean += from_mean / static_cast<double>(count);
+    squares += from_mean * (x - mean);
+  }
+  if (count < fewest) {
+    throw Error(fmt::format("{} pixels are too few to measure noise; at least {} are wanted", count,
+                            fewest));
+  }
+  const double variance = factor * squares / static_cast<double>(count - 1);
+  return {.variance = variance,
+          .standard_error = variance * std::sqrt(2.0 / static_cast<double>(count - 1)),
+          .pixels = count};
+}
+
 constexpr double least_modulation = 8;  // grey levels
 
-/// Estimates of one kind, put together.
-class Estimates {
- public:
-  Estimates(const char* equation, const char* method) : equation_(equation), method_(method) {}
+/// Adds an estimate to the sums that divided_by_count makes a measurement of.
+void add(NoiseMeasurement& sums, const NoiseEstimate& estimate) {
+  sums.variance += estimate.variance;
+  sums.standard_error += estimate.standard_error * estimate.standard_error;
+  sums.pixels = estimate.pixels;
+  ++sums.count;
+}
 
-  void add(const NoiseEstimate& estimate) {
-    variance_ += estimate.variance;
-    square_error_ += estimate.standard_error * estimate.standard_error;
-    pixels_ = estimate.pixels;
-    ++count_;
-  }
-  [[nodiscard]] bool empty() const { return count_ == 0; }
-  [[nodiscard]] NoiseMeasurement mean() const {
-    return {.equation = equation_,
-            .method = method_,
-            .variance = variance_ / count_,
-            .standard_error = std::sqrt(square_error_) / count_,
-            .count = count_,
-            .pixels = pixels_};
-  }
-
- private:
-  const char* equation_;
-  const char* method_;
-  double variance_ = 0, square_error_ = 0;
-  std::size_t pixels_ = 0;
-  int count_ = 0;
-};
-
-Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
-  if (a.size() != b.size()) {
-    throw Error("the scans are of different sizes; they are to be of one unmoved scene");
-  }
-  Image<std::uint8_t> both = a;
-  std::transform(both.begin(), both.end(), b.begin(), both.begin(),
-                 [](std::uint8_t x, std::uint8_t y) { return static_cast<std::uint8_t>(x & y); });
-  return both;
+NoiseMeasurement divided_by_count(NoiseMeasurement sums) {
+  sums.variance /= sums.count;
+  sums.standard_error = std::sqrt(sums.standard_error) / sums.count;
+  return sums;
 }
 
 bool of_one_band(const Layout& layout) {
@@ -74,6 +78,69 @@ std::string disagreement(const NoiseMeasurement& other, const NoiseMeasurement& 
 }
 
 }  // namespace
+
+NoiseEstimate noise_from_means(const Image<double>& mean_1, int steps_1,
+                               const Image<double>& mean_2, int steps_2,
+                               const Image<std::uint8_t>& measured) {
+  const double N_1 = steps_1, N_2 = steps_2;
+  return scaled_variance(measured, N_1 * N_2 / (N_1 + N_2),
+                         [&](std::size_t i) { return mean_1.begin()[i] - mean_2.begin()[i]; });
+}
+
+NoiseLine noise_line_from_means(const Image<double>& mean_1, const Image<double>& mean_2, int steps,
+                                const Image<std::uint8_t>& measured) {
+  const NoiseEstimate all = noise_from_means(mean_1, steps, mean_2, steps, measured);
+  double shift = 0;  // light that changed between the scans
+  for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
+    if (measured.begin()[i] != 0) shift += mean_1.begin()[i] - mean_2.begin()[i];
+  }
+  shift /= static_cast<double>(all.pixels);
+  NoiseLine line{.at_half = all.variance};
+  // Squares of Gaussian values spread as their mean squared: weights follow from the line itself.
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    double w = 0, wx = 0, wxx = 0, wy = 0, wxy = 0;
+    for (std::size_t i = 0; i < measured.pixel_count(); ++i) {
+      if (measured.begin()[i] == 0) continue;
+      const double a = mean_1.begin()[i], b = mean_2.begin()[i];
+      const double x = (a + b) / 2 - 127.5, y = steps / 2.0 * (a - b - shift) * (a - b - shift);
+      const double predicted = std::max(line.at_half + line.gain * x, all.variance / 20);
+      const double weight = 1 / (2 * predicted * predicted);
+      w += weight;
+      wx += weight * x;
+      wxx += weight * x * x;
+      wy += weight * y;
+      wxy += weight * x * y;
+    }
+    const double determinant = w * wxx - wx * wx;
+    if (!(determinant > 1e-9 * w * wxx)) return {.at_half = all.variance};
+    line = {.at_half = (wxx * wy - wx * wxy) / determinant,
+            .gain = (w * wxy - wx * wy) / determinant,
+            .gain_error = std::sqrt(w / determinant)};
+  }
+  return line;
+}
+
+NoiseEstimate noise_from_half_phase(const Image<double>& b_cos,
+                                    const Image<std::uint8_t>& measured) {
+  return scaled_variance(measured, 4, [&](std::size_t i) { return b_cos.begin()[i]; });
+}
+
+NoiseEstimate noise_from_half_phases(const Image<double>& b_cos_1, const Image<double>& b_cos_2,
+                                     const Image<std::uint8_t>& measured) {
+  return scaled_variance(measured, 2,
+                         [&](std::size_t i) { return b_cos_1.begin()[i] - b_cos_2.begin()[i]; });
+}
+
+NoiseEstimate noise_from_modulations(const Image<double>& modulation_1,
+                                     const Image<double>& modulation_2, int steps, double c1,
+                                     const Image<std::uint8_t>& measured) {
+  const double c2 = 1 - c1;
+  // alpha_12 = 2 / alpha_p (B_1 / c_1 - B_2 / c_2); alpha_p cancels.
+  const double factor = steps / 8.0 * (c1 * c1 * c2 * c2) / (c1 * c1 + c2 * c2) * 4;
+  return scaled_variance(measured, factor, [&](std::size_t i) {
+    return modulation_1.begin()[i] / c1 - modulation_2.begin()[i] / c2;
+  });
+}
 
 bool mistakes_gamma_for_noise(const NoiseMeasurement& measurement) {
   return measurement.equation == "3.79" || measurement.equation == "3.99";
@@ -104,39 +171,39 @@ NoiseScan::NoiseScan(const Scan& scan) : strategy_(scan.sequence.strategy) {
                  [](std::uint8_t good, double B) {
                    return static_cast<std::uint8_t>(good != 0 && B >= least_modulation ? 1 : 0);
                  });
-  if (layout.unwrapping == Unwrapping::vote && !layout.cue) {
+  if (order_source(layout) == OrderSource::neighbours && !layout.cue) {
     modulations_[0] = modulation;
     modulations_[1] = in_8_bits(decode(frames, layout.bands[1]).modulation);
   }
 }
 
 std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) {
-  Estimates halves("3.82", "half phase channels of two scans");
-  Estimates means("3.20", "means of two scans");
-  Estimates unequal_means("3.19", "means of two scans of other step counts");
-  Estimates modulations("3.99", "two modulations of one scan");
-  Estimates half("3.79", "half phase channel of one scan");
+  NoiseMeasurement halves{"3.82", "half phase channels of two scans"};
+  NoiseMeasurement means{"3.20", "means of two scans"};
+  NoiseMeasurement unequal_means{"3.19", "means of two scans of other step counts"};
+  NoiseMeasurement modulations{"3.99", "two modulations of one scan"};
+  NoiseMeasurement half{"3.79", "half phase channel of one scan"};
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const NoiseScan& a = scans[i];
     const Layout& layout = a.strategy_.layout();
-    if (!a.b_cos_.empty()) half.add(noise_from_half_phase(a.b_cos_, a.measured_));
+    if (!a.b_cos_.empty()) add(half, noise_from_half_phase(a.b_cos_, a.measured_));
     if (!a.modulations_[1].empty()) {
-      modulations.add(noise_from_modulations(a.modulations_[0], a.modulations_[1], a.steps_,
-                                             layout.bands[0].share, a.measured_));
+      add(modulations, noise_from_modulations(a.modulations_[0], a.modulations_[1], a.steps_,
+                                              layout.bands[0].share, a.measured_));
     }
     for (const NoiseScan& b : scans.subspan(i + 1)) {
       const bool alike = a.strategy_ == b.strategy_;
       if (!alike && !(of_one_band(layout) && of_one_band(b.strategy_.layout()))) continue;
       if (alike) require_two_takes(a.mean_, b.mean_);
       const Image<std::uint8_t> both = in_both(a.measured_, b.measured_);
-      (alike ? means : unequal_means)
-          .add(noise_from_means(a.mean_, a.steps_, b.mean_, b.steps_, both));
-      if (alike && !a.b_cos_.empty()) halves.add(noise_from_half_phases(a.b_cos_, b.b_cos_, both));
+      add(alike ? means : unequal_means,
+          noise_from_means(a.mean_, a.steps_, b.mean_, b.steps_, both));
+      if (alike && !a.b_cos_.empty()) add(halves, noise_from_half_phases(a.b_cos_, b.b_cos_, both));
     }
   }
   std::vector<NoiseMeasurement> all;
-  for (const Estimates* estimates : {&halves, &means, &unequal_means, &modulations, &half}) {
-    if (!estimates->empty()) all.push_back(estimates->mean());
+  for (const NoiseMeasurement& sums : {halves, means, unequal_means, modulations, half}) {
+    if (sums.count > 0) all.push_back(divided_by_count(sums));
   }
   if (all.empty()) {
     throw Error(

@@ -3,14 +3,42 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
-#include "slipstream/response/measurement.h"
-#include "slipstream/response/named_responses.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {
+
+/// The curve through 129 points of a function that rises from 0 to 1.
+template <class Function>
+ResponseCurve through_points_of(const Function& light) {
+  constexpr int last = 128;
+  std::vector<double> values, intensities;
+  for (int i = 0; i <= last; ++i) {
+    values.push_back(static_cast<double>(i) / last);
+    intensities.push_back(light(values.back()));
+  }
+  return response_curve(values, intensities);
+}
+
+/// The lowest point of a function with one valley between two places.
+template <class Function>
+double lowest_between(const Function& f, double low, double high) {
+  while (high - low > 1e-9) {
+    const double third = (high - low) / 3;
+    if (f(low + third) < f(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  return std::midpoint(low, high);
+}
 
 /// Logarithm of the slope, and the centre.
 using Logistic = std::array<double, 2>;
@@ -54,6 +82,75 @@ bool leaves_noise(const LevelFit& fit) {
 }
 
 }  // namespace
+
+ResponseCurve srgb_curve() {
+  return through_points_of([](double value) {
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  });
+}
+
+ResponseCurve logistic_curve(double slope, double centre) {
+  if (!(slope > 0 && slope <= 50 && centre >= 0 && centre <= 1)) {
+    throw Error(fmt::format(
+        "logistic curve of slope {} and centre {}: slope 0 to 50, centre 0 to 1", slope, centre));
+  }
+  return through_points_of(
+      [&](double value) { return 1 / (1 + std::exp(-slope * (value - centre))); });
+}
+
+std::optional<ResponseCurve> curve_named(std::string_view name) {
+  constexpr std::string_view logistic = "logistic:";
+  if (name == "srgb") return srgb_curve();
+  if (!name.starts_with(logistic)) return std::nullopt;
+  const auto numbers = numbers_in<double>(name.substr(logistic.size()), ':');
+  if (numbers.size() == 2) return logistic_curve(numbers[0], numbers[1]);
+  throw Error(fmt::format("{}: two numbers are wanted, as in logistic:9:0.45", name));
+}
+
+LevelFit fit_levels(const Response& response, std::span<const double> values,
+                    std::span<const double> intensities) {
+  const auto count = static_cast<double>(values.size());
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double light = light_at(response, values[i]);
+    x += light;
+    y += intensities[i];
+    xx += light * light;
+    xy += light * intensities[i];
+  }
+  LevelFit fit;
+  fit.scale = (count * xy - x * y) / (count * xx - x * x);
+  fit.offset = (y - fit.scale * x) / count;
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    fit.left.push_back(intensities[i] - fit.scale * light_at(response, values[i]) - fit.offset);
+    sum += fit.left.back() * fit.left.back();
+  }
+  fit.rms = std::sqrt(sum / count);
+  return fit;
+}
+
+GammaFit fit_gamma(std::span<const double> values, std::span<const double> intensities) {
+  if (values.size() < 4 || values.size() != intensities.size()) {
+    throw Error(
+        fmt::format("{} uniform patterns with {} intensities; a fit of gamma takes at least 4",
+                    values.size(), intensities.size()));
+  }
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
+  if (*least == *most) {
+    throw Error(fmt::format("uniform patterns: all have the value {}; several are needed", *least));
+  }
+  const auto fit_at = [&](double gamma) {
+    return fit_levels(PowerLaw{gamma}, values, intensities);
+  };
+  const double gamma = lowest_between([&](double trial) { return fit_at(trial).rms; },
+                                      least_gamma / 2, 2 * largest_gamma);
+  const GammaFit fit{fit_at(gamma), gamma};
+  if (!(fit.scale > 0)) {
+    throw Error("uniform patterns: the intensity does not rise with the pattern's value");
+  }
+  return fit;
+}
 
 std::optional<NamedResponse> curve_that_serves(
     const std::function<double(const Response&)>& distance,

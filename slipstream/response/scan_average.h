@@ -3,10 +3,13 @@
 #include <cstdint>
 #include <string>
 
-#include "slipstream/frames/mean_frames.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scan.h"
 
 namespace slipstream {
+
+/// 1 where two masks are. Throws Error where their sizes differ.
+Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b);
 
 /// Scans of one unmoved scene, averaged as they come.
 class ScanAverage {

@@ -8,11 +8,9 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/cloud/cleaner.h"
-#include "slipstream/cloud/depth_step.h"
 #include "slipstream/cloud/measure.h"
-#include "slipstream/cloud/spheres.h"
 
 namespace slipstream {
 namespace {
@@ -38,15 +36,13 @@ Points points_of(const Cloud& cloud) {
 /// The part of a map that holds all its finite values, of which there are some.
 Image<double> cropped(const Image<double>& map) {
   int left = map.width(), right = -1, top = map.height(), bottom = -1;
-  for (int row = 0; row < map.height(); ++row) {
-    for (int column = 0; column < map.width(); ++column) {
-      if (std::isnan(map(column, row))) continue;
-      left = std::min(left, column);
-      right = std::max(right, column);
-      top = std::min(top, row);
-      bottom = row;
-    }
-  }
+  for_each_pixel_in_order(map.size(), [&](int column, int row) {
+    if (std::isnan(map(column, row))) return;
+    left = std::min(left, column);
+    right = std::max(right, column);
+    top = std::min(top, row);
+    bottom = row;
+  });
   Image<double> part({right - left + 1, bottom - top + 1});
   for (int row = 0; row < part.height(); ++row) {
     std::copy_n(map.row(top + row) + left, part.width(), part.row(row));
@@ -58,13 +54,11 @@ Image<double> cropped(const Image<double>& map) {
 template <class Belongs>
 Cloud part_of(const Cloud& cloud, const Belongs& belongs) {
   Cloud part = cloud;
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      if (belongs(column, row)) continue;
-      part.validity(column, row) = Validity::outside_region;
-      part.z(column, row) = std::numeric_limits<float>::quiet_NaN();
-    }
-  }
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (belongs(column, row)) return;
+    part.validity(column, row) = Validity::outside_region;
+    part.z(column, row) = std::numeric_limits<float>::quiet_NaN();
+  });
   return part;
 }
 
@@ -73,12 +67,10 @@ template <class Fit>
 auto measure_shape(const Cloud& cloud, const Fit& fit, ShapeAccuracy& accuracy) {
   const auto shape = fit(points_of(cloud), left_out);
   Image<double> map(cloud.size(), nan);
-  for (int row = 0; row < map.height(); ++row) {
-    for (int column = 0; column < map.width(); ++column) {
-      const auto point = point_at(cloud, nullptr, column, row);
-      if (point) map(column, row) = signed_distance(shape, point->position);
-    }
-  }
+  for_each_pixel_in_order(map.size(), [&](int column, int row) {
+    const auto point = point_at(cloud, nullptr, column, row);
+    if (point) map(column, row) = signed_distance(shape, point->position);
+  });
   std::vector<double> deviations = finite_values(map);
   std::sort(deviations.begin(), deviations.end());
   accuracy.range = narrowest_range(deviations, 1 - left_out);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -7,9 +8,31 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/simulate/artefacts.h"
+#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {
+
+/// What an acceptance test looks at: artefacts as certified, and scans of them. In a file a YAML
+/// map of these names, lengths in mm, paths relative to the file:
+///
+///   diameters: [40.002, 40.001]   # of the sphere, or of both of a ball bar
+///   distance: 100.005             # of the ball bar's centres
+///   spheres: [bar1, bar2]         # a scan of all spheres in each position
+///   planes: [plane1, plane2]      # a scan of the plane in each position
+///   repeated: [still1, still2]    # of one thing that stands still, nothing changed between them
+///   diagonal: 380                 # of the measured volume
+struct Artefacts {
+  std::vector<double> diameters{};   ///< mm; none, one or two
+  std::optional<double> distance{};  ///< mm; of two spheres
+  std::vector<std::string> spheres{};
+  std::vector<std::string> planes{};
+  std::vector<std::string> repeated{};
+  std::optional<double> diagonal{};  ///< mm; where figures are to be stated as shares of it
+};
+
+/// Throws Error, naming the file and the line, for a file that is no such map.
+Artefacts read_artefacts(const std::filesystem::path& file);
 
 /// A sphere or a plane in one position: how its points deviate from the shape of least squares of
 /// all but 0.3 % of them, which VDI/VDE 2634 part 2 allows to leave out; mm.
@@ -56,5 +79,28 @@ using CloudOfScan = std::function<Cloud(const std::string& scan)>;
 /// from their middle) in one piece, less a rim of 5 pixels, where blur moves what is seen. Throws
 /// Error, naming the scan, where an artefact is not found, or where repeated scans are copies.
 Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_of);
+
+/// Writes report.md and its pictures into a folder: the figures in mm and per mille of the measured
+/// volume's diagonal (mm), each sphere and plane, and maps of what deviates most. `subject` says in
+/// a line what was measured. Throws WorldError where it cannot be written.
+void write_accuracy_report(const std::filesystem::path& folder, const std::string& subject,
+                           const Accuracy& accuracy, std::optional<double> diagonal);
+
+/// An acceptance test in the virtual world: artefacts that are exactly as certified, and the clouds
+/// of their scans, taken as they are asked for.
+struct Rehearsal {
+  Artefacts artefacts;
+  CloudOfScan cloud_of;
+};
+
+/// With L the diagonal of the measured volume, the largest cube about the middle of the working
+/// volume that camera and projector see whole: a ball bar of spheres of 0.1 L, 0.35 L apart, in
+/// seven positions (the four diagonals of the cube and three near its sides), a square plane with
+/// sides of 0.5 L in six, and ten scans of one of these that differ by their noise alone. The scene
+/// of `world` is not asked for. Scans are reconstructed with `calibrated`: the world's scanner,
+/// where the error of a calibration is not to be in the figures. Throws Error where the two see no
+/// volume in common.
+Rehearsal rehearsal(const VirtualWorld& world, const Sequence& sequence, const Scanner& calibrated,
+                    const ReconstructSettings& settings = {});
 
 }  // namespace slipstream

@@ -2,13 +2,49 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <variant>
 
+#include "slipstream/base/statistics.h"
 #include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {
 namespace {
+
+/// The error at the pixel's own surface where it is no larger than noise may be: among neighbours
+/// on a slope the nearest would flatter.
+double depth_error(double z, double sigma, const Image<double>& depth, int column, int row) {
+  const double own = z - depth(column, row);
+  return std::abs(own) <= 5 * sigma ? own : nearest_error(z, depth, column, row);
+}
+
+/// Of a point from what rays within one and a half pixels of its own meet, mm.
+double distance_to_surfaces(const Cloud& cloud, int column, int row, const VirtualWorld& world) {
+  const Eigen::Vector3d point = position_at(cloud, column, row);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (double y = row - 1.5; y <= row + 1.5; y += 0.25) {
+    for (double x = column - 1.5; x <= column + 1.5; x += 0.25) {
+      const Ray ray{Eigen::Vector3d::Zero(), ray_through(world.scanner.camera, {x, y})};
+      const auto surface = first_surface(world.scene, ray, 0);
+      if (surface) nearest = std::min(nearest, (surface->point - point).norm());
+    }
+  }
+  return nearest;
+}
+
+/// Standard deviation of depth from take to take, mm: by the median difference of two clouds of one
+/// unmoved scene. 0 where they have no point in common.
+double repeatability(const Cloud& first, const Cloud& second) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < first.z.pixel_count(); ++i) {
+    const double difference = std::abs(static_cast<double>(first.z.begin()[i]) -
+                                       static_cast<double>(second.z.begin()[i]));
+    if (std::isfinite(difference)) differences.push_back(difference);
+  }
+  if (differences.empty()) return 0;
+  return deviation_from_median(median(std::move(differences))) / std::sqrt(2.0);
+}
 
 /// The world with a share of the light for each frame, and as much more gain.
 VirtualWorld with_exposure(VirtualWorld world, double share) {
@@ -51,8 +87,8 @@ ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
   Maps maps;
   engine.cloud_and_maps(scan.frames, result.cloud, maps);
   const Uncertainty sigma = engine.uncertainty(result.cloud, maps, scan.frames);
-  result.errors = cloud_errors(result.cloud, sigma, maps.coordinate, sequence.strategy.layout(),
-                               scan, world.scanner, world.scene);
+  result.errors =
+      cloud_errors(result.cloud, sigma, maps.coordinate, sequence.strategy.layout(), scan, world);
   result.decode_ms = milliseconds_of(engine, scan.frames, result.cloud);
   if (!is_moving(world.scene)) {
     Photometry again = world.photometry;
@@ -65,6 +101,49 @@ ComparedSequence judged(const VirtualWorld& world, const Sequence& sequence,
 }
 
 }  // namespace
+
+CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
+                         const Image<float>& coordinate, const Layout& layout,
+                         const VirtualScan& truth, const VirtualWorld& world) {
+  const double periods = measuring_band(layout).periods;
+  CloudErrors errors;
+  std::size_t lit = 0, measured = 0, on_surface = 0, within_5 = 0, flying = 0, wrong = 0;
+  double squares = 0, normalised_squares = 0;
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    const double y = truth.coordinate(column, row);
+    if (std::isfinite(y)) ++lit;
+    if (cloud.validity(column, row) != Validity::valid) return;
+    ++errors.points;
+    if (std::isfinite(y)) ++measured;
+    if (std::abs(coordinate(column, row) - y) * periods >= 0.5) ++wrong;
+    const double z = cloud.z(column, row), sigma = uncertainty.z(column, row);
+    const double error = depth_error(z, sigma, truth.depth, column, row);
+    if (std::abs(error) <= 5 * sigma) {
+      ++within_5;
+      normalised_squares += std::pow(error / sigma, 2);
+    }
+    const double limit = std::max(5 * sigma, 1.0);
+    const double off = std::abs(error) <= limit ? std::abs(error)
+                                                : distance_to_surfaces(cloud, column, row, world);
+    if (off > limit) {
+      ++flying;
+    } else {
+      ++on_surface;
+      squares += off * off;
+    }
+  });
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+  };
+  errors.completeness = share(measured, lit);
+  errors.rms = std::sqrt(squares / static_cast<double>(std::max<std::size_t>(on_surface, 1)));
+  errors.normalised_rms =
+      std::sqrt(normalised_squares / static_cast<double>(std::max<std::size_t>(within_5, 1)));
+  errors.beyond_5 = share(errors.points - within_5, errors.points);
+  errors.flying = share(flying, errors.points);
+  errors.wrong_order = share(wrong, errors.points);
+  return errors;
+}
 
 std::vector<ComparedSequence> compare(const VirtualWorld& world,
                                       const std::vector<Sequence>& sequences,

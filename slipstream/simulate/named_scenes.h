@@ -20,6 +20,10 @@ struct WorkingVolume {
 
 WorkingVolume working_volume(const Scanner& scanner);
 
+/// From the camera's frame to that of a device which looks along `direction`, upright as the
+/// camera.
+Eigen::Matrix3d looking_along(const Eigen::Vector3d& direction);
+
 /// A camera of that size beside and below a projector of 1280x800, both with lens distortion, which
 /// look at one place 600 mm away.
 Scanner example_scanner(Size camera = {640, 480});
@@ -40,5 +44,9 @@ Scene scene_named(std::string_view name, const Scanner& scanner);
 /// largest side is `size` mm where that is positive. Throws Error for a mesh without triangle or
 /// extent.
 Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size = 0);
+
+/// A bust with a ring held before its chest: rounded, grooved and undercut, and in its own shadow
+/// in places. About 1 high, centred on the origin, Y up, facing +Z.
+Mesh statue();
 
 }  // namespace slipstream

@@ -1,5 +1,3 @@
-#include "slipstream/simulate/projected_light.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/codes/pattern_in_8_bits.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/simulate/seen_scene.h"
 
 namespace slipstream {
 namespace {

@@ -1,5 +1,3 @@
-#include "slipstream/simulate/rehearsal.h"
-
 #include <array>
 #include <cmath>
 #include <map>
@@ -13,6 +11,7 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/geometry/lens.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/simulate/accuracy.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {

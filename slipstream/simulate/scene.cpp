@@ -1,7 +1,6 @@
 #include "slipstream/simulate/scene.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -97,16 +96,14 @@ Image<float> blurred(const Image<std::uint8_t>& picture, double deviation) {
   const float sum = std::accumulate(weights.begin(), weights.end(), 0.0F);
   for (const auto& [right, down] : {std::pair(1, 0), std::pair(0, 1)}) {
     const Image<float> before = result;
-    for (int row = 0; row < before.height(); ++row) {
-      for (int column = 0; column < before.width(); ++column) {
-        float weighed = 0;
-        for (int i = -reach; i <= reach; ++i) {
-          weighed += weights[static_cast<std::size_t>(i + reach)] *
-                     grey_at(before, column + i * right, row + i * down);
-        }
-        result(column, row) = weighed / sum;
+    for_each_pixel_in_order(before.size(), [&](int column, int row) {
+      float weighed = 0;
+      for (int i = -reach; i <= reach; ++i) {
+        weighed += weights[static_cast<std::size_t>(i + reach)] *
+                   grey_at(before, column + i * right, row + i * down);
       }
-    }
+      result(column, row) = weighed / sum;
+    });
   }
   return result;
 }

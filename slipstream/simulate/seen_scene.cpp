@@ -1,14 +1,11 @@
 #include "slipstream/simulate/seen_scene.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/simulate/counted_random.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {
@@ -233,20 +230,18 @@ MetByCentres meet(const Onlooker& onlooker, Size size) {
 Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
                       int down) {
   Image<double> result(picture.size());
-  for_each_row(picture.height(), [&](int row) {
-    for (int column = 0; column < picture.width(); ++column) {
-      const double sigma = std::max(deviation(column, row), 1e-3);
-      const int reach = static_cast<int>(std::ceil(4 * sigma));
-      double sum = 0, weights = 0;
-      for (int i = -reach; i <= reach; ++i) {
-        const int x = std::clamp(column + i * right, 0, picture.width() - 1);
-        const int y = std::clamp(row + i * down, 0, picture.height() - 1);
-        const double weight = std::exp(-0.5 * i * i / (sigma * sigma));
-        sum += weight * picture(x, y);
-        weights += weight;
-      }
-      result(column, row) = sum / weights;
+  for_each_pixel(picture.size(), [&](int column, int row) {
+    const double sigma = std::max(deviation(column, row), 1e-3);
+    const int reach = static_cast<int>(std::ceil(4 * sigma));
+    double sum = 0, weights = 0;
+    for (int i = -reach; i <= reach; ++i) {
+      const int x = std::clamp(column + i * right, 0, picture.width() - 1);
+      const int y = std::clamp(row + i * down, 0, picture.height() - 1);
+      const double weight = std::exp(-0.5 * i * i / (sigma * sigma));
+      sum += weight * picture(x, y);
+      weights += weight;
     }
+    result(column, row) = sum / weights;
   });
   return result;
 }

@@ -1,16 +1,44 @@
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <functional>
+#include <numbers>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "slipstream/base/image.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {
+
+// Random numbers that are functions of their arguments alone, so that frames do not depend on the
+// order in which threads render them.
+
+/// A well-mixed 64-bit number for each counter (the finaliser of SplitMix64).
+constexpr std::uint64_t mixed(std::uint64_t counter) {
+  counter += 0x9e3779b97f4a7c15U;
+  counter = (counter ^ (counter >> 30)) * 0xbf58476d1ce4e5b9U;
+  counter = (counter ^ (counter >> 27)) * 0x94d049bb133111ebU;
+  return counter ^ (counter >> 31);
+}
+
+/// In (0, 1).
+constexpr double uniform(std::uint64_t key) {
+  return (static_cast<double>(mixed(key) >> 11) + 0.5) * 0x1p-53;
+}
+
+/// Standard normal (Box and Muller).
+inline double gaussian(std::uint64_t seed, std::uint64_t frame, std::uint64_t pixel) {
+  const std::uint64_t key = mixed(seed) ^ mixed(frame << 40 ^ pixel);
+  return std::sqrt(-2 * std::log(uniform(key))) *
+         std::cos(2 * std::numbers::pi * uniform(mixed(key)));
+}
 
 /// Light that reaches a camera pixel from a place of the projector's picture.
 struct LitSample {
@@ -49,5 +77,24 @@ using ProjectedLight = std::function<double(const LitSample&)>;
 /// alpha (I^p + beta) + beta, Eq. (3.2), with what physics adds, `exposure` times as long as usual.
 Image<double> exposed(const SeenScene& seen, const Photometry& photometry, int n, double exposure,
                       const ProjectedLight& light);
+
+/// The light that answers a pattern's intensity: grey levels both, Eq. (4.2).
+double responded(double intensity, const Photometry& photometry);
+
+/// The light of a picture that fills the projector's field: even over each pixel, blurred.
+ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry);
+
+/// The light of pattern n from a projector of that size, for the samples of `seen`: exact, or where
+/// physics say so by pixels of 256 levels, blurred; of binary patterns, and of those with a carrier
+/// where anything is blurred, that of their pictures.
+ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
+                               const Photometry& photometry, const SeenScene& seen);
+
+/// What the sensor makes of frame n, grey levels of 8 bits: noise as the photometry says, the same
+/// for the same seed.
+void add_noise(Image<double>& frame, int n, const Photometry& photometry);
+
+/// The frames rounded and clipped to `bits`; as they are where there are none.
+FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits);
 
 }  // namespace slipstream

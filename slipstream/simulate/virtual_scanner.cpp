@@ -1,8 +1,9 @@
 #include "slipstream/simulate/virtual_scanner.h"
 
 #include <algorithm>
-#include <cmath>
-#include <string_view>
+#include <cstddef>
+#include <numbers>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -10,27 +11,71 @@
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/simulate/projected_light.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/simulate/seen_scene.h"
-#include "slipstream/simulate/sensor.h"
 
 namespace slipstream {
 namespace {
+
+// What is random lies beyond the numbers of frames where it does not change from frame to frame.
+constexpr std::uint64_t of_offsets = 0xfffff0, of_sensitivities = 0xfffff1, of_rows = 0x800000;
+
+template <class Pixel>
+std::vector<Image<Pixel>> quantised(const std::vector<Image<double>>& exposures, int bits) {
+  const double full_scale = (1 << bits) - 1;
+  std::vector<Image<Pixel>> frames;
+  for (const Image<double>& exposure : exposures) {
+    Image<Pixel>& frame = frames.emplace_back(exposure.size());
+    std::transform(exposure.begin(), exposure.end(), frame.begin(), [&](double intensity) {
+      return static_cast<Pixel>(std::lround(std::clamp(intensity / 255, 0.0, 1.0) * full_scale));
+    });
+  }
+  return frames;
+}
+
+constexpr std::size_t channels = 3;
+
+/// Which share of its light channel c keeps of paint at that place of the surface.
+double kept(double paint, const Eigen::Vector3d& point, std::size_t c) {
+  constexpr double around = 40;  // mm
+  const double hue = (point.x() + point.y()) / around - static_cast<double>(c) / channels;
+  return 1 - paint * (0.5 + 0.5 * std::cos(2 * std::numbers::pi * hue));
+}
+
+/// The channels of one picture, before the sensor, of what each projector colour alone would give.
+std::vector<Image<double>> mixed(const std::vector<ImageView<const double>>& lights,
+                                 const VirtualScan& seen, const Lens& camera,
+                                 const ColourDevices& devices) {
+  const Size size = lights.front().size();
+  std::vector<Image<double>> picture(channels, Image<double>(size));
+  for_each_pixel(size, [&](int column, int row) {
+    const double depth = seen.depth(column, row);
+    const Eigen::Vector3d point = std::isnan(depth)
+                                      ? Eigen::Vector3d::Zero()
+                                      : Eigen::Vector3d(depth * ray_through(camera, {column, row}));
+    for (std::size_t c = 0; c < channels; ++c) {
+      double sum = 0;
+      for (std::size_t p = 0; p < channels; ++p) {
+        sum += devices.mixture[c][p] * lights[p](column, row);
+      }
+      picture[c](column, row) = kept(devices.paint, point, c) * sum;
+    }
+  });
+  return picture;
+}
 
 constexpr double exposed_for = 0.5;  // of a frame, where motion is blurred
 
 /// The scene while the frame of a time is exposed: once, or several times where motion is blurred.
 std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
                              const Photometry& photometry, double time) {
-  constexpr int times = 4;
-  if (!photometry.physics.motion_blur || !is_moving(scene)) {
-    std::vector<SeenScene> one;
-    one.push_back(look(scanner, scene, photometry, time));
-    return one;
-  }
+  const bool blurred = photometry.physics.motion_blur && is_moving(scene);
+  const int times = blurred ? 4 : 1;
   std::vector<SeenScene> seen;
   for (int i = 0; i < times; ++i) {
-    seen.push_back(look(scanner, scene, photometry, time + exposed_for * (i + 0.5) / times));
+    const double later = blurred ? exposed_for * (i + 0.5) / times : 0;
+    seen.push_back(look(scanner, scene, photometry, time + later));
   }
   return seen;
 }
@@ -44,19 +89,51 @@ Image<double> coordinate_of(const SeenScene& seen, Axis axis, Size projector) {
 
 }  // namespace
 
+void add_noise(Image<double>& frame, int n, const Photometry& photometry) {
+  const Physics& physics = photometry.physics;
+  const auto number = static_cast<std::uint64_t>(n);
+  const double level = physics.full_well > 0 ? 255 / physics.full_well : 0;  // of an electron
+  const double constant = photometry.noise_variance + std::pow(level * physics.read_noise, 2);
+  const bool differing = physics.dark_spread > 0 || physics.sensitivity_spread > 0;
+  if (constant == 0 && level == 0 && physics.row_noise == 0 && !differing) return;
+  for_each_row(frame.height(), [&](int row) {
+    const auto first = static_cast<std::uint64_t>(row) * static_cast<std::uint64_t>(frame.width());
+    const double of_row =
+        physics.row_noise == 0
+            ? 0
+            : physics.row_noise * gaussian(photometry.seed, number + of_rows, first);
+    for (int column = 0; column < frame.width(); ++column) {
+      const std::uint64_t pixel = first + static_cast<std::uint64_t>(column);
+      double& intensity = frame(column, row);
+      if (differing) {
+        intensity *= 1 + physics.sensitivity_spread * gaussian(0, of_sensitivities, pixel);
+        intensity += physics.dark_spread * gaussian(0, of_offsets, pixel);
+      }
+      const double shot = level * std::max(intensity, 0.0);
+      intensity +=
+          of_row + std::sqrt(constant + shot) * gaussian(photometry.seed, number, pixel);  // (3.10)
+    }
+  });
+}
+
+FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits) {
+  if (!bits) return FrameSet(std::move(exposures));
+  if (*bits == 8) return FrameSet(quantised<std::uint8_t>(exposures, 8));
+  return {quantised<std::uint16_t>(exposures, *bits), *bits};
+}
+
 void require_valid(const Photometry& photometry) {
-  const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
-    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
-  };
   const int bits = photometry.bits.value_or(8);
-  require(std::abs(photometry.ambient) <= 255, "ambient light", photometry.ambient, "-255 to 255");
+  require_in_range(std::abs(photometry.ambient) <= 255, "ambient light", photometry.ambient,
+                   "-255 to 255");
   const auto* const law = std::get_if<PowerLaw>(&photometry.response);
   const double gamma = law != nullptr ? law->gamma : 1;
-  require(gamma >= 0.1 && gamma <= 20, "gamma", gamma, "0.1 to 20");
-  require(photometry.noise_variance >= 0 && photometry.noise_variance <= 255.0 * 255,
-          "noise variance", photometry.noise_variance, "0 to 255^2");
-  require(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
-  require(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays, "1 to 256");
+  require_in_range(gamma >= 0.1 && gamma <= 20, "gamma", gamma, "0.1 to 20");
+  require_in_range(photometry.noise_variance >= 0 && photometry.noise_variance <= 255.0 * 255,
+                   "noise variance", photometry.noise_variance, "0 to 255^2");
+  require_in_range(bits >= 8 && bits <= 16, "bits", bits, "8 to 16");
+  require_in_range(photometry.rays >= 1 && photometry.rays <= 256, "rays", photometry.rays,
+                   "1 to 256");
 }
 
 VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
@@ -103,6 +180,40 @@ FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
     add_noise(exposures.back(), n, photometry);
   }
   return digitised(std::move(exposures), photometry.bits);
+}
+
+VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
+                             const Photometry& photometry, const ColourDevices& devices) {
+  if (patterns.count % static_cast<int>(channels) != 0) {
+    throw Error(
+        fmt::format("{} patterns do not make whole pictures of three in colour", patterns.count));
+  }
+  if (is_moving(scene)) throw Error("a scene in colour stands still");
+  require_in_range(devices.paint >= 0 && devices.paint <= 1, "paint", devices.paint, "0 to 1");
+  Photometry light = photometry;
+  light.bits.reset();
+  light.noise_variance = 0;
+  VirtualScan scan = take_scan(scanner, scene, patterns, light);
+  const auto seen_in_colour = [&](const FrameSet& lights, int first_noise) {
+    std::vector<Image<double>> exposures;
+    lights.visit([&]<class Pixel>(const Frames<Pixel>& frames) {
+      if constexpr (std::is_same_v<Pixel, double>) {
+        for (std::size_t n = 0; n < frames.size(); n += channels) {
+          for (Image<double>& channel :
+               mixed({frames[n], frames[n + 1], frames[n + 2]}, scan, scanner.camera, devices)) {
+            add_noise(channel, first_noise + static_cast<int>(exposures.size()), photometry);
+            exposures.push_back(std::move(channel));
+          }
+        }
+      }
+    });
+    return digitised(std::move(exposures), photometry.bits);
+  };
+  scan.white =
+      seen_in_colour(take_again(scan, white_pattern(patterns.light), light), patterns.count);
+  scan.frames = seen_in_colour(scan.frames, 0);
+  scan.in_colour = true;
+  return scan;
 }
 
 }  // namespace slipstream

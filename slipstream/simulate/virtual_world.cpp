@@ -1,11 +1,117 @@
 #include "slipstream/simulate/virtual_world.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {
+namespace {
+
+Photometry ideal() {
+  return {.ambient = 5, .noise_variance = 1.55};
+}
+
+Photometry bench() {
+  return {.ambient = 5,
+          .rays = 16,
+          .physics = {.projector_pixels = true,
+                      .projector = {.blur = 0.6, .defocus = 4},
+                      .camera = {.blur = 0.5, .defocus = 2},
+                      .vignetting = 0.2,
+                      .fall_off = true,
+                      .ambient_gradient = 0.3,
+                      .motion_blur = true,
+                      .full_well = 10000,
+                      .read_noise = 3,
+                      .row_noise = 0.05,
+                      .dark_spread = 0.05,
+                      .sensitivity_spread = 0.005}};
+}
+
+Photometry harsh() {
+  return {.ambient = 15,
+          .response = PowerLaw{2.2},
+          .rays = 16,
+          .physics = {.projector_pixels = true,
+                      .projector = {.blur = 1, .defocus = 10},
+                      .camera = {.blur = 0.9, .defocus = 6},
+                      .vignetting = 0.5,
+                      .fall_off = true,
+                      .gloss = 0.4,
+                      .translucency = 1,
+                      .bounces = 32,
+                      .ambient_gradient = 1,
+                      .flicker = 0.01,
+                      .motion_blur = true,
+                      .rolling_shutter = true,
+                      .lens_residue = 0.1,
+                      .full_well = 5000,
+                      .read_noise = 15,
+                      .row_noise = 0.3,
+                      .dark_spread = 0.5,
+                      .sensitivity_spread = 0.01,
+                      .board_bend = 0.3,
+                      .board_stretch = 0.002}};
+}
+
+struct Effect {
+  std::string_view name;
+  void (*take)(Photometry& to, const Photometry& from);
+};
+
+template <auto... members>
+void take(Photometry& to, const Photometry& from) {
+  ((to.physics.*members = from.physics.*members), ...);
+}
+
+constexpr std::array effects{
+    Effect{"projector-pixels", take<&Physics::projector_pixels>},
+    Effect{"projector-blur", take<&Physics::projector>},
+    Effect{"camera-blur", take<&Physics::camera>},
+    Effect{"wide-pixels", [](Photometry& to, const Photometry& from) { to.rays = from.rays; }},
+    Effect{"vignetting", take<&Physics::vignetting>}, Effect{"fall-off", take<&Physics::fall_off>},
+    Effect{"gloss", take<&Physics::gloss>}, Effect{"translucency", take<&Physics::translucency>},
+    Effect{"interreflection", take<&Physics::bounces>},
+    Effect{"ambient-gradient", take<&Physics::ambient_gradient>},
+    Effect{"flicker", take<&Physics::flicker>}, Effect{"motion-blur", take<&Physics::motion_blur>},
+    Effect{"rolling-shutter", take<&Physics::rolling_shutter>},
+    Effect{"lens-residue", take<&Physics::lens_residue>},
+    // Shot, read and row noise take the place of noise that is the same everywhere.
+    Effect{"sensor-noise",
+           [](Photometry& to, const Photometry& from) {
+             take<&Physics::full_well, &Physics::read_noise, &Physics::row_noise>(to, from);
+             to.noise_variance = from.noise_variance;
+           }},
+    Effect{"fixed-pattern", take<&Physics::dark_spread, &Physics::sensitivity_spread>},
+    Effect{"response", [](Photometry& to, const Photometry& from) { to.response = from.response; }},
+    Effect{"bent-board", take<&Physics::board_bend>},
+    Effect{"stretched-board", take<&Physics::board_stretch>}};
+
+constexpr std::array<std::pair<std::string_view, Photometry (*)()>, 3> worlds{
+    {{"ideal", ideal}, {"bench", bench}, {"harsh", harsh}}};
+
+template <class Entries, class NameOf>
+const auto& entry_named(const Entries& entries, std::string_view name, std::string_view kind,
+                        const NameOf& name_of) {
+  const auto found = std::find_if(entries.begin(), entries.end(),
+                                  [&](const auto& entry) { return name_of(entry) == name; });
+  if (found != entries.end()) return *found;
+  std::vector<std::string_view> names;
+  for (const auto& entry : entries) names.push_back(name_of(entry));
+  throw Error(fmt::format("{} '{}' is not known; it is one of: {}{}", kind, name,
+                          fmt::join(names, ", "), did_you_mean(name, names)));
+}
+
+}  // namespace
 
 Scanner as_calibrated(const VirtualWorld& world) {
   Scanner scanner = world.scanner;
@@ -25,6 +131,72 @@ Scanner as_calibrated(const VirtualWorld& world) {
   const double depth = working_volume(scanner).centre.z();
   scanner.calibrated_depths = {0.75 * depth, 1.25 * depth};
   return scanner;
+}
+
+std::vector<std::string_view> world_names() {
+  std::vector<std::string_view> names;
+  for (const auto& [name, photometry] : worlds) names.push_back(name);
+  return names;
+}
+
+std::vector<std::string_view> effect_names() {
+  std::vector<std::string_view> names;
+  for (const Effect& effect : effects) names.push_back(effect.name);
+  return names;
+}
+
+Photometry photometry_named(std::string_view text) {
+  const auto next_name = [&] {
+    const std::string_view name = text.substr(0, text.find(','));
+    text.remove_prefix(std::min(text.size(), name.size() + 1));
+    return name;
+  };
+  Photometry photometry = entry_named(worlds, next_name(), "world", [](const auto& world) {
+                            return world.first;
+                          }).second();
+  while (!text.empty()) {
+    std::string_view name = next_name();
+    const bool out = name.starts_with("no-");
+    if (out) name.remove_prefix(3);
+    entry_named(effects, name, "effect", [](const Effect& effect) {
+      return effect.name;
+    }).take(photometry, out ? ideal() : harsh());
+  }
+  return photometry;
+}
+
+Scanner second_scanner(const Scanner& first) {
+  constexpr double past_the_projector = 1.6;
+  const Eigen::Vector3d centre = past_the_projector * projector_centre(first);
+  // From the first camera's frame to the second's.
+  const Eigen::Matrix3d turn = looking_along(working_volume(first).centre - centre);
+  Scanner second = first;
+  second.rotation = first.rotation * turn.transpose();
+  second.translation = in_projector_frame(first, centre);
+  return second;
+}
+
+Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& second) {
+  const Eigen::Matrix3d turn = second.rotation.transpose() * first.rotation;
+  Eigen::Isometry3d to_second = Eigen::Isometry3d::Identity();
+  to_second.linear() = turn;
+  to_second.translation() = second.rotation.transpose() * (first.translation - second.translation);
+  Scene seen = scene;
+  for (Body& body : seen) {
+    body.pose = to_second * body.pose;
+    body.motion.step = turn * body.motion.step;
+    body.motion.turn = turn * body.motion.turn;
+    body.motion.vibration.amplitude = turn * body.motion.vibration.amplitude;
+    body.motion.centre = to_second * body.motion.centre;
+  }
+  return seen;
+}
+
+VirtualWorld seen_from_second(const VirtualWorld& first) {
+  VirtualWorld second{.scanner = second_scanner(first.scanner), .photometry = first.photometry};
+  second.scene = seen_from_second(first.scene, first.scanner, second.scanner);
+  second.photometry.seed = ~first.photometry.seed;
+  return second;
 }
 
 }  // namespace slipstream

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "slipstream/spatial/detail/edge_steps.h"
+#include "slipstream/spatial/detail/methods.h"
 
 namespace slipstream {
 namespace {

@@ -6,10 +6,7 @@
 #include <lemon/bucket_heap.h>
 #include <lemon/maps.h>
 
-#include "slipstream/spatial/detail/edge_costs.h"
-#include "slipstream/spatial/detail/edge_steps.h"
-#include "slipstream/spatial/detail/phase_groups.h"
-#include "slipstream/spatial/detail/roughness.h"
+#include "slipstream/spatial/detail/methods.h"
 
 namespace slipstream {
 namespace {

@@ -12,8 +12,7 @@
 #include <unsupported/Eigen/FFT>
 
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/spatial/detail/edge_steps.h"
-#include "slipstream/spatial/detail/roughness.h"
+#include "slipstream/spatial/detail/methods.h"
 
 namespace slipstream {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "slipstream/base/did_you_mean.h"
 #include "slipstream/base/error.h"
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/spatial/detail/methods.h"
 
 namespace slipstream {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <tuple>
 #include <utility>
 
 #include <GLFW/glfw3.h>
@@ -11,9 +12,9 @@
 #include <glm/geometric.hpp>
 #include <imgui.h>
 
-#include "slipstream/cloud/shading.h"
+#include "slipstream/cloud/normals.h"
 #include "slipstream/reconstruct/picture_report.h"
-#include "slipstream/view/axes.h"
+#include "slipstream/view/lines.h"
 #include "slipstream/view/pictures.h"
 
 namespace slipstream::view {
@@ -288,28 +289,33 @@ void CloudScreen::answer(const PanelRequests& requests) {
   if (requests.save) save();
   if (!requests.open.empty()) open(requests.open);
   if (requests.toggle_recording) {
-    try {
-      source_.record(!source_.recording || source_.recording().empty());
-      state_.message.clear();
-    } catch (const std::exception& error) {
-      state_.message = error.what();
-    }
+    attempt([&] { source_.record(!source_.recording || source_.recording().empty()); });
+  }
+}
+
+template <class Action>
+bool CloudScreen::attempt(const Action& action) {
+  try {
+    action();
+    state_.message.clear();
+    return true;
+  } catch (const std::exception& error) {
+    state_.message = error.what();
+    return false;
   }
 }
 
 void CloudScreen::change_setup() {
-  try {
+  const bool accepted = attempt([&] {
     Engine engine(state_.setup);
     source_.change(state_.setup);
     engine_ = std::move(engine);
-    accepted_strategy_ = state_.strategy;
-    accepted_gamma_ = state_.gamma;
-    state_.message.clear();
-  } catch (const std::exception& error) {
-    state_.message = error.what();
+  });
+  if (accepted) {
+    accepted_ = {state_.strategy, state_.gamma};
+  } else {
     state_.setup = engine_->setup();
-    state_.strategy = accepted_strategy_;
-    state_.gamma = accepted_gamma_;
+    std::tie(state_.strategy, state_.gamma) = accepted_;
   }
 }
 
@@ -322,18 +328,13 @@ void CloudScreen::hear_of_changes() {
   state_.setup = *setup;
   for (std::size_t i = 0; i < source_.strategies.size(); ++i) {
     if (source_.strategies[i].second == setup->sequence.strategy) {
-      state_.strategy = accepted_strategy_ = i;
+      state_.strategy = accepted_.first = i;
     }
   }
 }
 
 void CloudScreen::set_control(const ShownControl& asked) {
-  try {
-    source_.camera->set_control(asked.which, asked.value.value);
-    state_.message.clear();
-  } catch (const std::exception& error) {
-    state_.message = error.what();
-  }
+  attempt([&] { source_.camera->set_control(asked.which, asked.value.value); });
   ask_camera();
 }
 
@@ -347,13 +348,11 @@ void CloudScreen::ask_camera() {
 
 void CloudScreen::open(const std::string& path) {
   if (!source_.open) return;
-  try {
+  attempt([&] {
     opened_ = source_.open(path);
     opened_->open = source_.open;
     opened_->openable = source_.openable;
-  } catch (const std::exception& error) {
-    state_.message = error.what();
-  }
+  });
 }
 
 void CloudScreen::save() {

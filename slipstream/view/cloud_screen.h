@@ -11,9 +11,8 @@
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/view/gui.h"
 #include "slipstream/view/measuring.h"
-#include "slipstream/view/overlay.h"
+#include "slipstream/view/opengl.h"
 #include "slipstream/view/panel.h"
-#include "slipstream/view/picture_texture.h"
 #include "slipstream/view/scene_renderer.h"
 #include "slipstream/view/view_source.h"
 
@@ -66,6 +65,9 @@ class CloudScreen {
   void take_keys(PanelRequests& requests);
   void take_key(int key, PanelRequests& requests);
   void answer(const PanelRequests& requests);
+  /// Whether it did not throw; if it did, the panel says why.
+  template <class Action>
+  bool attempt(const Action& action);
   void change_setup();
   void hear_of_changes();
   void set_control(const ShownControl& asked);
@@ -86,7 +88,7 @@ class CloudScreen {
   std::optional<Uncertainty> uncertainty_;  ///< of the cloud shown
   std::optional<ViewSource> opened_;
   PanelState state_;
-  std::size_t accepted_strategy_ = 0, accepted_gamma_ = 0;
+  std::pair<std::size_t, std::size_t> accepted_;  ///< strategy and gamma of the setup
   ShownCloud cloud_;
   bool told_shown_ = true;
   bool fitted_ = false, fit_wanted_ = false;

@@ -1,14 +1,20 @@
 #include "slipstream/view/gui.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
+#include <fmt/format.h>
 #include <imgui.h>
 
+#include "slipstream/base/colour.h"
 #include "slipstream/base/error.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/view/orbit_camera.h"
 
 namespace slipstream::view {
 namespace {
@@ -30,6 +36,13 @@ ImGuiStyle style_at(float unit) {
   style.Colors[ImGuiCol_Header] = {0.17F, 0.20F, 0.26F, 1};
   style.ScaleAllSizes(unit);
   return style;
+}
+
+constexpr ImU32 ink = IM_COL32(226, 230, 236, 255), field = IM_COL32(19, 21, 25, 225),
+                marked = IM_COL32(255, 205, 80, 255);
+
+ImU32 colour_of(const Colour& colour) {
+  return IM_COL32(colour.red, colour.green, colour.blue, 255);
 }
 
 }  // namespace
@@ -109,6 +122,84 @@ void Gui::begin_frame(const Screen& screen) {
 void Gui::end_frame() {
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+}
+
+void draw_depth_scale(const Range& depths, const Area& area, float unit) {
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  const float width = 14 * unit, text = ImGui::GetFontSize();
+  const float height = std::min(220 * unit, 0.5F * area.height);
+  const float left = area.left + area.width - width - 62 * unit;
+  const float bottom = area.top + area.height - 20 * unit, top = bottom - height;
+  const ColourMap colours = depth_colours();
+  const float step = height / static_cast<float>(colours.size());
+  list.AddRectFilled({left - 10 * unit, top - text - 14 * unit},
+                     {left + width + 58 * unit, bottom + 12 * unit}, field, 4 * unit);
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    const float y = top + step * static_cast<float>(i);
+    list.AddRectFilled({left, y}, {left + width, y + step + 0.5F}, colour_of(colours[i]));
+  }
+  list.AddText({left, top - text - 6 * unit}, ink, "depth, mm");
+  for (const double mark : marks_between(depths.low, depths.high, 6)) {
+    const float share = (static_cast<float>(mark) - depths.low) / (depths.high - depths.low);
+    const float y = top + share * height;
+    list.AddLine({left + width, y}, {left + width + 5 * unit, y}, ink, unit);
+    list.AddText({left + width + 8 * unit, y - 0.5F * text}, ink,
+                 fmt::format("{:g}", mark).c_str());
+  }
+}
+
+void draw_note(const std::string& words, const Area& area, float unit) {
+  const float wrap = std::min(0.85F * area.width, 520 * unit), margin = 14 * unit;
+  const ImVec2 size = ImGui::CalcTextSize(words.c_str(), nullptr, false, wrap);
+  const ImVec2 at(area.left + 0.5F * (area.width - size.x),
+                  area.top + 0.5F * (area.height - size.y));
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({at.x - margin, at.y - margin},
+                     {at.x + size.x + margin, at.y + size.y + margin}, field, 6 * unit);
+  list.AddText(ImGui::GetFont(), ImGui::GetFontSize(), at, ink, words.c_str(), nullptr, wrap);
+}
+
+void draw_footer(const std::string& words, const Area& area) {
+  const ImVec2 size = ImGui::CalcTextSize(words.c_str());
+  const float margin = 0.5F * ImGui::GetFontSize();
+  const ImVec2 at(area.left + 2 * margin, area.top + area.height - size.y - 2 * margin);
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  list.AddRectFilled({at.x - margin, at.y - margin},
+                     {at.x + size.x + margin, at.y + size.y + margin}, field, margin);
+  list.AddText(at, ink, words.c_str());
+}
+
+void draw_rectangle(const ImVec2& corner, const ImVec2& opposite) {
+  ImGui::GetBackgroundDrawList()->AddRect(
+      {std::min(corner.x, opposite.x), std::min(corner.y, opposite.y)},
+      {std::max(corner.x, opposite.x), std::max(corner.y, opposite.y)}, marked, 0, 0, 2);
+}
+
+void draw_ends(const std::vector<MeasuredPoint>& ends, const glm::mat4& clip, const Area& area,
+               float unit) {
+  const Size picture{static_cast<int>(area.width), static_cast<int>(area.height)};
+  ImDrawList& list = *ImGui::GetBackgroundDrawList();
+  std::vector<ImVec2> places;
+  for (const MeasuredPoint& end : ends) {
+    const glm::vec4 point(end.position.x(), end.position.y(), end.position.z(), 1);
+    const auto place = pixel_of(clip * point, picture);
+    if (!place) continue;
+    places.emplace_back(area.left + place->x, area.top + place->y);
+    list.AddCircle(places.back(), 6 * unit, marked, 0, 2 * unit);
+  }
+  if (places.size() == 2) list.AddLine(places[0], places[1], marked, 2 * unit);
+}
+
+void draw_picture(const opengl::PictureTexture& picture, const Area& area) {
+  const auto width = static_cast<float>(picture.size().width);
+  const auto height = static_cast<float>(picture.size().height);
+  if (width < 1 || height < 1) return;
+  const float scale = std::min(area.width / width, area.height / height);
+  const ImVec2 at(area.left + 0.5F * (area.width - scale * width),
+                  area.top + 0.5F * (area.height - scale * height));
+  ImGui::GetBackgroundDrawList()->AddImage(
+      std::bit_cast<ImTextureID>(std::uintptr_t{picture.number()}), at,
+      {at.x + scale * width, at.y + scale * height});
 }
 
 }  // namespace slipstream::view

@@ -8,9 +8,8 @@
 #include <imgui.h>
 
 #include "slipstream/view/gui.h"
-#include "slipstream/view/off_screen.h"
-#include "slipstream/view/overlay.h"
-#include "slipstream/view/picture_texture.h"
+#include "slipstream/view/opengl.h"
+#include "slipstream/view/window.h"
 
 namespace slipstream::view {
 namespace {

@@ -29,6 +29,12 @@ glm::mat4 display_from_scanner() {
   return glm::scale(glm::mat4(1), glm::vec3(1, -1, -1));
 }
 
+/// The eye's frame to OpenGL's clip coordinates.
+glm::mat4 projection_matrix(const OrbitCamera& camera, Size picture) {
+  return glm::perspective(camera.field_of_view, aspect(picture), 0.02F * camera.distance,
+                          50 * camera.distance);
+}
+
 }  // namespace
 
 float Box::diagonal() const {
@@ -88,11 +94,6 @@ OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture) {
 glm::mat4 view_matrix(const OrbitCamera& camera) {
   return glm::lookAt(camera.target + camera.distance * towards_eye(camera), camera.target,
                      glm::vec3(0, 1, 0));
-}
-
-glm::mat4 projection_matrix(const OrbitCamera& camera, Size picture) {
-  return glm::perspective(camera.field_of_view, aspect(picture), 0.02F * camera.distance,
-                          50 * camera.distance);
 }
 
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture) {

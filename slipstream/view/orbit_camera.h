@@ -52,9 +52,6 @@ OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture);
 /// Display's frame to the eye's.
 glm::mat4 view_matrix(const OrbitCamera& camera);
 
-/// The eye's frame to OpenGL's clip coordinates.
-glm::mat4 projection_matrix(const OrbitCamera& camera, Size picture);
-
 /// Scanner's frame to clip coordinates.
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture);
 

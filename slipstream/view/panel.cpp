@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -19,11 +21,8 @@ constexpr ImGuiWindowFlags fixed_window = ImGuiWindowFlags_NoMove | ImGuiWindowF
 
 template <class... Values>
 void say(const ImVec4& colour, fmt::format_string<Values...> format, Values&&... values) {
-  const std::string line = fmt::format(format, std::forward<Values>(values)...);
   ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::PushTextWrapPos(0);
-  ImGui::TextUnformatted(line.c_str());
-  ImGui::PopTextWrapPos();
+  ImGui::TextWrapped("%s", fmt::format(format, std::forward<Values>(values)...).c_str());
   ImGui::PopStyleColor();
 }
 
@@ -35,18 +34,36 @@ bool section(const char* name) {
 void row(const char* name, const std::string& value, const ImVec4& colour = white) {
   ImGui::TableNextRow();
   ImGui::TableNextColumn();
-  ImGui::PushStyleColor(ImGuiCol_Text, quiet);
-  ImGui::TextUnformatted(name);
-  ImGui::PopStyleColor();
+  ImGui::TextColored(quiet, "%s", name);
   ImGui::TableNextColumn();
-  ImGui::PushStyleColor(ImGuiCol_Text, colour);
-  ImGui::TextUnformatted(value.c_str());
-  ImGui::PopStyleColor();
+  ImGui::TextColored(colour, "%s", value.c_str());
 }
 
-/// Bad news where there are any.
-void count_row(const char* name, std::uint64_t count) {
-  if (count != 0) row(name, fmt::format("{}", count), bad);
+/// Calls `draw_rows` within a table, unless that is out of sight.
+template <class DrawRows>
+void table(const char* name, int columns, ImGuiTableFlags flags, const DrawRows& draw_rows) {
+  if (!ImGui::BeginTable(name, columns, flags)) return;
+  draw_rows();
+  ImGui::EndTable();
+}
+
+/// A field to choose one of the names in; whether another was chosen.
+template <class Number>
+bool choose(const char* label, const std::vector<const char*>& names, Number& chosen) {
+  int number = static_cast<int>(chosen);
+  ImGui::Combo(label, &number, names.data(), static_cast<int>(names.size()));
+  const bool changed = number != static_cast<int>(chosen);
+  chosen = static_cast<Number>(number);
+  return changed;
+}
+
+/// The same of labelled choices, where there are several.
+template <class Choices>
+bool choose_labelled(const char* label, const Choices& choices, std::size_t& chosen) {
+  if (choices.size() < 2 || chosen >= choices.size()) return false;
+  std::vector<const char*> names;
+  for (const auto& choice : choices) names.push_back(choice.first.c_str());
+  return choose(label, names, chosen);
 }
 
 std::string text_of(const Latency& latency) {
@@ -60,38 +77,37 @@ double rate_of(const LiveStatistics& statistics, std::string_view stage) {
 }
 
 void draw_rates(const PanelState& state, const LiveStatistics& statistics) {
-  if (!ImGui::BeginTable("rates", 2, ImGuiTableFlags_SizingStretchProp)) return;
+  const LiveStatistics::Frames& frames = statistics.frames;
   row("frames", fmt::format("{:.1f} per s", rate_of(statistics, "capture")));
   row("scans", fmt::format("{:.1f} per s", rate_of(statistics, "reconstruct")));
   row("pictures drawn", fmt::format("{:.1f} per s", state.drawn_per_second));
-  row("frames lost",
-      fmt::format("{} of {}", statistics.frames.lost,
-                  statistics.frames.captured + statistics.frames.lost),
-      statistics.frames.lost == 0 ? good : bad);
-  count_row("frames not used", statistics.frames.overwritten);
-  count_row("frames repeated", statistics.frames.repeated);
-  count_row("scans lost", statistics.windows_lost);
-  count_row("order set right", statistics.resynchronisations);
+  row("frames lost", fmt::format("{} of {}", frames.lost, frames.captured + frames.lost),
+      frames.lost == 0 ? good : bad);
+  const auto bad_news = [](const char*, const auto& value, const char* trouble = "") {
+    if constexpr (std::is_same_v<decltype(value), const std::uint64_t&>) {
+      if (*trouble != '\0' && value != 0) row(trouble, fmt::format("{}", value), bad);
+    }
+  };
+  frames.for_each_figure(bad_news);
+  statistics.for_each_figure(bad_news);
   if (statistics.motion > 0) {
     row("frames more, for motion", fmt::format("{}", statistics.motion));
   }
-  ImGui::EndTable();
 }
 
 void draw_latencies(const LiveStatistics& statistics) {
   if (!ImGui::TreeNode("delay since capture, ms")) return;
-  if (ImGui::BeginTable("latencies", 2, ImGuiTableFlags_SizingStretchProp)) {
+  table("latencies", 2, ImGuiTableFlags_SizingStretchProp, [&] {
     row("", "half / 99 of 100 / most", quiet);
     row("to points", text_of(statistics.latency));
     row("to screen", text_of(statistics.screen_latency));
-    ImGui::EndTable();
-  }
+  });
   ImGui::TreePop();
 }
 
 void draw_stages(const LiveStatistics& statistics) {
   if (statistics.stages.empty() || !ImGui::TreeNode("threads")) return;
-  if (ImGui::BeginTable("stages", 4, ImGuiTableFlags_SizingStretchProp)) {
+  table("stages", 4, ImGuiTableFlags_SizingStretchProp, [&] {
     for (const char* const title : {"", "per s", "waiting", "ms"}) {
       ImGui::TableNextColumn();
       say(quiet, "{}", title);
@@ -103,8 +119,7 @@ void draw_stages(const LiveStatistics& statistics) {
       ImGui::TableNextColumn();
       say(white, "{:.1f}", stage.latency.p99);
     }
-    ImGui::EndTable();
-  }
+  });
   ImGui::TreePop();
 }
 
@@ -126,17 +141,17 @@ std::string percent_of(std::size_t count, std::size_t all) {
 void draw_counts(const PanelState& state, const ViewSource& source) {
   if (state.pixels == 0 || !section("Pixels")) return;
   const bool alone = pictures_alone(source);
-  if (!ImGui::BeginTable("pixels", 2, ImGuiTableFlags_SizingFixedFit)) return;
-  ImGui::TableSetupColumn("share");
-  ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // reasons come and go
-  for (std::size_t i = 0; i < state.counts.size(); ++i) {
-    if (i != 0 && state.counts[i] == 0) continue;
-    const std::string percent = percent_of(state.counts[i], state.pixels);
-    const std::string_view reason = name_of(static_cast<Validity>(i));
-    const std::string points = fmt::format("are {} points", state.counts[i]);
-    row(percent.c_str(), i != 0 ? std::string(reason) : alone ? "measured" : points);
-  }
-  ImGui::EndTable();
+  table("pixels", 2, ImGuiTableFlags_SizingFixedFit, [&] {
+    ImGui::TableSetupColumn("share");
+    ImGui::TableSetupColumn("reason", ImGuiTableColumnFlags_WidthStretch);  // reasons come and go
+    for (std::size_t i = 0; i < state.counts.size(); ++i) {
+      if (i != 0 && state.counts[i] == 0) continue;
+      const std::string percent = percent_of(state.counts[i], state.pixels);
+      const std::string_view reason = name_of(static_cast<Validity>(i));
+      const std::string points = fmt::format("are {} points", state.counts[i]);
+      row(percent.c_str(), i != 0 ? std::string(reason) : alone ? "measured" : points);
+    }
+  });
   if (alone) say(quiet, "median modulation {:.0f} of 127 grey levels", state.modulation);
 }
 
@@ -148,14 +163,6 @@ void draw_status(const PanelState& state, const ViewSource& source,
   if (statistics.track) say(white, "{}", text_of(*statistics.track));
   if (statistics.model) say(white, "{}", text_of(*statistics.model));
   draw_counts(state, source);
-}
-
-void draw_colour_choice(ViewSettings& view) {
-  static constexpr std::array<const char*, 3> names{"brightness (1)", "modulation (2)",
-                                                    "depth (3)"};
-  int colour = static_cast<int>(view.colour);
-  ImGui::Combo("colour", &colour, names.data(), static_cast<int>(names.size()));
-  view.colour = static_cast<PointColour>(colour);
 }
 
 void draw_viewpoints(PanelRequests& requests) {
@@ -173,7 +180,7 @@ void draw_viewpoints(PanelRequests& requests) {
 void draw_view_settings(PanelState& state, PanelRequests& requests) {
   if (!section("View")) return;
   ViewSettings& view = state.view;
-  draw_colour_choice(view);
+  choose("colour", {"brightness (1)", "modulation (2)", "depth (3)"}, view.colour);
   ImGui::SliderFloat("point size", &view.point_size, 0.3F, 6, "%.1f", ImGuiSliderFlags_Logarithmic);
   if (view.colour != PointColour::depth) {
     ImGui::SliderFloat("contrast", &view.brightness, 0.2F, 5, "%.2f", ImGuiSliderFlags_Logarithmic);
@@ -246,39 +253,19 @@ void draw_filters(PanelState& state, PanelRequests& requests, const ViewSource& 
 /// Which picture is shown large.
 void draw_picture_choice(PanelState& state) {
   if (!section("View")) return;
-  static constexpr std::array<const char*, 3> names{"camera (1)", "modulation (2)", "phase (3)"};
-  int chosen = static_cast<int>(state.picture);
-  ImGui::Combo("picture", &chosen, names.data(), static_cast<int>(names.size()));
-  state.picture = static_cast<std::size_t>(chosen);
+  choose("picture", {"camera (1)", "modulation (2)", "phase (3)"}, state.picture);
   say(saturated_ink, "red: a frame is saturated");
   say(too_dark_ink, "blue: too dark to measure");
-}
-
-/// One of the labelled choices; whether another was chosen.
-template <class Choices>
-bool draw_choice(const char* name, const Choices& choices, std::size_t& chosen) {
-  if (choices.size() < 2 || chosen >= choices.size()) return false;
-  bool changed = false;
-  if (ImGui::BeginCombo(name, choices[chosen].first.c_str())) {
-    for (std::size_t i = 0; i < choices.size(); ++i) {
-      if (ImGui::Selectable(choices[i].first.c_str(), i == chosen) && i != chosen) {
-        chosen = i;
-        changed = true;
-      }
-    }
-    ImGui::EndCombo();
-  }
-  return changed;
 }
 
 void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSource& source) {
   if (!source.setup || !source.change || !section("Scan")) return;
   ReconstructSettings& settings = state.setup.settings;
-  if (draw_choice("strategy", source.strategies, state.strategy)) {
+  if (choose_labelled("strategy", source.strategies, state.strategy)) {
     state.setup.sequence.strategy = source.strategies[state.strategy].second;
     requests.change_setup = true;
   }
-  if (draw_choice("gamma", source.gammas, state.gamma)) {
+  if (choose_labelled("gamma", source.gammas, state.gamma)) {
     state.setup.scanner.photometry.response = source.gammas[state.gamma].second;
     requests.change_setup = true;
   }
@@ -292,11 +279,7 @@ void draw_scan_settings(PanelState& state, PanelRequests& requests, const ViewSo
     ImGui::SetTooltip(
         "modulation below which a pixel is too dark, in grey levels of an 8-bit camera");
   }
-  bool drop = settings.drop_saturated;
-  if (ImGui::Checkbox("leave out saturated pixels", &drop)) {
-    settings.drop_saturated = drop;
-    requests.change_setup = true;
-  }
+  requests.change_setup |= ImGui::Checkbox("leave out saturated pixels", &settings.drop_saturated);
 }
 
 void draw_camera(PanelState& state, PanelRequests& requests, const ViewSource& source) {
@@ -340,15 +323,10 @@ void place_window(float left, float width, const Screen& screen) {
   ImGui::SetNextWindowSize({width, static_cast<float>(screen.window.height)});
 }
 
-bool has_pictures(const ViewSource& source) {
-  return source.setup.has_value();
-}
-
 void draw_histogram(const PanelState& state) {
-  const float height = 4 * ImGui::GetFontSize();
+  const ImVec2 size(ImGui::GetContentRegionAvail().x, 4 * ImGui::GetFontSize());
   ImGui::PlotHistogram("##grey levels", state.histogram.data(),
-                       static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1,
-                       {ImGui::GetContentRegionAvail().x, height});
+                       static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1, size);
   say(quiet, "grey levels of all frames, dark to bright");
 }
 
@@ -383,7 +361,7 @@ PanelWidths panel_widths(const PanelState& state, const ViewSource& source, cons
   const float left = std::min(286 * screen.unit(), 0.5F * width);
   const float right = std::min(300 * screen.unit(), 0.3F * width);
   const bool room = width >= 760 * screen.unit();
-  return {left, has_pictures(source) && room ? right : 0};
+  return {left, source.setup && room ? right : 0};
 }
 
 void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& source,
@@ -407,7 +385,7 @@ void draw_panel(PanelState& state, PanelRequests& requests, const ViewSource& so
     draw_actions(state, requests, source);
     draw_open(state, requests, source);
     if (source.statistics && section("Speed")) {
-      draw_rates(state, statistics);
+      table("rates", 2, ImGuiTableFlags_SizingStretchProp, [&] { draw_rates(state, statistics); });
       draw_latencies(statistics);
       draw_stages(statistics);
     }

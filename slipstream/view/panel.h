@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/frames/camera_controls.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/view/gui.h"
 #include "slipstream/view/measuring.h"
-#include "slipstream/view/picture_texture.h"
+#include "slipstream/view/opengl.h"
 #include "slipstream/view/pictures.h"
-#include "slipstream/view/view_settings.h"
+#include "slipstream/view/scene_renderer.h"
 #include "slipstream/view/view_source.h"
 
 namespace slipstream::view {

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <type_traits>
 
-#include "slipstream/base/colour_map.h"
-#include "slipstream/view/cloud_extent.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/view/points.h"
 
 namespace slipstream::view {
 namespace {

@@ -5,7 +5,7 @@
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream::view {
 

@@ -1,22 +1,40 @@
 #include "slipstream/view/scene_renderer.h"
 
 #include <algorithm>
+#include <array>
 
 #include <epoxy/gl.h>
+#include <fmt/format.h>
 
-#include "slipstream/view/axes.h"
+#include "slipstream/base/error.h"
 
 namespace slipstream::view {
 namespace {
 
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
-}  // namespace
+/// By PointColour.
+constexpr std::array<std::string_view, 3> colour_names{"reflectivity", "modulation", "depth"};
 
+/// The intensities that look black and white: reflectivity 0, and that of `range.high` over the
+/// brightness. Liu 2010, Eq. (3.3): reflectivity 0 has a mean of `ambient`, beta, grey levels of
+/// 255.
 Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
   const bool of_mean = colour == PointColour::reflectivity;
   const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
   return {black, black + std::max(range.high - black, 1e-3F) / std::max(brightness, 1e-3F)};
+}
+
+}  // namespace
+
+PointColour point_colour_named(std::string_view name) {
+  const auto found = std::find(colour_names.begin(), colour_names.end(), name);
+  if (found != colour_names.end()) return static_cast<PointColour>(found - colour_names.begin());
+  throw Error(fmt::format("'{}' is no colour of points; reflectivity, modulation or depth", name));
+}
+
+std::vector<std::string_view> point_colour_names() {
+  return {colour_names.begin(), colour_names.end()};
 }
 
 Range SceneRenderer::depths() const {

@@ -1,16 +1,36 @@
 #pragma once
 
-#include "slipstream/view/cloud_extent.h"
-#include "slipstream/view/line_renderer.h"
-#include "slipstream/view/point_renderer.h"
-#include "slipstream/view/view_settings.h"
+#include <string_view>
+#include <vector>
+
+#include "slipstream/view/lines.h"
+#include "slipstream/view/orbit_camera.h"
+#include "slipstream/view/points.h"
 
 namespace slipstream::view {
 
-/// The intensities that look black and white: reflectivity 0, and that of `range.high` over the
-/// brightness. Liu 2010, Eq. (3.3): reflectivity 0 has a mean of `ambient`, beta, grey levels of
-/// 255.
-Range grey_range(PointColour colour, const Range& range, double ambient, float brightness);
+/// What a point's colour says.
+enum class PointColour {
+  reflectivity,  ///< alpha, from the mean freed of ambient light, Liu 2010, Eq. (3.3)
+  modulation,    ///< B^c
+  depth,         ///< Z
+};
+
+/// "reflectivity", "modulation", "depth"; throws Error for any other name.
+PointColour point_colour_named(std::string_view name);
+std::vector<std::string_view> point_colour_names();
+
+/// How a cloud is drawn.
+struct ViewSettings {
+  PointColour colour = PointColour::reflectivity;
+  float point_size = 1.5F;  ///< in distances from a point to its neighbour: from 1 on no gaps
+  float brightness = 1;     ///< of the grey levels; 1: the brightest hundredth is white
+  bool shaded = true;       ///< by the surface's slope, where the cloud is a camera's picture
+  bool reflection = true;   ///< in the floor, which is parallel to the XZ plane
+  bool axes = true;
+  bool grid = true;  ///< of the floor
+  OrbitCamera camera{.azimuth = 0.33F, .elevation = 0.22F};
+};
 
 /// A part of the framebuffer, in pixels from its lower left corner.
 struct Pane {
@@ -39,7 +59,7 @@ class SceneRenderer {
   }
 
   /// Into a pane of the bound framebuffer, which is cleared. `ambient`: the light in the cloud's
-  /// intensities that is not the projector's, see grey_range. `pixel_ratio`: by how much lines are
+  /// intensities that is not the projector's. `pixel_ratio`: by how much lines are
   /// wider than a pixel, on a HiDPI screen.
   void draw(const ViewSettings& settings, double ambient, const Pane& pane,
             float pixel_ratio = 1) const;

@@ -1,20 +1,42 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "slipstream/check/finding.h"
+#include "slipstream/cloud/cloud.h"
 #include "slipstream/codes/response.h"
 #include "slipstream/codes/strategy.h"
-#include "slipstream/frames/camera_controls.h"
+#include "slipstream/frames/frame_set.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/live/live_statistics.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
-#include "slipstream/view/shown_cloud.h"
+
+namespace slipstream {
+class LivePipeline;
+}
 
 namespace slipstream::view {
+
+/// A cloud to be shown, and the frames that it was made of where there are any. A copy shares both:
+/// neither changes, and both stay in memory, as long as there is one.
+struct ShownCloud {
+  std::shared_ptr<const Cloud> cloud{};              ///< keeps the memory of the frames too
+  std::shared_ptr<const Uncertainty> uncertainty{};  ///< where it came with the cloud
+  FrameViews frames{};  ///< in pattern order; none of a cloud from a file
+  std::chrono::steady_clock::time_point
+      captured{};  ///< when the newest frame was; 0 without frames
+
+  /// False before there is a first cloud.
+  explicit operator bool() const { return cloud != nullptr; }
+  /// Whether it is the very same cloud, not one like it.
+  [[nodiscard]] bool is(const ShownCloud& other) const { return cloud == other.cloud; }
+};
 
 /// What the viewer shows and what can be asked for in it. Only `newest` must be set. Each other
 /// function belongs to one part of the viewer (a button, a key, a section of the panel), which is
@@ -59,5 +81,17 @@ struct ViewSource {
   /// How the recording goes, in a few words; empty where none is made.
   std::function<std::string()> recording{};
 };
+
+/// A cloud that stands still, and how sure its points are where that is known.
+ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty = std::nullopt);
+
+/// Frames that are reconstructed anew whenever another setup is asked for; `save` is left to
+/// whoever knows of files. Throws Error as Engine does.
+ViewSource still_source(FrameSet frames, const EngineSetup& setup);
+
+/// The clouds of a pipeline that runs, made by `setup` at first; it must live longer than what is
+/// returned. Other responses can be chosen and, where the patterns can change, other strategies;
+/// files are left to whoever knows of them.
+ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change);
 
 }  // namespace slipstream::view

@@ -10,7 +10,7 @@
 #include <epoxy/gl.h>
 
 #include "slipstream/view/cloud_screen.h"
-#include "slipstream/view/off_screen.h"
+#include "slipstream/view/opengl.h"
 #include "slipstream/view/window.h"
 
 namespace slipstream::view {

@@ -5,7 +5,7 @@
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
-#include "slipstream/view/view_settings.h"
+#include "slipstream/view/scene_renderer.h"
 #include "slipstream/view/view_source.h"
 
 namespace slipstream::view {

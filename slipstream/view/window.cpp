@@ -1,8 +1,11 @@
 #include "slipstream/view/window.h"
 
+#include <array>
 #include <cstddef>
 
 #include <GLFW/glfw3.h>
+#include <epoxy/egl.h>
+#include <epoxy/gl.h>
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
@@ -21,6 +24,64 @@ std::vector<GLFWmonitor*> connected_monitors() {
   GLFWmonitor** const first = glfwGetMonitors(&count);
   return {first, first + count};
 }
+
+EGLDisplay display_without_surface() {
+  if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+    return eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  }
+  return eglGetDisplay(EGL_DEFAULT_DISPLAY);
+}
+
+/// A display of EGL and its context, which is current without a surface.
+struct Egl {
+  explicit Egl(EGLDisplay of) : display(of) {}
+  Egl(const Egl&) = delete;
+  Egl& operator=(const Egl&) = delete;
+  ~Egl() {
+    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    if (context != EGL_NO_CONTEXT) eglDestroyContext(display, context);
+    eglTerminate(display);
+  }
+
+  EGLDisplay display;
+  EGLContext context = EGL_NO_CONTEXT;
+};
+
+/// Null where EGL has none.
+std::shared_ptr<Egl> egl_context() {
+  if (!epoxy_has_egl()) return nullptr;
+  const EGLDisplay display = display_without_surface();
+  if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE) {
+    return nullptr;
+  }
+  const auto egl = std::make_shared<Egl>(display);
+  // Without a desktop there are configurations for pixel buffers only; none is made.
+  constexpr std::array<EGLint, 5> wanted{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                                         EGL_OPENGL_BIT, EGL_NONE};
+  constexpr std::array<EGLint, 7> version{EGL_CONTEXT_MAJOR_VERSION,
+                                          3,
+                                          EGL_CONTEXT_MINOR_VERSION,
+                                          3,
+                                          EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                          EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                          EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint count = 0;
+  if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE ||
+      eglChooseConfig(display, wanted.data(), &config, 1, &count) == EGL_FALSE || count == 0) {
+    return nullptr;
+  }
+  egl->context = eglCreateContext(display, config, EGL_NO_CONTEXT, version.data());
+  const bool current =
+      egl->context != EGL_NO_CONTEXT &&
+      eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, egl->context) == EGL_TRUE;
+  return current ? egl : nullptr;
+}
+
+struct HiddenWindow {
+  WindowSystem system;
+  Window window{system, {.size = {64, 64}, .visible = false}};
+};
 
 }  // namespace
 
@@ -117,6 +178,16 @@ void Window::swap() const {
 
 void Window::wait_for_refresh(bool wait) const {
   glfwSwapInterval(wait ? 1 : 0);
+}
+
+OffScreenContext::OffScreenContext() : context_(egl_context()) {
+  if (context_) return;
+  try {
+    context_ = std::make_shared<HiddenWindow>();
+  } catch (const WorldError& error) {
+    throw WorldError(fmt::format("cannot draw: EGL gives no OpenGL 3.3 without a surface, and {}",
+                                 error.what()));
+  }
 }
 
 }  // namespace slipstream::opengl

@@ -62,4 +62,18 @@ class Window {
   std::unique_ptr<GLFWwindow, Close> window_;
 };
 
+/// An OpenGL 3.3 core context without a window, current from its making on: of EGL without any
+/// surface, which needs no desktop, else of a hidden window. One at a time.
+class OffScreenContext {
+ public:
+  /// Throws WorldError where neither is to be had.
+  OffScreenContext();
+  OffScreenContext(const OffScreenContext&) = delete;
+  OffScreenContext& operator=(const OffScreenContext&) = delete;
+  ~OffScreenContext() = default;
+
+ private:
+  std::shared_ptr<void> context_;  ///< of EGL, or the hidden window
+};
+
 }  // namespace slipstream::opengl

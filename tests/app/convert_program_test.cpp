@@ -9,7 +9,6 @@
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
-#include "slipstream/io/stored_cloud.h"
 #include "tests/app/program.h"
 
 namespace slipstream::convert_program_test {

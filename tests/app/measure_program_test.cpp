@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/cloud/surface.h"
-#include "slipstream/io/stored_cloud.h"
+#include "slipstream/io/cloud_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"
 #include "tests/io/temporary_folder.h"

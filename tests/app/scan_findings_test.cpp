@@ -1,9 +1,8 @@
 // What the program does about findings, whoever found them.
-#include "app/scan_findings.h"
+#include "app/findings.h"
 
 #include <gtest/gtest.h>
 
-#include "app/finding_output.h"
 #include "slipstream/base/error.h"
 
 namespace slipstream::app::scan_findings_test {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream::image_test {
 
@@ -63,6 +65,27 @@ TEST(ForEachRow, VisitsEveryRowOnceAndPassesOnExceptions) {
   for_each_row(1000, [&](int row) { ++visits[static_cast<std::size_t>(row)]; });
   for (const auto& count : visits) EXPECT_EQ(count, 1);
   EXPECT_THROW(for_each_row(10, [](int) { throw std::runtime_error("row"); }), std::runtime_error);
+}
+
+TEST(Quantile, IsTheValueWithThatShareBelow) {
+  std::vector<float> values{5, 1, 4, 2, 3};
+  EXPECT_EQ(quantile(values, 0), 1);
+  EXPECT_EQ(quantile(values, 0.25), 2);
+  EXPECT_EQ(quantile(values, 0.5), 3);
+  EXPECT_EQ(quantile(values, 1), 5);
+  std::vector<int> even{1, 2, 3, 4}, one{7};
+  EXPECT_EQ(quantile(even, 0.5), 3);
+  EXPECT_EQ(quantile(one, 0.99), 7);
+}
+
+TEST(FiniteValues, LeaveOutWhatIsNotANumber) {
+  Image<float> image({2, 2}, 1);
+  image(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  image(1, 0) = std::numeric_limits<float>::infinity();
+  image(1, 1) = 2;
+  EXPECT_EQ(finite_values(image), (std::vector<float>{1, 2}));
+  EXPECT_EQ(finite_values(image, 2), std::vector<float>{1});
+  EXPECT_TRUE(finite_values(Image<double>()).empty());
 }
 
 }  // namespace slipstream::image_test

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/board_quality.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/calibrate/first_guess.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -25,8 +24,7 @@ TEST(BundleAdjustment, OfExactCornersGivesTheTruth) {
   EXPECT_TRUE(found.projector.intrinsic.isApprox(truth.projector.intrinsic, 1e-5));
   EXPECT_TRUE(found.rotation.isApprox(truth.rotation, 1e-5));
   EXPECT_TRUE(found.translation.isApprox(truth.translation, 1e-4));
-  for (const Eigen::Vector2d& residual :
-       camera_residuals(boards.views[0], found, state.poses[0], places)) {
+  for (const Eigen::Vector2d& residual : residuals(boards.views[0], state, 0, Device::camera)) {
     EXPECT_LT(residual.norm(), 1e-3);
   }
 }

@@ -6,12 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/guided_poses.h"
 #include "slipstream/calibrate/pose_captures.h"
-#include "slipstream/calibrate/pose_drawing.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/scan_camera.h"
-#include "slipstream/simulate/board_poses.h"
+#include "slipstream/simulate/boards.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "tests/io/expect_error.h"

@@ -1,11 +1,10 @@
-#include "slipstream/calibrate/projector_corners.h"
-
 #include <cmath>
 #include <random>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "slipstream/calibrate/board_corners.h"
 #include "slipstream/frames/frame_set.h"
 
 namespace slipstream::projector_corners_test {

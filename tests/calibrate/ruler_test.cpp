@@ -1,7 +1,6 @@
-#include "slipstream/calibrate/ruler.h"
-
 #include <gtest/gtest.h>
 
+#include "slipstream/calibrate/calibration_board.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::ruler_test {

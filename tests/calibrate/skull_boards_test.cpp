@@ -14,7 +14,7 @@
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::skull_boards_test {

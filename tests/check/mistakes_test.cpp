@@ -6,7 +6,7 @@
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/check/scan_check.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scanner_file.h"

@@ -10,7 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/codes/sinusoid.h"
+#include "slipstream/codes/unwrapping.h"
 
 namespace slipstream::layout_test {
 

@@ -1,13 +1,172 @@
 #include "slipstream/decode/phase_decoder.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/codes/sinusoid.h"
+#include "slipstream/decode/equations.h"
 #include "slipstream/frames/frame_set.h"
+
+namespace slipstream::equations_test {
+
+using std::numbers::pi;
+
+TEST(PhaseEquations, GiveBackMeanModulationAndPhaseForAnyN) {
+  for (const int N : {3, 4, 5, 6, 7, 8, 16, 31}) {
+    const PhaseEquations decode(N);
+    for (double phi = 0; phi < 2 * pi; phi += 0.05) {
+      std::vector<double> I;
+      for (int n = 0; n < N; ++n) I.push_back(120 + 80 * std::cos(phi - 2 * pi * n / N));
+      const PhaseSample sample = decode(I);
+      EXPECT_NEAR(sample.mean, 120, 1e-10);
+      EXPECT_NEAR(sample.modulation, 80, 1e-10);
+      EXPECT_NEAR(sample.wrapped_phase, phi, 1e-12);
+    }
+  }
+}
+
+TEST(PhaseEquations, RefuseTooFewSteps) {
+  EXPECT_THROW(PhaseEquations(2), Error);
+}
+
+TEST(WrappedAngle, StaysInTheCircleAndOffItsEnd) {
+  EXPECT_EQ(wrapped_angle(-1e-14, 1), 0);
+  EXPECT_EQ(wrapped_angle(0, 0), 0);
+  EXPECT_NEAR(wrapped_angle(-1, 0), 1.5 * pi, 1e-15);
+  EXPECT_NEAR(wrapped_angle(0, -1), pi, 1e-15);
+  EXPECT_LT(wrapped_angle(-1e-9, 1), 2 * pi);
+}
+
+}  // namespace slipstream::equations_test
+
+namespace slipstream::phase_correction_test {
+
+constexpr double two_pi = 2 * std::numbers::pi;
+
+PhaseCorrection of_sine(int steps, double amplitude) {
+  PhaseCorrection correction{steps, {}};
+  constexpr int count = 4096;
+  for (int i = 0; i < count; ++i)
+    correction.added.push_back(amplitude * std::sin(two_pi * i / count));
+  return correction;
+}
+
+TEST(PhaseCorrection, RepeatsNTimesAroundTheCircle) {
+  for (const int steps : {3, 4, 5, 6}) {
+    const PhaseCorrection correction = of_sine(steps, 0.1);
+    for (double phi = 0.2; phi < two_pi - 0.2; phi += 0.001) {
+      EXPECT_NEAR(corrected_phase(correction, phi), phi + 0.1 * std::sin(steps * phi), 1e-7);
+    }
+  }
+}
+
+TEST(PhaseCorrection, StaysOnTheCircle) {
+  const PhaseCorrection up{3, {0.1}};
+  const PhaseCorrection down{3, {-0.1}};
+  EXPECT_NEAR(corrected_phase(up, two_pi - 0.05), 0.05, 1e-12);
+  EXPECT_NEAR(corrected_phase(down, 0.05), two_pi - 0.05, 1e-12);
+  EXPECT_LT(corrected_phase({4, {-1e-18}}, 0), two_pi);
+}
+
+TEST(PhaseCorrection, IsRefusedWhereItIsNone) {
+  EXPECT_NO_THROW(require_valid(PhaseCorrection{3, {0}}, 3));
+  EXPECT_THROW(require_valid(PhaseCorrection{3, {}}, 3), Error);
+  EXPECT_THROW(require_valid(PhaseCorrection{3, {0}}, 4), Error);
+  EXPECT_THROW(require_valid(PhaseCorrection{2, {0}}, 2), Error);
+  EXPECT_THROW(require_valid(PhaseCorrection{3, {std::numeric_limits<double>::infinity()}}, 3),
+               Error);
+}
+
+}  // namespace slipstream::phase_correction_test
+
+// Every (U, V) that 8-bit frames reach: tables and closed forms against the equations in double.
+
+namespace slipstream::phase_tables_test {
+
+constexpr int full_scale = 255;
+
+bool is_grey_level(int value) {
+  return value >= 0 && value <= full_scale;
+}
+
+/// Two grey levels whose difference is that.
+std::optional<std::array<int, 2>> levels_apart(int difference) {
+  if (std::abs(difference) > full_scale) return std::nullopt;
+  return std::array{std::max(difference, 0), std::max(-difference, 0)};
+}
+
+/// Some intensities that give (U, V), or nothing where none do.
+std::optional<std::vector<double>> intensities_for(int steps, int U, int V) {
+  const bool same_parity = (U + V) % 2 == 0;
+  if (steps == 4) {
+    const auto a = levels_apart(U), b = levels_apart(V);
+    return std::vector<double>{double((*a)[0]), double((*b)[0]), double((*a)[1]), double((*b)[1])};
+  }
+  if (!same_parity) return std::nullopt;
+  const int half = (U + V) / 2;
+  if (steps == 3) {
+    // I_1 = V + I_2 and I_0 = (U + V) / 2 + I_2, with the least I_2 that keeps both from below 0.
+    const int I_2 = std::max({0, -V, -half});
+    if (!is_grey_level(I_2) || !is_grey_level(I_2 + V) || !is_grey_level(I_2 + half)) return {};
+    return std::vector<double>{double(half + I_2), double(V + I_2), double(I_2)};
+  }
+  // With a = I_1 - I_4, b = I_2 - I_5, c = I_0 - I_3: V = a + b, U = 2 c + a - b.
+  const int a =
+      std::clamp(half, std::max(-full_scale, V - full_scale), std::min(full_scale, V + full_scale));
+  const auto A = levels_apart(a), B = levels_apart(V - a), C = levels_apart(half - a);
+  if (!A || !B || !C) return std::nullopt;
+  return std::vector<double>{double((*C)[0]), double((*A)[0]), double((*B)[0]),
+                             double((*C)[1]), double((*A)[1]), double((*B)[1])};
+}
+
+class PhaseTablesOf : public testing::TestWithParam<int> {};
+
+TEST_P(PhaseTablesOf, EqualTheEquationsAtEveryReachableIndex) {
+  const int N = GetParam();
+  const PhaseTables tables(N);
+  const PhaseEquations equations(N);
+  long reachable = 0;
+  double worst_modulation = 0, worst_phase = 0;
+  for (int V = -tables.largest_V(); V <= tables.largest_V(); ++V) {
+    for (int U = -tables.largest_U(); U <= tables.largest_U(); ++U) {
+      const auto I = intensities_for(N, U, V);
+      if (!I) continue;
+      ++reachable;
+      const auto index = table_index<int>(tables.form(), std::span<const double>(*I));
+      ASSERT_EQ(index.U, U);
+      ASSERT_EQ(index.V, V);
+      const PhaseSample exact = equations(*I);
+      worst_modulation = std::max(worst_modulation, std::abs(tables.mlut(U, V) - exact.modulation));
+      worst_phase = std::max(worst_phase, std::abs(tables.plut(U, V) - exact.wrapped_phase));
+    }
+  }
+  EXPECT_LE(worst_modulation, 1e-12);
+  EXPECT_LE(worst_phase, 1e-12);
+  RecordProperty("reachable", std::to_string(reachable));
+  // N = 4 reaches all of its square; 3 and 6 reach a hexagon of 3 n (n + 1) + 1 indices, n = 255
+  // and 510.
+  const long table = (2L * tables.largest_U() + 1) * (2L * tables.largest_V() + 1);
+  EXPECT_EQ(reachable, N == 4 ? table : N == 3 ? 195841 : 781831);
+}
+
+INSTANTIATE_TEST_SUITE_P(N, PhaseTablesOf, testing::Values(3, 4, 6));
+
+TEST(PhaseTables, RefuseOtherN) {
+  EXPECT_THROW(PhaseTables(5), Error);
+  EXPECT_EQ(closed_form(8), nullptr);
+}
+
+}  // namespace slipstream::phase_tables_test
 
 namespace slipstream::phase_decoder_test {
 

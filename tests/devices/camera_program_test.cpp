@@ -8,25 +8,15 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/virtual_gige_camera.h"
 #include "slipstream/io/recording.h"
 #include "tests/app/program.h"
+#include "tests/devices/served_camera.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
 namespace slipstream::camera_program_test {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
-
-bool port_is_free() {
-  try {
-    const VirtualGigeCamera camera({some_frame(0)}, "127.0.0.1", "PROBE");
-    return true;
-  } catch (const WorldError&) {
-    return false;
-  }
-}
 
 const std::vector<std::string> small_scan{"--strategy", "pmp", "--steps", "4"};
 
@@ -38,9 +28,7 @@ std::vector<std::string> with(std::vector<std::string> arguments,
 
 class CameraProgram : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!port_is_free()) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
-  }
+  void SetUp() override { REQUIRE_CAMERA(slipstream::serve(std::vector<Frame>{some_frame(0)})); }
 
   [[nodiscard]] RunningProgram serve() const {
     return RunningProgram(with({"camera", "serve", "--camera", "160x120", "--scene", "sphere",

@@ -8,11 +8,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/virtual_gige_camera.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 #include "tests/app/program.h"
+#include "tests/devices/served_camera.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
 
@@ -29,15 +28,6 @@ Arguments operator+(Arguments arguments, const Arguments& more) {
 const Arguments patterns{"--strategy", "dual-frequency", "--steps", "4",       "--high",
                          "16",         "--low",          "1",       "--marker"};
 const Arguments board{"--corners", "13x9", "--spacing", "15"};
-
-bool port_is_free() {
-  try {
-    const VirtualGigeCamera camera({some_frame(0)}, "127.0.0.1", "PROBE");
-    return true;
-  } catch (const WorldError&) {
-    return false;
-  }
-}
 
 /// What virtual boards are calibrated to from frames on the disk.
 void expect_near(const Scanner& found, const Scanner& truth) {
@@ -69,7 +59,7 @@ class CaptureProgram : public testing::Test {
 };
 
 TEST_F(CaptureProgram, LeadsFromNothingToACloud) {
-  if (!port_is_free()) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  REQUIRE_CAMERA(slipstream::serve(std::vector<Frame>{some_frame(0)}));
   const std::string poses = in_folder("poses"), scan = in_folder("scan"),
                     scanner = poses + "/scanner.yaml", truth = in_folder("truth.yaml");
   const Arguments camera{"--source", "aravis:127.0.0.1"};

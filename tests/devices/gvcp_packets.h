@@ -1,10 +1,16 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstdint>
 #include <initializer_list>
 #include <random>
+#include <stdexcept>
 
 #include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "tests/fuzz/mutate.h"
 
@@ -22,6 +28,46 @@ inline sockaddr_in address_of(std::uint32_t host, std::uint16_t port) {
   address.sin_addr.s_addr = htonl(host);
   return address;
 }
+
+inline constexpr std::uint16_t camera_port = 3956;
+
+/// A client's socket for UDP, at any free port of an address.
+class ClientSocket {
+ public:
+  explicit ClientSocket(std::uint32_t host = loopback) {
+    const sockaddr_in at = address_of(host, 0);
+    const int failed = ::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof(at));
+    if (failed != 0) throw std::runtime_error("no port is free");
+  }
+  ClientSocket(const ClientSocket&) = delete;
+  ClientSocket& operator=(const ClientSocket&) = delete;
+  ~ClientSocket() { ::close(socket_); }
+
+  void send(const Bytes& packet, std::uint16_t port = camera_port) const {
+    const sockaddr_in to = address_of(loopback, port);
+    ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+             sizeof(to));
+  }
+  /// Empty where none comes within the time.
+  [[nodiscard]] Bytes receive(std::chrono::milliseconds patience = std::chrono::seconds(2)) const {
+    const timeval wait{.tv_sec = patience.count() / 1000,
+                       .tv_usec = patience.count() % 1000 * 1000};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof(wait));
+    Bytes packet(65536);
+    packet.resize(static_cast<std::size_t>(
+        std::max<ssize_t>(0, ::recv(socket_, packet.data(), packet.size(), 0))));
+    return packet;
+  }
+  [[nodiscard]] std::uint16_t port() const {
+    sockaddr_in at{};
+    socklen_t length = sizeof(at);
+    ::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &length);
+    return ntohs(at.sin_port);
+  }
+
+ private:
+  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+};
 
 /// A command of GigE Vision's control protocol that asks for an answer.
 inline Bytes command(std::uint16_t code, std::initializer_list<std::uint32_t> numbers,

@@ -5,52 +5,27 @@
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/genicam.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/devices/gige_block.h"
-#include "slipstream/devices/virtual_gige_camera.h"
 #include "tests/devices/gvcp_packets.h"
+#include "tests/devices/served_camera.h"
 #include "tests/io/recorded_frames.h"
 
 namespace slipstream::hostile_network_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-/// Of UDP, at any free port.
-class Sender {
- public:
-  Sender() = default;
-  Sender(const Sender&) = delete;
-  Sender& operator=(const Sender&) = delete;
-  ~Sender() { ::close(socket_); }
-
-  void send(const Bytes& packet, std::uint16_t port) const {
-    const sockaddr_in to = address_of(loopback, port);
-    ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
-             sizeof(to));
+/// What the camera answers within a second, other answers aside; empty where it does not.
+Bytes ask(const ClientSocket& socket, const Bytes& packet) {
+  socket.send(packet, camera_port);
+  for (const auto end = steady_clock::now() + 1s; steady_clock::now() < end;) {
+    const Bytes answer = socket.receive(1ms);
+    if (answer.size() < 8) continue;
+    if (std::equal(packet.begin() + 6, packet.begin() + 8, answer.begin() + 6)) return answer;
   }
-  /// What the camera answers within a second, other answers aside; empty where it does not.
-  [[nodiscard]] Bytes ask(const Bytes& packet) const {
-    send(packet, camera_port);
-    for (const auto end = steady_clock::now() + 1s; steady_clock::now() < end;) {
-      Bytes answer(2048);
-      const ssize_t size = ::recv(socket_, answer.data(), answer.size(), MSG_DONTWAIT);
-      if (size < 8) {
-        std::this_thread::yield();
-      } else if (std::equal(packet.begin() + 6, packet.begin() + 8, answer.begin() + 6)) {
-        return {answer.begin(), answer.begin() + size};
-      }
-    }
-    return {};
-  }
-
- private:
-  static constexpr std::uint16_t camera_port = 3956;
-  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-};
+  return {};
+}
 
 /// 10^4, or as many as SLIPSTREAM_HOSTILE_PACKETS says.
 int packets_wanted() {
@@ -62,14 +37,12 @@ class HostileNetwork : public testing::Test {
  protected:
   void SetUp() override {
     for (int i = 0; i < 4; ++i) rendered_.push_back(some_frame(i, {{320, 240}, 8}));
-    try {
-      camera_ = std::make_unique<VirtualGigeCamera>(rendered_, "127.0.0.1", "HOSTILE");
-    } catch (const WorldError&) {
-      GTEST_SKIP() << "no camera can be served at 127.0.0.1";
-    }
+    camera_ = serve(rendered_, "HOSTILE");
+    REQUIRE_CAMERA(camera_);
   }
   [[nodiscard]] static std::unique_ptr<FrameSource> open() {
-    return open_genicam_camera("127.0.0.1", {.frame_rate = 100, .packet_size = 8000, .cycle = 4});
+    return open_genicam_camera(served_address,
+                               {.frame_rate = 100, .packet_size = 8000, .cycle = 4});
   }
 
   std::vector<Frame> rendered_;
@@ -85,14 +58,14 @@ TEST_F(HostileNetwork, NoPacketEndsTheServedCameraOrCostsItsClientAFrame) {
   const std::uint64_t first = frame.stamp.sequence;
   std::atomic<int> sent = 0, unanswered = 0;
   std::jthread hostile([&](const std::stop_token& stop) {
-    const Sender sender;
+    const ClientSocket sender;
     std::mt19937 random(18);
     Bytes last;
     for (int i = 0; i < packets_wanted() && !stop.stop_requested(); ++i, ++sent) {
       Bytes packet = random() % 16 == 0 ? last : hostile_packet(random);
-      sender.send(packet, 3956);
+      sender.send(packet, camera_port);
       last = std::move(packet);
-      if (i % 32 == 0 && sender.ask(command(read_register, {0xa00}, 0xbeef)).empty()) ++unanswered;
+      if (i % 32 == 0 && ask(sender, command(read_register, {0xa00}, 0xbeef)).empty()) ++unanswered;
     }
   });
   std::uint64_t frames = 1;
@@ -134,8 +107,8 @@ TEST_F(HostileNetwork, NoPictureInItsNameEndsTheClient) {
   Frame frame(source->format());
   while (source->next(frame, 100ms) != Arrival::frame) {
   }
-  const Sender sender;
-  const Bytes port = sender.ask(command(read_register, {0xd00}));
+  const ClientSocket sender;
+  const Bytes port = ask(sender, command(read_register, {0xd00}));
   ASSERT_EQ(port.size(), 12U);
   std::mt19937 random(18);
   for (int i = 0; i < packets_wanted(); ++i) {
@@ -171,8 +144,8 @@ TEST_F(HostileNetwork, PacketsAgainEarlyLateAndTooLongGiveNoWrongFrame) {
   Frame frame(source->format());
   while (source->next(frame, 100ms) != Arrival::frame) {
   }
-  const Sender sender;
-  const Bytes port = sender.ask(command(read_register, {0xd00}));
+  const ClientSocket sender;
+  const Bytes port = ask(sender, command(read_register, {0xd00}));
   ASSERT_EQ(port.size(), 12U);
   GigeStream stream{};
   stream.region.size = source->format().size;

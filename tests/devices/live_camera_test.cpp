@@ -8,30 +8,21 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/devices/genicam.h"
-#include "slipstream/devices/virtual_gige_camera.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/live/live_pipeline.h"
 #include "tests/devices/offline.h"
+#include "tests/devices/served_camera.h"
 
 namespace slipstream::live_camera_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-std::unique_ptr<VirtualGigeCamera> serve(const std::vector<Frame>& loop) {
-  try {
-    return std::make_unique<VirtualGigeCamera>(loop, "127.0.0.1", "LIVE");
-  } catch (const WorldError&) {
-    return nullptr;
-  }
-}
-
 TEST(LiveCamera, EachFrameGivesTheCloudOfTheOfflineScan) {
   const Offline offline;
   const auto camera = serve(offline.loop);
-  if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  REQUIRE_CAMERA(camera);
   std::uint64_t clouds = 0, wrong = 0;
-  LivePipeline pipeline(open_genicam_camera("127.0.0.1", settings_for(offline)), offline.setup,
+  LivePipeline pipeline(open_genicam_camera(served_address, settings_for(offline)), offline.setup,
                         {.indexing = PatternIndexing::counted,
                          .most_frames = 200,
                          .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
@@ -56,10 +47,10 @@ TEST(LiveCamera, EachFrameGivesTheCloudOfTheOfflineScan) {
 TEST(LiveCamera, CloudsGoOnWhenTheCameraIsBackAndMixNothing) {
   const Offline offline;
   auto camera = serve(offline.loop);
-  if (!camera) GTEST_SKIP() << "no camera can be served at 127.0.0.1";
+  REQUIRE_CAMERA(camera);
   std::atomic<std::uint64_t> clouds = 0, wrong = 0;
   LivePipeline pipeline(
-      open_genicam_camera("127.0.0.1", settings_for(offline)), offline.setup,
+      open_genicam_camera(served_address, settings_for(offline)), offline.setup,
       {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
          ++clouds;
          if (!offline.has(*cloud)) ++wrong;

@@ -1,6 +1,4 @@
 // Patterns on a monitor, that of Xvfb where there is no other; skipped without either.
-#include "slipstream/devices/monitor_sink.h"
-
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -11,11 +9,11 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_in_8_bits.h"
 #include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/devices/projection.h"
-#include "slipstream/view/off_screen.h"
+#include "slipstream/devices/monitor.h"
+#include "slipstream/view/opengl.h"
+#include "slipstream/view/window.h"
 #include "tests/view/desktop.h"
 
 namespace slipstream::monitor {
@@ -201,13 +199,13 @@ TEST(Projection, RefusesWhatShowsNothing) {
 }
 
 TEST(RefreshesForRate, AreWholeNumbers) {
-  EXPECT_EQ(refreshes_for_rate(60, 60), 1);
-  EXPECT_EQ(refreshes_for_rate(30, 59.94), 2);
-  EXPECT_EQ(refreshes_for_rate(0.5, 60), 120);
-  EXPECT_THROW(refreshes_for_rate(50, 60), Error);
-  EXPECT_THROW(refreshes_for_rate(120, 60), Error);
-  EXPECT_THROW(refreshes_for_rate(0, 60), Error);
-  EXPECT_THROW(refreshes_for_rate(-1, 60), Error);
+  EXPECT_EQ(refreshes_for(60, {}, 60), 1);
+  EXPECT_EQ(refreshes_for(30, {}, 59.94), 2);
+  EXPECT_EQ(refreshes_for(0.5, {}, 60), 120);
+  EXPECT_THROW(refreshes_for(50, {}, 60), Error);
+  EXPECT_THROW(refreshes_for(120, {}, 60), Error);
+  EXPECT_THROW(refreshes_for(0, {}, 60), Error);
+  EXPECT_THROW(refreshes_for(-1, {}, 60), Error);
 }
 
 }  // namespace

@@ -1,3 +1,5 @@
+// Cameras and sources by name. That names of cameras which are there open them is seen in
+// virtual_gige_camera_test.cpp.
 #include "slipstream/devices/named_source.h"
 
 #include <chrono>
@@ -6,14 +8,15 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/virtual_scan.h"
+#include "slipstream/simulate/virtual_files.h"
+#include "slipstream/simulate/virtual_scanner.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"
@@ -110,6 +113,28 @@ TEST(OpenSource, NamesWhatThereIs) {
   }
   EXPECT_EQ(scheme_of("replay:scan.slip"), "replay");
   expect_error([] { (void)open_source({.source = "telepathy:now"}); }, {"telepathy", "replay"});
+}
+
+TEST(OpenCamera, RefusesNamesThatNameNone) {
+  expect_error([] { open_camera("tape:1", {}); }, {"tape:1", "aravis:NAME, v4l2:NUMBER"});
+  expect_error([] { open_camera("v4l2:x", {}); }, {"v4l2:x", "v4l2:0"});
+  expect_error([] { open_camera("v4l2:-1", {}); }, {"v4l2:-1"});
+  expect_error([] { open_camera("v4l2", {}); }, {"a number is wanted"});
+}
+
+TEST(OpenCamera, SaysWhichCameraDoesNotAnswer) {
+  EXPECT_THROW(open_camera("v4l2:4000", {}), WorldError);
+}
+
+TEST(OpenCamera, RefusesSettingsBeforeItLooksForTheCamera) {
+  EXPECT_THROW(open_camera("v4l2:4000", {.trigger = "Line1"}), Error);
+}
+
+TEST(ListCameras, NamesThemAsTheyAreOpened) {
+  for (const CameraDescription& camera : list_cameras()) {
+    EXPECT_TRUE(camera.name.starts_with("aravis:") || camera.name.starts_with("v4l2:"))
+        << camera.name;
+  }
 }
 
 }  // namespace slipstream::named_source_test

@@ -4,8 +4,8 @@
 #include <cstring>
 #include <vector>
 
-#include "slipstream/codes/phase_measuring.h"
-#include "slipstream/devices/camera_settings.h"
+#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/live/live_cloud.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"

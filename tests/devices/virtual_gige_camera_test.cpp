@@ -1,6 +1,4 @@
 // Frames through UDP packets on loopback: what the virtual camera sends is what a client gets.
-#include "slipstream/devices/virtual_gige_camera.h"
-
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
@@ -12,12 +10,12 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
-#include "slipstream/devices/genicam.h"
-#include "slipstream/devices/open_camera.h"
+#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "tests/devices/served_camera.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 
@@ -30,18 +28,7 @@ namespace slipstream::virtual_gige_camera_test {
 using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 
-constexpr const char* address = "127.0.0.1";
 constexpr int loopback_packets = 8000;
-
-/// The camera, or none where its port is taken or there is no loopback: the test is skipped then.
-std::unique_ptr<VirtualGigeCamera> serve(std::vector<Frame> loop,
-                                         const std::string& serial = "TEST") {
-  try {
-    return std::make_unique<VirtualGigeCamera>(std::move(loop), address, serial);
-  } catch (const WorldError&) {
-    return nullptr;
-  }
-}
 
 std::vector<Frame> frames_of_scan(const Scanner& scanner, const Strategy& strategy) {
   const FrameSet set = take_scan(scanner, scene_named("statue", scanner),
@@ -90,11 +77,6 @@ bool same_bits(const Cloud& a, const Cloud& b) {
   return same(a.x, b.x) && same(a.y, b.y) && same(a.z, b.z) && same(a.intensity, b.intensity);
 }
 
-#define REQUIRE_CAMERA(camera)                                              \
-  if (!(camera))                                                            \
-  GTEST_SKIP() << "no camera can be served at 127.0.0.1: no such address, " \
-                  "or UDP port 3956 is taken"
-
 int frames_wanted() {
   const char* asked = std::getenv("SLIPSTREAM_CAMERA_FRAMES");
   return asked == nullptr ? 600 : std::atoi(asked);
@@ -116,7 +98,7 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
   };
   const Cloud offline = cloud_of(rendered);
 
-  const auto opened = open_genicam_camera(address, settings_at(200, 4));
+  const auto opened = open_genicam_camera(served_address, settings_at(200, 4));
   FrameSource& source = *opened;
   EXPECT_EQ(source.format(), (FrameFormat{{640, 480}, 8}));
   source.start();
@@ -147,16 +129,11 @@ TEST(VirtualGigeCamera, EveryFrameArrivesAsItWasRenderedAndGivesTheCloudOfTheOff
 
 TEST(VirtualGigeCamera, TheNextReelIsForWhoComesAfterTheFirstWasSeenWhole) {
   const std::vector<Frame> rendered = some_frames(3, {320, 240});
-  std::unique_ptr<VirtualGigeCamera> camera;
-  try {
-    camera = std::make_unique<VirtualGigeCamera>(
-        std::vector<Reel>{{{rendered[0], rendered[1]}, {0, 0, 1, 0}, 4}, reel_of({rendered[2]})},
-        address, "TEST");
-  } catch (const WorldError&) {
-    GTEST_SKIP() << "no camera can be served at 127.0.0.1";
-  }
+  const auto camera = serve(
+      std::vector<Reel>{{{rendered[0], rendered[1]}, {0, 0, 1, 0}, 4}, reel_of({rendered[2]})});
+  REQUIRE_CAMERA(camera);
   const auto see = [&](std::uint64_t frames) {
-    const auto opened = open_genicam_camera(address, settings_at(100, 4));
+    const auto opened = open_genicam_camera(served_address, settings_at(100, 4));
     FrameSource& source = *opened;
     source.start();
     Frame frame(source.format());
@@ -175,7 +152,7 @@ TEST(VirtualGigeCamera, LostPacketsLoseTheirFramesAndSlipNoPattern) {
   const std::vector<Frame> rendered = some_frames(5, {320, 240});
   const auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  const auto opened = open_genicam_camera(address, settings_at(200, 5));
+  const auto opened = open_genicam_camera(served_address, settings_at(200, 5));
   FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
@@ -210,7 +187,7 @@ TEST_P(GoneFor, IsFoundAgainWhenItIsBack) {
   const std::vector<Frame> rendered = some_frames(4, {320, 240});
   auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  const auto opened = open_genicam_camera(address, settings_at(100, 4));
+  const auto opened = open_genicam_camera(served_address, settings_at(100, 4));
   FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
@@ -245,7 +222,7 @@ TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
   const std::vector<Frame> rendered = some_frames(4, {320, 240});
   auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  const auto opened = open_genicam_camera(address, settings_at(100, 4));
+  const auto opened = open_genicam_camera(served_address, settings_at(100, 4));
   FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
@@ -266,7 +243,7 @@ TEST(VirtualGigeCamera, StartsAgainThoughItWasGoneAtTheStop) {
 TEST(VirtualGigeCamera, OneOfAnotherSizeIsNotTakenForTheOneThatWasLost) {
   auto camera = serve(some_frames(4, {320, 240}));
   REQUIRE_CAMERA(camera);
-  const auto opened = open_genicam_camera(address, settings_at(100, 4));
+  const auto opened = open_genicam_camera(served_address, settings_at(100, 4));
   FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
@@ -290,7 +267,7 @@ TEST(VirtualGigeCamera, GivesTheRegionThatIsAskedFor) {
   REQUIRE_CAMERA(camera);
   CameraSettings settings = settings_at(100, 3);
   settings.region = Rectangle{16, 8, {64, 32}};
-  const auto opened = open_genicam_camera(address, settings);
+  const auto opened = open_genicam_camera(served_address, settings);
   FrameSource& source = *opened;
   EXPECT_EQ(source.format().size, (Size{64, 32}));
   source.start();
@@ -310,7 +287,7 @@ TEST(VirtualGigeCamera, TakesAFrameForEachSoftwareTrigger) {
   REQUIRE_CAMERA(camera);
   camera->set_trigger_rate(200);
   CameraSettings settings{.exposure = 0.002, .gain = 3, .trigger = "Software", .cycle = 4};
-  const auto opened = open_genicam_camera(address, settings);
+  const auto opened = open_genicam_camera(served_address, settings);
   FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
@@ -327,7 +304,7 @@ TEST(VirtualGigeCamera, StalledConsumerLosesFramesAndGoesOn) {
   const std::vector<Frame> rendered = some_frames(4, {160, 120});
   const auto camera = serve(rendered);
   REQUIRE_CAMERA(camera);
-  const auto opened = open_genicam_camera(address, settings_at(200, 4));
+  const auto opened = open_genicam_camera(served_address, settings_at(200, 4));
   FrameSource& source = *opened;
   source.start();
   Frame frame(source.format());
@@ -347,7 +324,7 @@ TEST(VirtualGigeCamera, IsListed) {
   for (const CameraDescription& found : list_cameras()) {
     if (found.serial == "LISTED") {
       EXPECT_EQ(found.name, "aravis:Aravis-Fake-LISTED");
-      EXPECT_EQ(found.address, address);
+      EXPECT_EQ(found.address, served_address);
       EXPECT_NO_THROW(open_camera(found.name, {}));
       return;
     }
@@ -359,7 +336,7 @@ TEST(VirtualGigeCamera, SecondOneAtAnAddressIsRefused) {
   const auto camera = serve(some_frames(1, {16, 16}));
   REQUIRE_CAMERA(camera);
   try {
-    const VirtualGigeCamera second(some_frames(1), address, "SECOND");
+    const VirtualGigeCamera second(some_frames(1), served_address, "SECOND");
     ADD_FAILURE() << "two cameras at one address";
   } catch (const WorldError& error) {
     EXPECT_NE(std::string(error.what()).find("3956"), std::string::npos) << error.what();
@@ -367,10 +344,10 @@ TEST(VirtualGigeCamera, SecondOneAtAnAddressIsRefused) {
 }
 
 TEST(VirtualGigeCamera, RefusesWhatItCannotServe) {
-  expect_error([] { VirtualGigeCamera(std::vector<Frame>{}, address, "S"); }, {"no frames"});
+  expect_error([] { VirtualGigeCamera(std::vector<Frame>{}, served_address, "S"); }, {"no frames"});
   expect_error([] { VirtualGigeCamera(some_frames(1), "here", "S"); }, {"here", "127.0.0.1"});
-  expect_error([] { VirtualGigeCamera(some_frames(1), address, ""); }, {"serial"});
-  expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, address, "S"); }, {"8 bits"});
+  expect_error([] { VirtualGigeCamera(some_frames(1), served_address, ""); }, {"serial"});
+  expect_error([] { VirtualGigeCamera({Frame({{4, 4}, 12})}, served_address, "S"); }, {"8 bits"});
 }
 
 TEST(GenICamCamera, GivesColoursSideBySide) {
@@ -393,9 +370,10 @@ TEST(GenICamCamera, SaysWhatItCannotDo) {
   EXPECT_THROW(open_genicam_camera("no such camera", {}), WorldError);
   const auto camera = serve(some_frames(1, {160, 120}));
   REQUIRE_CAMERA(camera);
-  expect_error([] { (void)open_genicam_camera(address, {.pixel_format = PixelFormat::mono12p}); },
-               {"127.0.0.1", "Mono12p"});
-  expect_error([] { (void)open_genicam_camera(address, {.cycle = 0}); }, {"0 patterns"});
+  expect_error(
+      [] { (void)open_genicam_camera(served_address, {.pixel_format = PixelFormat::mono12p}); },
+      {"127.0.0.1", "Mono12p"});
+  expect_error([] { (void)open_genicam_camera(served_address, {.cycle = 0}); }, {"0 patterns"});
 }
 
 }  // namespace slipstream::virtual_gige_camera_test

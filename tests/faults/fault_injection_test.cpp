@@ -25,7 +25,7 @@
 #include "slipstream/base/error.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
-#include "slipstream/publish/mcap_reader.h"
+#include "slipstream/publish/mcap.h"
 #include "tests/app/program.h"
 #include "tests/faults/commands.h"
 #include "tests/faults/faulted_program.h"

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/decode/frame_adapter.h"
 #include "tests/live/virtual_loop.h"
 #include "tests/own_strategies.h"
 
@@ -39,7 +40,8 @@ Outcome run(const Strategy& strategy, PatternIndexing indexing, const std::vecto
             const std::vector<Shown>& script) {
   const int patterns = frame_count(strategy);
   const int cycle = patterns + (indexing == PatternIndexing::marker ? 1 : 0);
-  PatternWindows windows({.strategy = strategy}, indexing, loop.front().format().size);
+  PatternWindows windows(pattern_cycle({.strategy = strategy}), indexing,
+                         loop.front().format().size);
   Pool<Frame> pool(static_cast<std::size_t>(6 * cycle),
                    [&] { return Frame(loop.front().format()); });
   Outcome outcome;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/frames/frame.h"
+#include "slipstream/frames/frame_source.h"
 
 namespace slipstream::pool_test {
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slipstream/decode/frame_adapter.h"
 #include "slipstream/decode/neighbours.h"
 #include "slipstream/frames/pattern_windows.h"
 #include "slipstream/frames/pool.h"
@@ -27,7 +28,7 @@ void align_frames(std::span<const std::uint8_t> input) {
   const auto indexing = static_cast<PatternIndexing>(numbers.below(3));
   const FrameFormat format{{8, 4}, 8};
   const auto count = static_cast<std::uint64_t>(frame_count(strategy));
-  PatternWindows windows({.strategy = strategy}, indexing, format.size);
+  PatternWindows windows(pattern_cycle({.strategy = strategy}), indexing, format.size);
   Pool<Frame> pool(6 * (count + 1), [&] { return Frame(format); });
   std::vector<Pooled<Frame>> window;
   std::uint64_t sequence = 0;

@@ -1,8 +1,6 @@
 // Clouds and meshes.
 #include "slipstream/io/cloud_file.h"
-#include "slipstream/io/stored_cloud.h"
-#include "slipstream/io/surface_file.h"
-#include "slipstream/simulate/mesh_file.h"
+#include "slipstream/simulate/virtual_files.h"
 #include "tests/fuzz/target.h"
 #include "tests/io/sheet_cloud.h"
 

@@ -7,7 +7,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/devices/gige_block.h"
-#include "slipstream/devices/v4l2_source.h"
+#include "slipstream/devices/v4l2.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 
@@ -119,15 +119,15 @@ void hear_driver(std::span<const std::uint8_t> input) {
   if (how % 3 == 0) settings.frame_rate = 30;
   if (how % 5 == 0) settings.exposure = 0.01;
   try {
-    V4l2Source source(
+    const auto source = open_v4l2_camera(
         "any", [&] { return std::make_unique<AnyDriver>(answers); }, settings);
-    source.start();
-    Frame frame(source.format());
+    source->start();
+    Frame frame(source->format());
     for (int i = 0; i < 20 && !answers.rest().empty(); ++i) {
-      (void)source.next(frame, {});
-      (void)source.control(i % 2 == 0 ? CameraControl::exposure : CameraControl::gain);
+      (void)source->next(frame, {});
+      (void)source->controls()->control(i % 2 == 0 ? CameraControl::exposure : CameraControl::gain);
     }
-    source.stop();
+    source->stop();
   } catch (const WorldError&) {  // no such camera
   }
 }

@@ -2,11 +2,10 @@
 #include <bit>
 #include <cstring>
 
-#include "slipstream/codes/dual_frequency.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/devices/pixel_format.h"
 #include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/checksum.h"
-#include "slipstream/io/height_file.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
 #include "tests/fuzz/target.h"

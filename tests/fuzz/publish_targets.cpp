@@ -1,9 +1,7 @@
 // What others may have written of clouds: MCAP files, messages of ROS 2.
 #include <cstring>
 
-#include "slipstream/publish/mcap_reader.h"
-#include "slipstream/publish/mcap_records.h"
-#include "slipstream/publish/mcap_writer.h"
+#include "slipstream/publish/mcap.h"
 #include "slipstream/publish/ros_messages.h"
 #include "slipstream/publish/ros_parameters.h"
 #include "tests/fuzz/target.h"

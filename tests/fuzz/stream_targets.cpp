@@ -4,8 +4,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "slipstream/devices/detail/stream_filter.h"
 #include "slipstream/devices/gige_block.h"
+#include "slipstream/devices/gige_sockets.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 

@@ -2,7 +2,6 @@
 #include "app/manifest.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/photometric_file.h"
 #include "slipstream/io/rig_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scan_list.h"

@@ -327,7 +327,7 @@ TEST_F(OnGpu, CutsLargePictures) {
       GpuScanMemory memory;
       Results results;
       gpu(frames, {.cloud = &results.cloud, .maps = &results.maps}, memory, given);
-      gpu(frames, {.numbers = &results.numbers}, memory, given);
+      gpu(frames, {.depth16 = &results.numbers}, memory, given);
       return results;
     };
     const Results whole = results_of(GpuEngine::pixels_at_once);
@@ -362,11 +362,11 @@ TEST_F(OnGpu, TakesManySmallScansAtOnce) {
     for (const std::size_t pixels : {std::size_t{2 * 67 * 50}, GpuEngine::pixels_at_once}) {
       const auto gpu = GpuEngine::make(fused, std::nullopt, pixels).value();
       std::vector<Results> together(views.size());
-      std::vector<FusedOutput> clouds, depths;
+      std::vector<Outputs> clouds, depths;
       for (std::size_t i = 0; i < views.size(); ++i) {
         clouds.push_back({.cloud = &together[i].cloud, .maps = &together[i].maps});
         depths.push_back(
-            {.numbers = &together[i].numbers, .scale = {.scale = 0.02F, .offset = 100}});
+            {.depth16 = &together[i].numbers, .scale = {.scale = 0.02F, .offset = 100}});
       }
       GpuScanMemory memory, memory_of_one;
       gpu(views, clouds, memory);
@@ -374,7 +374,7 @@ TEST_F(OnGpu, TakesManySmallScansAtOnce) {
       for (std::size_t i = 0; i < views.size(); ++i) {
         Results alone;
         gpu(views[i], {.cloud = &alone.cloud, .maps = &alone.maps}, memory_of_one);
-        gpu(views[i], {.numbers = &alone.numbers, .scale = depths[i].scale}, memory_of_one);
+        gpu(views[i], {.depth16 = &alone.numbers, .scale = depths[i].scale}, memory_of_one);
         EXPECT_GT(point_count(alone.cloud), 100U);
         EXPECT_TRUE(same_bytes(together[i].cloud.x, alone.cloud.x));
         EXPECT_TRUE(same_bytes(together[i].cloud.z, alone.cloud.z));

@@ -1,5 +1,5 @@
 // A program outside the project: a scan by the virtual scanner to a cloud.
-#include <slipstream/codes/phase_measuring.h>
+#include <slipstream/codes/phase_shifting.h>
 #include <slipstream/reconstruct/engine.h>
 #include <slipstream/simulate/named_scenes.h>
 #include <slipstream/simulate/virtual_scanner.h>

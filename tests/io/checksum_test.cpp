@@ -1,8 +1,6 @@
-#include "slipstream/io/checksum.h"
-
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "tests/io/expect_error.h"

@@ -12,8 +12,7 @@
 
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/preview.h"
-#include "slipstream/io/stored_cloud.h"
+#include "slipstream/io/plot.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

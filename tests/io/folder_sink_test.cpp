@@ -1,4 +1,4 @@
-#include "slipstream/io/folder_sink.h"
+#include "slipstream/io/pattern_pictures.h"
 
 #include <filesystem>
 #include <stdexcept>

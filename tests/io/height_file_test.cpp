@@ -1,4 +1,4 @@
-#include "slipstream/io/height_file.h"
+#include "slipstream/io/image_file.h"
 
 #include <cmath>
 #include <cstring>
@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/io/file.h"
-#include "slipstream/io/image_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

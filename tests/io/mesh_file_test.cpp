@@ -1,5 +1,3 @@
-#include "slipstream/simulate/mesh_file.h"
-
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -8,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/io/file.h"
+#include "slipstream/simulate/virtual_files.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

@@ -11,8 +11,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/io/cloud_file.h"
-#include "slipstream/io/stored_cloud.h"
-#include "slipstream/io/surface_file.h"
 #include "tests/io/sheet_cloud.h"
 #include "tests/io/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "slipstream/io/photometric_file.h"
+#include "slipstream/io/scanner_file.h"
 
 #include <cmath>
 #include <map>
@@ -10,7 +10,6 @@
 #include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/opencv_storage.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "slipstream/io/plot_file.h"
+#include "slipstream/io/plot.h"
 
 #include <limits>
 

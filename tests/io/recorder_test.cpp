@@ -9,8 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/phase_measuring.h"
-#include "slipstream/io/recorded_source.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/io/replay_source.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/small_disk.h"

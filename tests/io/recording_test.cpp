@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/recorded_cycle.h"

@@ -7,12 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/recorded_cycle.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "tests/io/expect_error.h"

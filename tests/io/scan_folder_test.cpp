@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/dual_frequency.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/io/file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

@@ -1,5 +1,3 @@
-#include "slipstream/io/surface_file.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -9,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/stored_cloud.h"
-#include "slipstream/simulate/mesh_file.h"
+#include "slipstream/simulate/virtual_files.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/grey_image.h"
 #include "tests/io/sheet_cloud.h"

@@ -93,4 +93,22 @@ TEST(CyclicScans, NothingIsTakenBeforeAGlimpse) {
   EXPECT_FALSE(camera.take());
 }
 
+TEST(Exposures, OneWindowOfASourceIsInPatternOrder) {
+  const Scanner scanner = example_scanner({64, 48});
+  const Sequence sequence{.strategy = DualFrequency{}};
+  const auto loop =
+      virtual_frames(scanner, scene_named("board", scanner), pattern_set(sequence), {}, 1);
+  VirtualCamera camera(loop);
+  const FrameSet frames = take_window(camera, sequence, "the camera");
+  ASSERT_EQ(frames.count(), frame_count(sequence));
+  const FrameSet twice = joined({frames, frames});
+  ASSERT_EQ(twice.count(), 2 * frame_count(sequence));
+  twice.visit([&](const auto& views) {
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      const auto& expected = std::get<Image<std::uint8_t>>(loop[n % loop.size()].pixels);
+      EXPECT_EQ(views[n](30, 20), expected(30, 20));
+    }
+  });
+}
+
 }  // namespace slipstream::cyclic_scans_test

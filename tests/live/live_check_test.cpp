@@ -50,12 +50,6 @@ std::vector<Finding> look_for_darkness(const FrameViews& window) {
   });
 }
 
-void run_to_its_end(LivePipeline& pipeline) {
-  pipeline.start();
-  while (pipeline.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  pipeline.stop();
-}
-
 TEST(LiveCheck, ADisturbanceIsToldWithinTwoCyclesAndSoIsItsEnd) {
   // PatternWindows leaves a single frame out that is like no other; it settles for a row of them.
   LivePipeline pipeline(disturbed(30, 10, 19), setup, {.check = look_for_darkness});

@@ -6,6 +6,7 @@
 
 #include "slipstream/live/live_pipeline.h"
 #include "tests/counted_allocations.h"
+#include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 
 namespace slipstream::live_memory_test {
@@ -42,9 +43,7 @@ TEST(LivePipeline, takes_no_more_memory_the_longer_it_runs) {
            }
            if (clouds == last) allocations_in_the_end = allocations;
          }});
-    pipeline.start();
-    while (pipeline.running()) ::usleep(1000);
-    pipeline.stop();
+    run_to_its_end(pipeline);
     EXPECT_EQ(clouds, last);
     EXPECT_EQ(allocations_in_the_end, allocations_after);
     // A thread's stack may come to be touched a little deeper.

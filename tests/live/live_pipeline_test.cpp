@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/engine.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
@@ -93,11 +93,6 @@ class OfflineCheck {
   std::map<std::uint64_t, int> shown_;
 };
 
-void wait_for_end(LivePipeline& pipeline) {
-  while (pipeline.running()) std::this_thread::sleep_for(1ms);
-  pipeline.stop();
-}
-
 /// Runs a script to its end and checks every cloud.
 struct Ran {
   int equal = 0, other = 0;
@@ -111,8 +106,7 @@ Ran run(const Strategy& strategy, const std::vector<Frame>& pictures,
   OfflineCheck check(scan, pictures, script);
   settings.on_cloud = [&](const Pooled<LiveCloud>& cloud) { check(*cloud); };
   LivePipeline pipeline(std::make_unique<ScriptedSource>(pictures, script), scan, settings);
-  pipeline.start();
-  wait_for_end(pipeline);
+  run_to_its_end(pipeline);
   EXPECT_EQ(pipeline.failure(), nullptr);
   return {check.equal, check.other, check.newest, pipeline.statistics()};
 }
@@ -154,8 +148,7 @@ TEST(LivePipeline, without_a_fused_pass_clouds_are_those_in_double) {
       {.indexing = PatternIndexing::counted, .on_cloud = [&](const Pooled<LiveCloud>& cloud) {
          z.assign(cloud->cloud.z.begin(), cloud->cloud.z.end());
        }});
-  pipeline.start();
-  wait_for_end(pipeline);
+  run_to_its_end(pipeline);
   ASSERT_EQ(z.size(), offline.z.pixel_count());
   for (std::size_t i = 0; i < z.size(); ++i) {
     const auto expected = static_cast<float>(offline.z.begin()[i]);
@@ -252,8 +245,7 @@ TEST(LivePipeline, a_camera_that_counts_anew_costs_the_windows_across) {
   const auto pictures = frames_of(four_steps);
   LivePipeline pipeline(std::make_unique<ScriptedSource>(pictures, script), scan_of(four_steps),
                         {.indexing = PatternIndexing::counted});
-  pipeline.start();
-  wait_for_end(pipeline);
+  run_to_its_end(pipeline);
   EXPECT_EQ(pipeline.statistics().frames.captured, 200U);
   EXPECT_EQ(pipeline.statistics().clouds, 194U);
   EXPECT_EQ(pipeline.statistics().windows_lost, 3U);
@@ -322,8 +314,7 @@ TEST(LivePipeline, a_source_without_pace_waits_for_slow_consumers) {
          ++clouds;
          std::this_thread::sleep_for(1ms);
        }});
-  pipeline.start();
-  wait_for_end(pipeline);
+  run_to_its_end(pipeline);
   EXPECT_EQ(clouds, 97);
   EXPECT_EQ(pipeline.statistics().frames.overwritten, 0U);
 }
@@ -395,8 +386,7 @@ TEST(LivePipeline, what_a_stage_throws_ends_it_and_can_be_asked_for) {
                           {.on_cloud = [](const Pooled<LiveCloud>&) {
                             throw std::runtime_error("the consumer has had enough");
                           }});
-    pipeline.start();
-    wait_for_end(pipeline);
+    run_to_its_end(pipeline);
     EXPECT_EQ(message_of(pipeline.failure()), "the consumer has had enough");
     pipeline.start();
     pipeline.stop();
@@ -406,8 +396,7 @@ TEST(LivePipeline, what_a_stage_throws_ends_it_and_can_be_asked_for) {
     if (step == 10) throw WorldError("the bus is broken");
   };
   LivePipeline pipeline(std::move(source), scan_of(four_steps));
-  pipeline.start();
-  wait_for_end(pipeline);
+  run_to_its_end(pipeline);
   EXPECT_EQ(message_of(pipeline.failure()), "the bus is broken");
 }
 
@@ -453,8 +442,7 @@ TEST(LivePipeline, tells_what_its_stages_did) {
   const auto pictures = frames_of(four_steps);
   LivePipeline pipeline(std::make_unique<VirtualCamera>(pictures), scan_of(four_steps),
                         {.most_frames = 500});
-  pipeline.start();
-  wait_for_end(pipeline);
+  run_to_its_end(pipeline);
   const LiveStatistics statistics = pipeline.statistics();
   ASSERT_EQ(statistics.stages.size(), 4U);
   const std::vector<std::string> names{"capture", "window", "reconstruct", "show"};
@@ -485,9 +473,7 @@ TEST(LivePipeline, without_a_scanner_hands_on_frames_and_findings_without_points
                            EXPECT_EQ(live->frames.size(), 8U);
                            ++handed_on;
                          }});
-  pipeline.start();
-  while (pipeline.running()) std::this_thread::sleep_for(1ms);
-  pipeline.stop();
+  run_to_its_end(pipeline);
   EXPECT_EQ(pipeline.failure(), nullptr);
   EXPECT_EQ(handed_on, 33U);
   EXPECT_FALSE(pipeline.findings().empty()) << "two frames are swapped";

@@ -1,10 +1,8 @@
 // A sphere and a plane followed from cloud to cloud, and clouds that become a model.
 #include "slipstream/live/object_track.h"
 
-#include <chrono>
 #include <cmath>
 #include <memory>
-#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -13,10 +11,10 @@
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/virtual_camera.h"
+#include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 
 namespace slipstream::object_track_test {
-using namespace std::chrono_literals;
 using Vector = Eigen::Vector3d;
 
 constexpr double frame_rate = 120;
@@ -111,9 +109,7 @@ TEST(LivePipeline, follows_an_object_and_makes_a_model) {
   LivePipeline pipeline(std::move(camera), {scanner, {.strategy = strategy}},
                         {.most_frames = 60, .track = TrackedShape{radius}, .model = true});
   EXPECT_TRUE(pipeline.model().cloud.z.empty());
-  pipeline.start();
-  while (pipeline.running()) std::this_thread::sleep_for(1ms);
-  pipeline.stop();
+  run_to_its_end(pipeline);
   EXPECT_EQ(pipeline.failure(), nullptr);
   const LiveStatistics statistics = pipeline.statistics();
   ASSERT_TRUE(statistics.track && statistics.model);

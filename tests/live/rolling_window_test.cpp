@@ -1,5 +1,3 @@
-#include "slipstream/frames/rolling_window.h"
-
 #include <algorithm>
 #include <random>
 #include <set>
@@ -7,8 +5,8 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "slipstream/live/sequence_watch.h"
-
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/live/meters.h"
 namespace slipstream::rolling_window_test {
 
 Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {
@@ -85,36 +83,6 @@ TEST(RollingWindow, refuses_a_frame_that_came_before) {
   EXPECT_TRUE(windows.put(7, numbered(pool, 7)));
   EXPECT_FALSE(windows.put(7, numbered(pool, 7)));
   EXPECT_FALSE(windows.put(6, numbered(pool, 6)));
-}
-
-TEST(SequenceWatch, counts_gaps_and_takes_back_what_comes_late) {
-  using Kind = SequenceWatch::Kind;
-  SequenceWatch watch;
-  EXPECT_EQ(watch.look(5), Kind::fresh);
-  EXPECT_EQ(watch.look(6), Kind::fresh);
-  EXPECT_EQ(watch.look(6), Kind::repeated);
-  EXPECT_EQ(watch.look(10), Kind::fresh);
-  EXPECT_EQ(watch.lost(), 3U);
-  EXPECT_EQ(watch.look(8), Kind::fresh);
-  EXPECT_EQ(watch.look(8), Kind::repeated);
-  EXPECT_EQ(watch.lost(), 2U);
-  EXPECT_EQ(watch.look(1000), Kind::fresh);
-  EXPECT_EQ(watch.lost(), 991U);
-  EXPECT_EQ(watch.look(0), Kind::restart);
-  EXPECT_EQ(watch.look(1), Kind::fresh);
-  EXPECT_EQ(watch.lost(), 991U);
-}
-
-TEST(SequenceWatch, a_damaged_frame_is_lost_once) {
-  SequenceWatch watch;
-  watch.look(0);
-  watch.damaged();
-  EXPECT_EQ(watch.lost(), 1U);
-  watch.look(2);
-  EXPECT_EQ(watch.lost(), 1U);
-  watch.damaged();
-  watch.look(3);
-  EXPECT_EQ(watch.lost(), 2U);
 }
 
 }  // namespace slipstream::rolling_window_test

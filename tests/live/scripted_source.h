@@ -1,14 +1,15 @@
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "slipstream/frames/frame_source.h"
+#include "slipstream/live/live_pipeline.h"
 
 namespace slipstream {
 
@@ -64,5 +65,15 @@ class ScriptedSource : public FrameSource {
   mutable std::mutex mutex_;
   std::string state_;
 };
+
+inline void wait_for_end(LivePipeline& pipeline) {
+  while (pipeline.running()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  pipeline.stop();
+}
+
+inline void run_to_its_end(LivePipeline& pipeline) {
+  pipeline.start();
+  wait_for_end(pipeline);
+}
 
 }  // namespace slipstream

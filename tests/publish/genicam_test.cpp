@@ -6,14 +6,12 @@
 #include <thread>
 
 #include <gtest/gtest.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_bytes.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/devices/gige_block.h"
-#include "slipstream/publish/detail/scan3d_description.h"
-#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/cloud_sink.h"
+#include "slipstream/publish/scan3d.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/publish/any_cloud.h"
 
@@ -27,51 +25,13 @@ using namespace std::chrono_literals;
 using std::chrono::steady_clock;
 using enum GigeRegister;
 using enum GigeStatus;
-using enum Scan3dRegister;
+using namespace scan3d;
 
-constexpr std::uint16_t camera_port = 3956;
 constexpr std::uint32_t fire_test_packet = 0x80000000, multipart = 0x40;
 
 std::uint32_t bits(float number) {
   return std::bit_cast<std::uint32_t>(number);
 }
-
-/// A socket for UDP at any port of an address.
-class Socket {
- public:
-  explicit Socket(std::uint32_t host = loopback) {
-    const sockaddr_in at = address_of(host, 0);
-    EXPECT_EQ(::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)), 0);
-  }
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
-  ~Socket() { ::close(socket_); }
-
-  void send(const Bytes& packet) const {
-    const sockaddr_in to = address_of(loopback, camera_port);
-    ::sendto(socket_, packet.data(), packet.size(), 0, reinterpret_cast<const sockaddr*>(&to),
-             sizeof(to));
-  }
-  /// Empty where none comes within the time.
-  [[nodiscard]] Bytes receive(std::chrono::milliseconds patience = 2s) const {
-    const timeval wait{.tv_sec = patience.count() / 1000,
-                       .tv_usec = patience.count() % 1000 * 1000};
-    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &wait, sizeof(wait));
-    Bytes packet(65536);
-    packet.resize(static_cast<std::size_t>(
-        std::max<ssize_t>(0, ::recv(socket_, packet.data(), packet.size(), 0))));
-    return packet;
-  }
-  [[nodiscard]] std::uint16_t port() const {
-    sockaddr_in at{};
-    socklen_t length = sizeof(at);
-    ::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &length);
-    return ntohs(at.sin_port);
-  }
-
- private:
-  int socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-};
 
 struct TakenBlock {
   std::uint64_t number = 0;
@@ -130,7 +90,7 @@ class Client {
     }
   }
 
-  const Socket stream, control;
+  const ClientSocket stream, control;
 };
 
 class GenicamSink : public testing::Test {
@@ -180,7 +140,7 @@ Bytes points_of(const Cloud& cloud) {
 TEST_F(GenicamSink, gives_each_point_bit_for_bit) {
   const Client client;
   client.open();
-  EXPECT_EQ(client.read(at(payload_size)), 61U * 43 * 12);
+  EXPECT_EQ(client.read(payload_size), 61U * 43 * 12);
   EXPECT_FALSE(sink_->wants(*any_cloud(0))) << "nobody has started it";
   EXPECT_EQ(client.write(acquisition, 1), success);
   EXPECT_TRUE(sink_->wants(*any_cloud(0)));
@@ -199,19 +159,19 @@ TEST_F(GenicamSink, gives_depth_in_steps_and_says_where_there_is_none) {
   const Client client;
   client.open();
   EXPECT_EQ(client.write(at(coordinate_scale, 2), bits(0.01F)), access_denied) << "of millimetres";
-  EXPECT_EQ(client.write(at(pixel_format), static_cast<std::uint32_t>(GigePixels::coord3d_c16)),
+  EXPECT_EQ(client.write(pixel_format, static_cast<std::uint32_t>(GigePixels::coord3d_c16)),
             success);
   for (const float bad : {0.0F, -1.0F, NAN, INFINITY}) {
     EXPECT_EQ(client.write(at(coordinate_scale, 2), bits(bad)), invalid_parameter);
   }
   EXPECT_EQ(client.write(at(coordinate_scale, 2), bits(0.004F)), success);
   EXPECT_EQ(client.write(at(coordinate_offset, 2), bits(498)), success);
-  EXPECT_EQ(client.read(at(output_mode)), projected_c);
+  EXPECT_EQ(client.read(output_mode), projected_c);
   EXPECT_EQ(client.read(at(invalid_value, 2)), bits(0));
   EXPECT_EQ(client.write(left, 11), invalid_parameter) << "beyond the sensor";
   EXPECT_EQ(client.write(width, 40), success);
   EXPECT_EQ(client.write(left, 11), success);
-  EXPECT_EQ(client.read(at(principal_u)), bits(19));
+  EXPECT_EQ(client.read(principal_u), bits(19));
   EXPECT_EQ(client.write(acquisition, 1), success);
   const TakenBlock block = put_and_take(client, 5);
   const Pooled<LiveCloud> live = any_cloud(5);
@@ -239,19 +199,19 @@ TEST_F(GenicamSink, gives_intensity_and_confidence_alone_or_all_at_once) {
     intensity.push_back(grey_level(live->cloud.intensity.begin()[i]));
     confidence.push_back(std::isnan(live->cloud.z.begin()[i]) ? 0 : 255);
   }
-  EXPECT_EQ(client.write(at(component_enable), 0), success);
+  EXPECT_EQ(client.write(component_enable, 0), success);
   EXPECT_EQ(client.write(at(component_enable, 1), 1), success);
   EXPECT_EQ(client.write(acquisition, 1), success);
   EXPECT_EQ(put_and_take(client, 7).pixels, intensity);
-  EXPECT_EQ(client.write(at(component_enable), 1), access_denied) << "while it runs";
+  EXPECT_EQ(client.write(component_enable, 1), access_denied) << "while it runs";
   EXPECT_EQ(client.write(acquisition, 0), success);
 
   for (std::uint32_t i = 0; i < 3; ++i) {
     EXPECT_EQ(client.write(at(component_enable, i), 1), success);
   }
-  EXPECT_EQ(client.read(at(payload_size)), points.size()) << "the first alone";
+  EXPECT_EQ(client.read(payload_size), points.size()) << "the first alone";
   EXPECT_EQ(client.write(stream_configuration, multipart), success);
-  EXPECT_EQ(client.read(at(payload_size)), 61U * 43 * 14);
+  EXPECT_EQ(client.read(payload_size), 61U * 43 * 14);
   EXPECT_EQ(client.write(acquisition, 1), success);
   const TakenBlock block = put_and_take(client, 7);
   Bytes all = points;
@@ -288,7 +248,7 @@ TEST_F(GenicamSink, sends_again_what_was_lost_and_no_more_than_a_block) {
     EXPECT_EQ(again, block.packets.size());
     EXPECT_EQ(client.write(acquisition, 0), success);
   }
-  const Socket elsewhere(loopback + 1);
+  const ClientSocket elsewhere(loopback + 1);
   elsewhere.send(command(0x40, {1, 0, 2}));
   EXPECT_TRUE(client.stream.receive(100ms).empty());
 }
@@ -306,7 +266,7 @@ TEST_F(GenicamSink, takes_the_next_cloud_when_it_is_triggered) {
   EXPECT_FALSE(sink_->wants(*any_cloud(4)));
   EXPECT_EQ(client.write(acquisition, 0), success);
   EXPECT_EQ(client.write(trigger_mode, 0), success);
-  EXPECT_EQ(client.write(at(acquisition_mode), 2), success);
+  EXPECT_EQ(client.write(acquisition_mode, 2), success);
   EXPECT_EQ(client.write(acquisition, 1), success);
   EXPECT_EQ(put_and_take(client, 5).number, 2U);
   EXPECT_EQ(client.read(acquisition), 0U) << "one cloud";
@@ -331,17 +291,17 @@ TEST_F(GenicamSink, refuses_what_it_cannot_do) {
       {packet_size, 0},
       {packet_size, 0xffff},
       {stream_configuration, 1},
-      {at(component_selector), 3},
-      {at(component_enable), 2},
-      {at(output_mode), 0},
-      {at(acquisition_mode), 0},
-      {at(pixel_format), static_cast<std::uint32_t>(GigePixels::mono8)},
+      {component_selector, 3},
+      {component_enable, 2},
+      {output_mode, 0},
+      {acquisition_mode, 0},
+      {pixel_format, static_cast<std::uint32_t>(GigePixels::mono8)},
       {at(pixel_format, 1), static_cast<std::uint32_t>(GigePixels::coord3d_c16)}};
   for (const auto& [which, value] : bad) {
     EXPECT_EQ(client.write(which, value), invalid_parameter)
         << std::hex << static_cast<std::uint32_t>(which) << " " << value;
   }
-  for (const auto which : {sensor_width, at(payload_size), at(focal_length), at(invalid_value)}) {
+  for (const auto which : {sensor_width, payload_size, focal_length, invalid_value}) {
     EXPECT_EQ(client.write(which, 1), write_protected);
   }
   for (const std::uint32_t bytes : {576U, 1500U, 9000U, 65500U}) {
@@ -358,32 +318,32 @@ TEST_F(GenicamSink, changes_settings_of_the_run_and_shows_what_others_changed) {
     for (int i = 0; i < 200 && client.read(which) != value; ++i) std::this_thread::sleep_for(50ms);
     EXPECT_EQ(client.read(which), value);
   };
-  wait_for(at(setting), bits(2500));  // us
+  wait_for(setting, bits(2500));  // us
   wait_for(at(setting, 1), 1);
-  EXPECT_EQ(client.write(at(setting), bits(1234.5F)), success);
+  EXPECT_EQ(client.write(setting, bits(1234.5F)), success);
   EXPECT_EQ(client.write(at(setting, 1), 0), success);
   EXPECT_EQ(run_.settings()[0].value, "1.2345");
   EXPECT_EQ(run_.settings()[1].value, "a");
   for (const float bad : {0.0F, 30001.0F, NAN}) {
-    EXPECT_EQ(client.write(at(setting), bits(bad)), invalid_parameter);
+    EXPECT_EQ(client.write(setting, bits(bad)), invalid_parameter);
   }
   EXPECT_EQ(client.write(at(setting, 1), 2), invalid_parameter);
   EXPECT_EQ(client.write(at(setting, 2), 0), invalid_address);
   run_.change("exposure", "7");
-  wait_for(at(setting), bits(7000));
+  wait_for(setting, bits(7000));
 }
 
 TEST_F(GenicamSink, lets_a_silent_client_go_and_says_so_once) {
   for (int i = 0; i < 2; ++i) {
     const Client client;
     client.open();
-    EXPECT_EQ(client.write(at(component_enable), 0), success);
+    EXPECT_EQ(client.write(component_enable, 0), success);
     EXPECT_EQ(client.write(acquisition, 1), success);
     EXPECT_TRUE(sink_->wants(*any_cloud(0)));
     EXPECT_EQ(client.write(heartbeat_timeout, 500), success);
     while (sink_->wants(*any_cloud(0))) std::this_thread::sleep_for(10ms);
     EXPECT_EQ(sink_->news().size(), i == 0 ? 1U : 0U);
-    EXPECT_EQ(client.read(at(component_enable)), 1U) << "the next finds it as it was";
+    EXPECT_EQ(client.read(component_enable), 1U) << "the next finds it as it was";
   }
 }
 
@@ -394,7 +354,7 @@ TEST_F(GenicamSink, no_packet_ends_it_or_costs_its_client_a_block) {
   std::atomic<int> sent = 0;
   constexpr int packets = 100'000;
   std::jthread hostile([&](const std::stop_token& stop) {
-    const Socket near, far(loopback + 1);
+    const ClientSocket near, far(loopback + 1);
     std::mt19937 random(23);
     Bytes last;
     for (; sent < packets && !stop.stop_requested(); ++sent) {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/publish/named_sink.h"
+#include "slipstream/publish/cloud_sink.h"
 
 namespace slipstream::publisher_test {
 

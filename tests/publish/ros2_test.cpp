@@ -20,8 +20,8 @@
 
 #include "ros2_messages.h"
 #include "slipstream/base/error.h"
+#include "slipstream/publish/cloud_sink.h"
 #include "slipstream/publish/dds_messages.h"
-#include "slipstream/publish/named_sink.h"
 #include "tests/publish/any_cloud.h"
 #include "tests/publish/ros2_client.h"
 

@@ -8,8 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/codes/registry.h"
-#include "slipstream/geometry/projection_matrices.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/geometry/triangulator.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

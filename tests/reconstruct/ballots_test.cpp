@@ -1,5 +1,5 @@
 // The vote's vectors against its rules, on random phases, shifts and costs.
-#include "slipstream/reconstruct/fused/ballots.h"
+#include "slipstream/reconstruct/fused/vote_rows.h"
 
 #include <algorithm>
 #include <atomic>

@@ -10,12 +10,12 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/primaries.h"
+#include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream::colour_test {
 

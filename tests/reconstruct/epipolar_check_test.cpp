@@ -12,7 +12,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

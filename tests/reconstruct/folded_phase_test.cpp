@@ -1,5 +1,5 @@
 // Corrections folded into the arctangent.
-#include "slipstream/reconstruct/fused/folded_phase.h"
+#include "slipstream/reconstruct/fused/fused_stages.h"
 
 #include <cmath>
 #include <numbers>

@@ -12,9 +12,9 @@
 
 #include "slipstream/base/vector_target.h"
 #include "slipstream/codes/registry.h"
+#include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/equations.h"
-#include "slipstream/decode/phase_correction.h"
-#include "slipstream/decode/temporal_unwrapping.h"
+#include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/frame_set.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/response/correction.h"

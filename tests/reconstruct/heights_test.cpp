@@ -4,13 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/quantile.h"
-#include "slipstream/codes/dual_frequency.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/geometry/height_calibration.h"
 #include "slipstream/reconstruct/picture_report.h"
-#include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::heights_test {
 

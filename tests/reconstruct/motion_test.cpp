@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/codes/phase_measuring.h"
-#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/geometry/triangulator.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/reconstruct/engine.h"

@@ -12,15 +12,14 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/base/converted.h"
 #include "slipstream/base/error.h"
+#include "slipstream/base/image.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/demodulator.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/simulate/colour_camera.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/spatial/spatial_unwrapping.h"

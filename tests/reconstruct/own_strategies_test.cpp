@@ -13,7 +13,7 @@
 
 #include "slipstream/base/vector_target.h"
 #include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/reconstruct/engine.h"
 #include "tests/every_strategy.h"
 #include "tests/reconstruct/agreement.h"

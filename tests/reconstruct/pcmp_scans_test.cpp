@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

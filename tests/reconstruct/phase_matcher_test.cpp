@@ -9,8 +9,8 @@
 #include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/second_camera.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::phase_matcher_test {
 

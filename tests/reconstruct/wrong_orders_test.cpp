@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "slipstream/codes/design.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/codes/strategy_design.h"
-#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/decoder.h"
 #include "slipstream/frames/frame_set.h"
 

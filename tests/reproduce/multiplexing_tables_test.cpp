@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/multiplexing_design.h"
+#include "slipstream/codes/design.h"
 #include "tools/reproduce/unwrapping_tables.h"
 #include "tools/reproduce/variance_ratio_tables.h"
 

@@ -15,13 +15,13 @@
 #include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/distortion.h"
 #include "slipstream/response/gamma_calibration.h"
 #include "slipstream/response/gamma_choice.h"
-#include "slipstream/response/named_responses.h"
+#include "slipstream/response/harmonics.h"
 #include "slipstream/response/response_fit.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "tools/reproduce/gamma_formulas.h"
 
 namespace slipstream::any_response_test {
 

@@ -1,11 +1,18 @@
+// The figures of Liu 2010, Sections 4.1 and 4.2, as recomputed from the equations.
+#include "slipstream/response/harmonics.h"
+
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "slipstream/response/distortion.h"
+#include "slipstream/response/correction.h"
+#include "slipstream/response/gamma_calibration.h"
+#include "tools/reproduce/gamma_formulas.h"
 
 namespace slipstream::harmonics_test {
 
@@ -51,6 +58,85 @@ TEST(Harmonics, AddUpToTheLight) {
     RC_ASSERT(std::abs(all - 1) < 1e-7);      // (4.26)
     RC_ASSERT(std::abs(2 * odd - 1) < 1e-7);  // (4.27)
   });
+}
+
+const Response gamma_318 = PowerLaw{3.18};
+
+TEST(PhaseError, HasTheRmsOfThePaperAtGamma318) {
+  for (const auto& [steps, rms] :
+       {std::pair{3, 0.30358}, {4, 0.05701}, {5, 0.0013962}, {6, 0.00013495}}) {
+    EXPECT_NEAR(rms_phase_error(gamma_318, steps) / rms, 1, 5e-5) << steps;
+  }
+}
+
+TEST(PhaseError, IsEquation445WithAllHarmonics) {
+  for (const int steps : {3, 4, 5, 6}) {
+    const HarmonicRatios G = harmonic_ratios(3.18, 4000);
+    for (double phi = 0; phi < 2 * pi; phi += 0.01) {
+      EXPECT_NEAR(phase_error(G, steps, phi), phase_error(gamma_318, steps, phi), 1e-9);
+    }
+  }
+}
+
+TEST(PhaseError, VanishesAtMultiplesOfPiOverNAllAround) {
+  for (int steps = 3; steps <= 6; ++steps) {
+    for (int n = 0; n < 2 * steps; ++n) {
+      EXPECT_NEAR(phase_error(gamma_318, steps, pi * n / steps), 0, 1e-14);
+    }
+  }
+}
+
+TEST(PhaseError, VanishesWhereTheHarmonicsDo) {
+  // Fig. 4.6: gamma whole and at most N - 2.
+  for (int steps = 3; steps <= 8; ++steps) {
+    for (int gamma = 1; gamma <= steps - 2; ++gamma) {
+      EXPECT_LT(rms_phase_error(PowerLaw{double(gamma)}, steps), 1e-14);
+    }
+    EXPECT_GT(rms_phase_error(PowerLaw{double(steps - 1)}, steps), 1e-6);
+  }
+}
+
+TEST(TruePhase, HasTheErrorsOfTable41) {
+  // Two digits of the print; more of them as recomputed.
+  for (const auto& [highest, rms] :
+       {std::pair{2, 4.008e-3}, {4, 3.673e-4}, {5, 2.870e-5}, {7, 6.240e-6}, {8, 1.824e-6}}) {
+    const HarmonicRatios G = harmonic_ratios(3.18, highest);
+    double sum = 0;
+    constexpr int samples = 2000;
+    for (int i = 0; i < samples; ++i) {
+      const double phi = 2 * pi * i / samples;
+      const double error = true_phase(G, 3, distorted_phase(gamma_318, 3, phi)) - phi;
+      sum += error * error;
+    }
+    EXPECT_NEAR(std::sqrt(sum / samples) / rms, 1, 2e-3) << highest;
+  }
+}
+
+TEST(GammaFromHarmonics, HasTheErrorsOfFigure47) {
+  for (const auto& [steps, rms] : {std::pair{5, 0.518},
+                                   {6, 1.33e-2},
+                                   {7, 1.40e-3},
+                                   {8, 2.9e-4},
+                                   {10, 3.0e-5},
+                                   {12, 5.6e-6},
+                                   {16, 4.9e-7},
+                                   {20, 8.1e-8}}) {
+    double sum = 0;
+    constexpr int samples = 5000;
+    for (int i = 0; i < samples; ++i) {
+      const MeasuredHarmonics measured = measured_harmonics(gamma_318, steps, 2 * pi * i / samples);
+      const double gamma =
+          gamma_from_harmonics(std::abs(measured.fundamental), std::abs(measured.second));
+      sum += (gamma - 3.18) * (gamma - 3.18);
+    }
+    EXPECT_NEAR(std::sqrt(sum / samples) / rms, 1, 0.05) << steps;
+  }
+}
+
+TEST(MeasuredHarmonics, SayWhenGammaIsBelow1) {
+  const MeasuredHarmonics measured = measured_harmonics(PowerLaw{0.7}, 24, 1.0);
+  EXPECT_NEAR(gamma_from_harmonics(measured.B_1(), measured.B_2()), 0.7, 1e-2);
+  EXPECT_LT(measured.B_2(), 0);
 }
 
 }  // namespace slipstream::harmonics_test

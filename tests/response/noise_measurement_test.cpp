@@ -1,6 +1,4 @@
 // sigma_w^2 from virtual scans by each of the four measurements.
-#include "slipstream/response/noise_measurement.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,6 +8,7 @@
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/phase_decoder.h"
+#include "slipstream/response/noise_calibration.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -11,7 +11,6 @@
 
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/equations.h"
-#include "slipstream/decode/reflectivity.h"
 
 namespace slipstream::predicted_variance_test {
 

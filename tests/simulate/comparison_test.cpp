@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/codes/registry.h"
-#include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::comparison_test {
 
@@ -79,7 +79,7 @@ TEST(Comparison, CountsWhatIsOffEverySurface) {
     }
   }
   const CloudErrors errors =
-      cloud_errors(cloud, sigma, coordinate, sequence.strategy.layout(), truth, scanner, scene);
+      cloud_errors(cloud, sigma, coordinate, sequence.strategy.layout(), truth, {scanner, scene});
   EXPECT_EQ(errors.points, 8000U);
   EXPECT_DOUBLE_EQ(errors.flying, 0.25);
   EXPECT_DOUBLE_EQ(errors.beyond_5, 0.25);

@@ -1,6 +1,4 @@
 // Each effect of the virtual world against what optics and statistics say of it.
-#include "slipstream/simulate/physics.h"
-
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -9,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/simulate/named_photometry.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/simulate/virtual_world.h"

@@ -8,7 +8,6 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/statue.h"
 
 namespace slipstream::scene_test {
 

@@ -14,9 +14,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "slipstream/devices/genicam.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/devices/virtual_gige_camera.h"
-#include "slipstream/io/recorded_source.h"
+#include "slipstream/io/recorder.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/live/live_pipeline.h"
 #include "tests/devices/gvcp_packets.h"

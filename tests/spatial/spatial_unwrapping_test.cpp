@@ -9,8 +9,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/spatial/detail/edge_costs.h"
-#include "slipstream/spatial/detail/roughness.h"
+#include "slipstream/spatial/detail/methods.h"
 #include "tests/spatial/known_phase.h"
 
 namespace slipstream::spatial_unwrapping_test {

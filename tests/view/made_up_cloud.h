@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/view/point_images.h"
+#include "slipstream/view/points.h"
 
 namespace slipstream::view {
 

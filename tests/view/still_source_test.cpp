@@ -1,6 +1,4 @@
 // What stands still in the viewer: a cloud from a file, and frames that are reconstructed anew.
-#include "slipstream/view/still_source.h"
-
 #include <algorithm>
 #include <fstream>
 #include <optional>
@@ -11,13 +9,14 @@
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/cloud_file.h"
-#include "slipstream/io/stored_cloud.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/view/cloud_screen.h"
-#include "slipstream/view/off_screen.h"
+#include "slipstream/view/opengl.h"
 #include "slipstream/view/pictures.h"
+#include "slipstream/view/view_source.h"
 #include "slipstream/view/viewer.h"
+#include "slipstream/view/window.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/view/made_up_cloud.h"
 

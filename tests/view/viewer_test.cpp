@@ -10,10 +10,11 @@
 #include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 
-#include "slipstream/base/colour_map.h"
+#include "slipstream/base/colour.h"
 #include "slipstream/base/error.h"
 #include "slipstream/view/cloud_screen.h"
-#include "slipstream/view/off_screen.h"
+#include "slipstream/view/opengl.h"
+#include "slipstream/view/window.h"
 #include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
 

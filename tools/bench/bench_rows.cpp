@@ -145,9 +145,9 @@ struct Results {
   Image<std::uint16_t> numbers;
   PackedPoints points;
 
-  FusedOutput output(Asked asked) {
+  Outputs output(Asked asked) {
     if (asked == Asked::depth) return {.depth = &depth};
-    if (asked == Asked::depth16) return {.numbers = &numbers};
+    if (asked == Asked::depth16) return {.depth16 = &numbers};
     if (asked == Asked::points) return {.points = &points};
     return {.cloud = &cloud};
   }
@@ -257,7 +257,7 @@ class OnBoth {
   GpuEngine gpu_;
   std::vector<FrameViews> frames_;
   std::shared_ptr<std::vector<Results>> results_;
-  std::vector<FusedOutput> outputs_;
+  std::vector<Outputs> outputs_;
   FusedMemory fused_memory_;
   GpuScanMemory gpu_memory_, resident_{.resident = true};
 };

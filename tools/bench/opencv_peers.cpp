@@ -11,7 +11,7 @@
 #include <opencv2/structured_light/sinusoidalpattern.hpp>
 #endif
 
-#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/geometry/triangulator.h"
 
 namespace slipstream {
 namespace {

@@ -7,7 +7,7 @@
 #include <span>
 #include <utility>
 
-#include "slipstream/geometry/projection_matrices.h"
+#include "slipstream/geometry/triangulator.h"
 
 namespace slipstream {
 namespace {

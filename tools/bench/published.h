@@ -2,12 +2,11 @@
 
 #include <vector>
 
-#include "slipstream/decode/closed_form.h"
 #include "slipstream/decode/equations.h"
-#include "slipstream/decode/phase_tables.h"
+#include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/point_forms.h"
 #include "slipstream/geometry/scanner.h"
+#include "slipstream/geometry/triangulator.h"
 
 namespace slipstream {
 

@@ -7,7 +7,7 @@
 #include <tbb/global_control.h>
 #include <time.h>
 
-#include "slipstream/base/quantile.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream {
 namespace {

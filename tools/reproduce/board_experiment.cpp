@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/strategy.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/mean_frames.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/triangulator.h"
-#include "slipstream/response/precompensation.h"
+#include "slipstream/response/correction.h"
 #include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {

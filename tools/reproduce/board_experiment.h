@@ -5,10 +5,10 @@
 #include "slipstream/base/image.h"
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/codes/response.h"
-#include "slipstream/decode/phase_correction.h"
+#include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/response/pixel_harmonics.h"
+#include "slipstream/response/harmonics.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {

@@ -4,16 +4,16 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/codes/dual_frequency.h"
-#include "slipstream/reconstruct/detail/reference_engine.h"
+#include "slipstream/codes/phase_shifting.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/phase_matcher.h"
-#include "slipstream/response/blind.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/double_three_step.h"
-#include "slipstream/response/measurement.h"
+#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/gamma_choice.h"
 #include "slipstream/simulate/named_scenes.h"
-#include "slipstream/simulate/second_camera.h"
+#include "slipstream/simulate/virtual_world.h"
 #include "tools/reproduce/board_experiment.h"
+#include "tools/reproduce/gamma_formulas.h"
 #include "tools/reproduce/gamma_model.h"
 
 namespace slipstream {

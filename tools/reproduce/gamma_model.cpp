@@ -5,10 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "slipstream/response/blind.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/distortion.h"
-#include "slipstream/response/measurement.h"
+#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/harmonics.h"
+#include "tools/reproduce/gamma_formulas.h"
 
 namespace slipstream {
 namespace {

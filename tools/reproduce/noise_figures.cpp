@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/strategy.h"
+#include "slipstream/decode/equations.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/decode/reflectivity.h"
-#include "slipstream/response/noise_measurement.h"
+#include "slipstream/response/noise_calibration.h"
 #include "tools/reproduce/multiplexing.h"
 #include "tools/reproduce/noisy_frames.h"
 #include "tools/reproduce/unwrapping_tables.h"

@@ -8,7 +8,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/phase_measuring.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/strategy.h"
 #include "slipstream/decode/decoder.h"
 #include "slipstream/simulate/named_scenes.h"

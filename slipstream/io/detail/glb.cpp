@@ -1,5 +1,3 @@
-#include "slipstream/io/detail/glb.h"
-
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -9,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/base/number_bytes.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/io/detail/point_formats.h"
 #include "slipstream/io/image_file.h"
 
 namespace slipstream {

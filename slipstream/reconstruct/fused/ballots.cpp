@@ -1,5 +1,3 @@
-#include "slipstream/reconstruct/fused/ballots.h"
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -10,6 +8,7 @@
 
 #include "slipstream/base/disabled_targets-inl.h"
 #include "slipstream/decode/surface_window.h"
+#include "slipstream/reconstruct/fused/vote_rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/ballots.cpp"

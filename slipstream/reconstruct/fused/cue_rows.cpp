@@ -1,14 +1,12 @@
-#include "slipstream/reconstruct/fused/cue_rows.h"
-
+// Frames with a cue to coordinates of a row.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 #include "slipstream/base/disabled_targets-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/cue_rows.cpp"
@@ -16,8 +14,7 @@
 #include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
-#include "slipstream/reconstruct/fused/frame_sums-inl.h"
-#include "slipstream/reconstruct/fused/sinusoid_turns-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
@@ -338,7 +335,7 @@ HWY_INLINE void decode_steps(const CueWork& work, const Pixel* const* frames) {
 }
 
 template <class Pixel>
-HWY_INLINE void decode_cue(const CueWork& work, const Pixel* const* frames) {
+HWY_NOINLINE void decode_cue(const CueWork& work, const Pixel* const* frames) {
   switch (work.stage.steps) {
     case 3:
       return decode_steps<3>(work, frames);
@@ -353,70 +350,11 @@ HWY_INLINE void decode_cue(const CueWork& work, const Pixel* const* frames) {
   }
 }
 
-void DecodeCueRow8(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
-                   const CueLimits& cue_limits, const std::uint8_t* const* frames,
-                   const CueRow& row) {
-  decode_cue({stage, cue, limits, cue_limits, row}, frames);
-}
-
-void DecodeCueRow16(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
-                    const CueLimits& cue_limits, const std::uint16_t* const* frames,
-                    const CueRow& row) {
-  decode_cue({stage, cue, limits, cue_limits, row}, frames);
-}
-
-/// Read byte by byte: what was just written by fewer bytes at once is waited for.
-HWY_INLINE std::uint32_t bits_of(FloatMask mask) {
-  std::array<std::uint8_t, 8> bytes{};
-  hn::StoreMaskBits(FloatTag(), mask, bytes.data());
-  return bytes[0] | std::uint32_t{bytes[1]} << 8;
-}
-
-/// Of one vector, from pixel i on.
-HWY_INLINE void append_disagreeing(const CueStage& cue, const CoordinateRows& rows, int i,
-                                   std::vector<PixelPlace>& found) {
-  const FloatTag d;
-  // A little less and more than the vote's own limits, whose numbers are not rounded to float.
-  const Floats half_period = hn::Set(d, 0.499F / cue.periods);
-  const Floats steepest = hn::Set(d, 0.251F);
-  const Floats f_h = hn::Set(d, cue.periods), y = hn::LoadU(d, rows.here + i);
-  // A step of whole periods, but for one that may be the surface's own.
-  const auto disagrees = [&](const float* other) SLIPSTREAM_STEP {
-    const Floats step = hn::Sub(hn::LoadU(d, other + i), y), periods = hn::Mul(step, f_h);
-    const Floats part = hn::Abs(hn::Sub(periods, hn::Round(periods)));
-    return hn::And(hn::Gt(hn::Abs(step), half_period), hn::Le(part, steepest));
-  };
-  const auto open = hn::Or(hn::Or(disagrees(rows.here - 1), disagrees(rows.here + 1)),
-                           hn::Or(disagrees(rows.above), disagrees(rows.below)));
-  for (std::uint32_t bits = bits_of(open); bits != 0; bits &= bits - 1) {
-    found.push_back({rows.row, i + std::countr_zero(bits)});
-  }
-}
-
-/// Most vectors are looked at only to the left and down: what is far on their right is so on the
-/// left of the next, and what is above was below. Past the row's end nothing is far.
-void FindDisagreeing(const CueStage& cue, const CoordinateRows& rows,
-                     std::vector<PixelPlace>& found) {
-  const FloatTag d;
-  const Floats half_period = hn::Set(d, 0.499F / cue.periods);
-  const auto lanes = static_cast<int>(hn::Lanes(d));
-  const CoordinateRows local = rows;  // no store can change them
-  std::uint8_t* far_above = local.far_above;
-  bool far_before = false;
-  for (int i = 0; i < local.width; i += lanes) {
-    const Floats y = hn::LoadU(d, local.here + i);
-    const auto far = [&](const float* other) SLIPSTREAM_STEP {
-      return hn::Gt(hn::Abs(hn::Sub(hn::LoadU(d, other + i), y)), half_period);
-    };
-    const FloatMask left = far(local.here - 1);
-    const bool below = !hn::AllFalse(d, far(local.below)), beside = !hn::AllFalse(d, left);
-    if (far_before || (beside && (bits_of(left) & 1U) != 0)) {
-      append_disagreeing(cue, local, i - lanes, found);
-    }
-    far_before = beside || below || *far_above != 0;
-    *far_above++ = below ? 1 : 0;
-  }
-  if (far_before) append_disagreeing(cue, local, (local.width - 1) / lanes * lanes, found);
+void DecodeCueRow(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
+                  const CueLimits& cue_limits, const FrameRows& frames, const CueRow& row) {
+  const CueWork work{stage, cue, limits, cue_limits, row};
+  if (frames.of_8_bits != nullptr) return decode_cue(work, frames.of_8_bits);
+  decode_cue(work, frames.of_16_bits);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE
@@ -425,24 +363,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace slipstream {
 
-HWY_EXPORT(DecodeCueRow8);
-HWY_EXPORT(DecodeCueRow16);
-HWY_EXPORT(FindDisagreeing);
+HWY_EXPORT(DecodeCueRow);
 
 void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
-                const CueLimits& cue_limits, const std::uint8_t* const* frames, const CueRow& row) {
-  HWY_DYNAMIC_DISPATCH(DecodeCueRow8)(stage, cue, limits, cue_limits, frames, row);
-}
-
-void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
-                const CueLimits& cue_limits, const std::uint16_t* const* frames,
-                const CueRow& row) {
-  HWY_DYNAMIC_DISPATCH(DecodeCueRow16)(stage, cue, limits, cue_limits, frames, row);
-}
-
-void find_disagreeing(const CueStage& cue, const CoordinateRows& rows,
-                      std::vector<PixelPlace>& found) {
-  HWY_DYNAMIC_DISPATCH(FindDisagreeing)(cue, rows, found);
+                const CueLimits& cue_limits, const FrameRows& frames, const CueRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeCueRow)(stage, cue, limits, cue_limits, frames, row);
 }
 
 }  // namespace slipstream

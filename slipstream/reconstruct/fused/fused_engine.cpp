@@ -1,6 +1,8 @@
 #include "slipstream/reconstruct/fused/fused_engine.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <type_traits>
@@ -10,19 +12,17 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/reconstruct/detail/band_chain.h"
+#include "slipstream/reconstruct/fused/fused_pass.h"
 
 namespace slipstream {
 namespace {
 
-constexpr int padding = least_row_width;
 constexpr std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-/// Before the first and after the last pixel stands NaN, which confirms no neighbour.
 void prepare(FusedScratch::Row& row, int width) {
-  prepare(row.coordinate, {width + 2 * padding, 1});
+  prepare(row.coordinate, {width + 2 * row_padding, 1});
   std::fill(row.coordinate.begin(), row.coordinate.end(), std::numeric_limits<float>::quiet_NaN());
   prepare(row.flags, {width, 1});
 }
@@ -33,123 +33,14 @@ void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
     for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
     prepare(scratch.turns, turns);
     prepare(scratch.unwrapped, {width, 2});
-    for (Image<float>* row : {&scratch.sum, &scratch.coarse}) prepare(*row, {width, 1});
-    for (Image<float>* row : {&scratch.mean, &scratch.x, &scratch.y, &scratch.z}) {
+    for (Image<float>* row :
+         {&scratch.sum, &scratch.coarse, &scratch.mean, &scratch.x, &scratch.y, &scratch.z}) {
       prepare(*row, {width, 1});
     }
     prepare(scratch.validity, {width, 1});
   }
   scratch.packed = 0;
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
-}
-
-/// Where what is written would push out of the cache what is read, and rows start at whole vectors
-/// or at halves of the widest.
-bool written_past_cache(Size size) {
-  constexpr int cached_pixels = 2'000'000;
-  return size.width % (least_row_width / 2) == 0 &&
-         std::int64_t{size.width} * size.height > cached_pixels;
-}
-
-/// One scan on its way through the stages.
-template <class Pixel>
-struct Pass {
-  const FusedStages& stages;
-  const Frames<Pixel>& frames;
-  const FusedOutput& output;
-  double full_scale;
-  const std::vector<SinusoidLimits>& limits;  ///< of each band
-  CueLimits cue_limits;
-  bool past_cache;
-  const Image<float>* coarse;  ///< where it is given
-
-  [[nodiscard]] int width() const { return frames.front().width(); }
-  [[nodiscard]] int height() const { return frames.front().height(); }
-
-  const Pixel* const* frame_rows(int row, FusedScratch& scratch) const {
-    auto& rows = std::get<std::vector<const Pixel*>>(scratch.frames);
-    std::transform(frames.begin(), frames.end(), rows.begin(),
-                   [row](const auto& frame) { return frame.row(row); });
-    return rows.data();
-  }
-
-  /// Where the mean goes: grey levels of the frames in a map, of 8 bits in a cloud.
-  float* mean_row(int row, FusedScratch& scratch) const {
-    if (output.maps != nullptr) return output.maps->mean.row(row);
-    if (output.cloud != nullptr) return output.cloud->intensity.row(row);
-    // Rows ahead of the points' own are kept where they will be packed.
-    const bool runs_ahead = !stages.chain.empty() || stages.cue;
-    if (output.points != nullptr && runs_ahead) return output.points->intensity.row(row);
-    return scratch.mean.begin();
-  }
-
-  [[nodiscard]] float* modulation_row(int row) const {
-    if (output.maps != nullptr) return output.maps->modulation.row(row);
-    return output.modulation != nullptr ? output.modulation->row(row) : nullptr;
-  }
-
-  /// Frames of one row to the turns of every band, and to flags and levels.
-  void decode(int row, FusedScratch& scratch, SinusoidRow to) const {
-    const Pixel* const* rows = frame_rows(row, scratch);
-    for (std::size_t i = 0; i < stages.bands.size(); ++i) {
-      const FusedStages::BandStage& band = stages.bands[i];
-      to.turn = scratch.turns.row(static_cast<int>(i));
-      to.another = i > 0;
-      decode_row(band.sinusoid, limits[i], rows + band.first_frame, to);
-    }
-  }
-
-  /// What a row of the maps gets besides mean, modulation and coordinate, and the cloud from them.
-  void finish_maps(int row, const float* turn) const {
-    if (output.maps == nullptr) return;
-    phase_row(width(), turn, output.maps->wrapped_phase.row(row));
-    if (output.cloud == nullptr) return;
-    const auto to_8_bits = static_cast<float>(255 / full_scale);
-    std::transform(output.maps->mean.row(row), output.maps->mean.row(row) + width(),
-                   output.cloud->intensity.row(row), [&](float mean) { return to_8_bits * mean; });
-  }
-
-  [[nodiscard]] PointRow point_output(int row, FusedScratch& scratch) const {
-    PointRow points{.width = width(),
-                    .E_x = stages.rays.E_x.row(row),
-                    .E_y = stages.rays.E_y.row(row),
-                    .z = scratch.z.begin(),
-                    .validity = scratch.validity.begin()};
-    if (stages.blocks) points.blocks = stages.blocks->at(row);
-    if (output.cloud != nullptr) {
-      points.x = output.cloud->x.row(row);
-      points.y = output.cloud->y.row(row);
-      points.z = output.cloud->z.row(row);
-      points.validity = output.cloud->validity.row(row);
-    } else if (output.depth != nullptr) {
-      points.z = output.depth->z.row(row);
-      points.validity = output.depth->validity.row(row);
-    } else if (output.points != nullptr) {
-      points.x = scratch.x.begin();
-      points.y = scratch.y.begin();
-    }
-    points.past_cache = output.numbers == nullptr && output.points == nullptr &&
-                        written_past_cache(stages.rays.E_x.size());
-    return points;
-  }
-
-  /// `first`: of the band's rows.
-  void finish_points(int first, int row, FusedScratch& scratch) const {
-    if (output.numbers != nullptr) {
-      number_row(output.scale, width(), scratch.z.begin(), output.numbers->row(row));
-    }
-    if (output.points == nullptr) return;
-    PackedPoints& to = *output.points;
-    const auto at = [&](Image<float>& image) { return image.row(first) + scratch.packed; };
-    scratch.packed += pack_row(
-        width(), {scratch.x.begin(), scratch.y.begin(), scratch.z.begin(), mean_row(row, scratch)},
-        {at(to.x), at(to.y), at(to.z), at(to.intensity)},
-        index(width()) * index(row + 1 - first) - scratch.packed);
-  }
-};
-
-float* coordinates(FusedScratch::Row& row) {
-  return row.coordinate.begin() + padding;
 }
 
 /// Puts NaN where a pixel has one of those flags.
@@ -160,7 +51,7 @@ void hide(int width, const std::int32_t* flags, std::int32_t hidden, float* valu
 }
 
 template <class Pixel>
-void one_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
+void one_band(const FusedPass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
   float* turn = scratch.turns.begin();
   std::int32_t* flags = scratch.rows[0].flags.begin();
   Maps* const maps = pass.output.maps;
@@ -187,35 +78,86 @@ void one_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratc
   }
 }
 
-/// Points of a row whose neighbours confirm it; `coordinates(row)` are padded on both sides.
-template <class Pixel, class Coordinates>
-void confirmed_row(const Pass<Pixel>& pass, int first, int row, const std::int32_t* flags,
-                   const Coordinates& coordinates, FusedScratch& scratch) {
-  PointRow points = pass.point_output(row, scratch);
-  points.flags = flags;
-  points.above = coordinates(row - 1);
-  points.coordinate = coordinates(row);
-  points.below = coordinates(row + 1);
-  point_row(pass.stages.point, pass.stages.consensus, points);
-  pass.finish_points(first, row, scratch);
+/// The turns of a sum of bands: of one band its own row, else in `to`.
+const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratch, float* to) {
+  const auto alone = std::find(of.begin(), of.end(), 1);
+  if (std::count(of.begin(), of.end(), 0) + 1 == static_cast<std::ptrdiff_t>(of.size()) &&
+      alone != of.end()) {
+    return scratch.turns.row(static_cast<int>(alone - of.begin()));
+  }
+  std::fill_n(to, width, 0.0F);
+  for (std::size_t band = 0; band < of.size(); ++band) {
+    const float* const turn = scratch.turns.row(static_cast<int>(band));
+    const auto factor = static_cast<float>(of[band]);
+    if (factor == 0) continue;
+    for (int i = 0; i < width; ++i) to[i] += factor * turn[i];
+  }
+  for (int i = 0; i < width; ++i) to[i] -= std::floor(to[i]);
+  return to;
+}
+
+/// The middle of each pixel's stripe. `mean`: a row of the first band's, in the output's levels.
+template <class Pixel>
+const float* code_coordinates(const FusedPass<Pixel>& pass, int row, const float* mean,
+                              FusedScratch& scratch) {
+  const FusedStages::CodeBits& code = *pass.stages.code;
+  const Pixel* const* const frames = pass.frame_rows(row, scratch);
+  const int width = pass.width();
+  float* const limit = scratch.sum.begin();
+  if (code.against_mean) {
+    const float to_frames = 1 / (pass.limits.front().mean_scale *
+                                 static_cast<float>(pass.stages.bands.front().sinusoid.steps));
+    for (int i = 0; i < width; ++i) limit[i] = to_frames * mean[i];
+  } else {
+    std::fill_n(limit, width, 0.0F);
+    for (std::size_t n = 0; n < code.reference.size(); ++n) {
+      if (code.reference[n] == 0) continue;
+      for (int i = 0; i < width; ++i) {
+        limit[i] += code.reference[n] * static_cast<float>(frames[n][i]);
+      }
+    }
+  }
+  code_row(code.stage, width, frames, limit, scratch.coarse.begin());
+  return scratch.coarse.begin();
 }
 
 /// What the chain begins with: turns, or coordinates.
 template <class Pixel>
-const float* coarse_row(const Pass<Pixel>& pass, int row, const float* mean,
+const float* coarse_row(const FusedPass<Pixel>& pass, int row, const float* mean,
                         FusedScratch& scratch) {
+  const FusedStages& stages = pass.stages;
   if (pass.coarse != nullptr) return pass.coarse->row(row);
-  if (!pass.stages.code) return first_of_chain(pass.stages, pass.width(), scratch);
-  const float to_frames = 1 / (pass.limits.front().mean_scale *
-                               static_cast<float>(pass.stages.bands.front().sinusoid.steps));
-  return code_coordinates(*pass.stages.code, pass.frame_rows(row, scratch), pass.width(),
-                          {mean, to_frames}, scratch);
+  if (stages.code) return code_coordinates(pass, row, mean, scratch);
+  float* const coarse = scratch.coarse.begin();
+  if (!stages.coarse_in_field) return sum_row(stages.coarse, pass.width(), scratch, coarse);
+  const float* const turns = sum_row(stages.coarse, pass.width(), scratch, scratch.sum.begin());
+  place_row(stages.coarse_stage, pass.width(), turns, coarse);
+  return coarse;
+}
+
+/// The coordinates of all bands weighed, at the fringe orders next to `y`, in place.
+void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, float* y) {
+  float *const other = scratch.sum.begin(), *const sum = scratch.coarse.begin();
+  std::copy_n(y, width, sum);
+  for (std::size_t band = 1; band < stages.bands.size(); ++band) {
+    const auto& [sinusoid, first_frame, periods, weight] = stages.bands[band];
+    if (weight == 0) continue;
+    place_near(static_cast<float>(periods), width, scratch.turns.row(static_cast<int>(band)), y,
+               other);
+    for (int i = 0; i < width; ++i) sum[i] += weight * (other[i] - y[i]);
+  }
+  if (stages.coarse_in_field) {
+    std::copy_n(sum, width, y);
+  } else {
+    const auto& [scale, period, cut] = stages.coordinate;
+    place_row({.scale = 1, .period = period, .cut = cut}, width, sum, y);
+  }
 }
 
 /// Turns of all bands to coordinates, along the chain. Where `maps` are wanted of the row they get
 /// the coordinates of dark pixels too.
 template <class Pixel>
-void unwrap_bands(const Pass<Pixel>& pass, int row, const float* mean, FusedScratch& scratch,
+void unwrap_bands(const FusedPass<Pixel>& pass, int row, const float* mean, FusedScratch& scratch,
                   FusedScratch::Row& kept, Maps* maps) {
   const auto& chain = pass.stages.chain;
   const int width = pass.width();
@@ -240,7 +182,7 @@ void unwrap_bands(const Pass<Pixel>& pass, int row, const float* mean, FusedScra
 /// The coordinates of each row are kept until those below it are known, for its neighbours confirm
 /// them.
 template <class Pixel>
-void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
+void several_bands(const FusedPass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
   const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
   const auto decode = [&](int row) {
     if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
@@ -271,120 +213,8 @@ void several_bands(const Pass<Pixel>& pass, int first, int last, FusedScratch& s
   }
 }
 
-/// Frames to coordinates by each pixel alone. A row past the band is another's, and decoded for the
-/// vote only.
 template <class Pixel>
-void decode_with_cue(const Pass<Pixel>& pass, int row, bool ours, FusedScratch& scratch) {
-  scratch.block.forget_costs(row);
-  CueRow to{.width = pass.width(),
-            .coordinate = scratch.block.coordinates(row),
-            .mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin(),
-            .flags = scratch.block.flags(row),
-            .past_cache = ours && pass.past_cache,
-            .modulation = ours ? pass.modulation_row(row) : nullptr};
-  if (Maps* const maps = ours ? pass.output.maps : nullptr) {
-    to.turn = scratch.turns.begin();
-    to.doubt = maps->fringe_order_doubt.row(row);
-    to.unhidden_coordinate = maps->coordinate.row(row);
-  }
-  decode_row(pass.stages.bands.front().sinusoid, pass.stages.cue->stage, pass.limits.front(),
-             pass.cue_limits, pass.frame_rows(row, scratch), to);
-  if (to.turn != nullptr) pass.finish_maps(row, to.turn);
-}
-
-/// What a pixel has instead when the vote has moved it by whole periods.
-struct MovedPixel {
-  double coordinate = 0;
-  double doubt = 0;
-  double brighter = 0;  ///< what its mean gains, grey levels of 255
-};
-
-void set(const FusedOutput& output, PixelPlace at, const MovedPixel& pixel, double grey_level) {
-  if (pixel.brighter != 0 && (output.cloud != nullptr || output.points != nullptr)) {
-    Image<float>& intensity =
-        output.cloud != nullptr ? output.cloud->intensity : output.points->intensity;
-    intensity(at.column, at.row) += static_cast<float>(pixel.brighter);
-  }
-  if (output.maps == nullptr) return;
-  output.maps->coordinate(at.column, at.row) = static_cast<float>(pixel.coordinate);
-  output.maps->fringe_order_doubt(at.column, at.row) = static_cast<float>(pixel.doubt);
-  output.maps->mean(at.column, at.row) += static_cast<float>(grey_level * pixel.brighter);
-}
-
-/// The neighbourhood's vote on the rows from `first` to `last`, and what follows from it for the
-/// pixels that it moves.
-template <class Pixel>
-void vote(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
-  VoteBlock& block = scratch.block;
-  const FusedStages::Cue& cue = *pass.stages.cue;
-  const bool some_dim = pass.cue_limits.lit_square > pass.cue_limits.voting_square;
-  VoteField field(cue, pass.frames, pass.full_scale, some_dim,
-                  std::get<std::vector<const Pixel*>>(scratch.frames), block);
-  block.lists.open.assign(block.disagreeing.begin(), block.disagreeing.end());
-  NeighbourhoodVote{field}(block.lists);
-  for (const PixelPlace at : block.lists.ever_moved) {
-    float& coordinate = block.coordinates(at.row)[at.column];
-    std::int32_t& flags = block.flags(at.row)[at.column];
-    block.moved.push_back({at, coordinate, flags});
-    const double before = coordinate, y = before + block.shift(at) / cue.f_h;
-    const CuePixel pixel = field.pixel(at.column, at.row);
-    const double doubt = cue.exact.doubt(pixel, y);
-    coordinate = static_cast<float>(y);
-    flags &= ~PixelFlag::doubtful_order;
-    if (doubt > cue.stage.largest_doubt) flags |= PixelFlag::doubtful_order;
-    block.shift(at) = 0;
-    if (at.row < first || at.row >= last) continue;
-    const double brighter = cue.exact.shade(pixel, before) - cue.exact.shade(pixel, y);
-    set(pass.output, at, {.coordinate = y, .doubt = doubt, .brighter = brighter},
-        pass.full_scale / 255);
-  }
-}
-
-/// Block by block: what the vote needs to see is decoded, then it is held, then come the points.
-template <class Pixel>
-void voted_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
-  using Block = VoteBlock;
-  Block& block = scratch.block;
-  const CueStage& cue = pass.stages.cue->stage;
-  const auto within = [&](int row) { return std::clamp(row, 0, pass.height()); };
-  block.prepare(pass.width());
-  int decoded = within(first - Block::seen), asked = within(first - Block::voters);
-  block.clear(decoded - Block::looks_past, decoded);
-  const auto ask_until = [&](int row) {
-    for (; asked < row; ++asked) {
-      find_disagreeing(cue,
-                       {.width = pass.width(),
-                        .row = asked,
-                        .above = block.coordinates(asked - 1),
-                        .here = block.coordinates(asked),
-                        .below = block.coordinates(asked + 1),
-                        .far_above = block.far_above.data()},
-                       block.disagreeing);
-    }
-  };
-  for (int begin = first, end = first; begin < last; begin = end) {
-    end = std::min(begin + Block::most_rows, last);
-    block.forget_vote();
-    std::erase_if(block.disagreeing,
-                  [begin](PixelPlace at) { return at.row < begin - Block::voters; });
-    for (; decoded < within(end + Block::seen); ++decoded) {
-      decode_with_cue(pass, decoded, decoded >= first && decoded < last, scratch);
-      ask_until(std::min(decoded, within(end + Block::voters)));
-    }
-    block.clear(decoded, decoded + Block::looks_past);
-    ask_until(within(end + Block::voters));
-    vote(pass, begin, end, scratch);
-    if (!pass.output.makes_points()) continue;
-    for (int row = begin; row < end; ++row) {
-      confirmed_row(
-          pass, first, row, block.flags(row), [&](int near) { return block.coordinates(near); },
-          scratch);
-    }
-  }
-}
-
-template <class Pixel>
-void run_band(const Pass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
+void run_band(const FusedPass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
   if (pass.stages.cue) return voted_band(pass, first, last, scratch);
   if (!pass.stages.chain.empty()) return several_bands(pass, first, last, scratch);
   one_band(pass, first, last, scratch);
@@ -399,15 +229,19 @@ int band_count(int height, bool votes) {
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
 
+std::array<Image<float>*, 4> values_of(PackedPoints& points) {
+  return {&points.x, &points.y, &points.z, &points.intensity};
+}
+
 /// All bands of a scan, on as many threads as there are.
 template <class Pixel>
-void run_bands(const Pass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
+void run_bands(const FusedPass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
   const int bands = band_count(pass.height(), pass.stages.cue.has_value());
   if (scratch.size() < index(bands)) scratch.resize(index(bands));
 
   // One captured reference: std::function then allocates nothing.
   struct Work {
-    const Pass<Pixel>& pass;
+    const FusedPass<Pixel>& pass;
     std::vector<FusedScratch>& scratch;
     int bands;
     [[nodiscard]] int border(int i) const {
@@ -428,12 +262,53 @@ void run_bands(const Pass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
   if (PackedPoints* const points = pass.output.points) {
     points->count = 0;
     for (int band = 0; band < bands; ++band) {
-      append_packed(work.border(band), scratch[index(band)].packed, *points);
+      const std::size_t count = scratch[index(band)].packed;
+      for (Image<float>* values : values_of(*points)) {
+        std::copy_n(values->row(work.border(band)), count, values->begin() + points->count);
+      }
+      points->count += count;
     }
   }
 }
 
 }  // namespace
+
+void prepare(const Outputs& output, Size size, bool doubtful) {
+  if (output.cloud != nullptr) {
+    Cloud& cloud = *output.cloud;
+    for (Image<float>* image : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity}) {
+      prepare(*image, size);
+    }
+    prepare(cloud.validity, size);
+  }
+  if (output.depth != nullptr) {
+    prepare(output.depth->z, size);
+    prepare(output.depth->validity, size);
+  }
+  if (output.points != nullptr) {
+    for (Image<float>* image : values_of(*output.points)) prepare(*image, size);
+  }
+  if (output.maps != nullptr) {
+    Maps& maps = *output.maps;
+    for (Image<float>* image :
+         {&maps.mean, &maps.modulation, &maps.wrapped_phase, &maps.coordinate}) {
+      prepare(*image, size);
+    }
+    prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
+  }
+  if (output.modulation != nullptr) prepare(*output.modulation, size);
+  if (output.depth16 != nullptr) prepare(*output.depth16, size);
+}
+
+void require_frames(const FrameViews& frames, int count, Size camera) {
+  if (frames.count() != count) {
+    throw Error(fmt::format("{} frames given; the strategy takes {}", frames.count(), count));
+  }
+  if (frames.size() != camera) {
+    throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
+                            text_of(frames.size()), text_of(camera)));
+  }
+}
 
 FusedEngine::FusedEngine(FusedStages stages, ReconstructSettings settings)
     : stages_(std::move(stages)), settings_(std::move(settings)) {}
@@ -445,12 +320,12 @@ std::optional<FusedEngine> FusedEngine::make(const EngineSetup& setup,
   return FusedEngine(std::move(*stages), setup.settings);
 }
 
-void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output,
-                             FusedMemory& memory, const Image<float>* coarse) const {
+void FusedEngine::operator()(const FrameViews& frames, const Outputs& output, FusedMemory& memory,
+                             const Image<float>* coarse) const {
   if ((coarse != nullptr) != stages_.coarse_given) {
     throw Error("a coordinate is given where, and only where, the picture gives the fringe order");
   }
-  require_frames(frames, stages_);
+  require_frames(frames, stages_.frames, stages_.rays.E_x.size());
   frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
     if constexpr (std::is_integral_v<Pixel>) {
       const Size size = stages_.rays.E_x.size();
@@ -462,7 +337,7 @@ void FusedEngine::operator()(const FrameViews& frames, const FusedOutput& output
             sinusoid_limits(band.sinusoid, settings_, full_scale, frames.saturation(), mean_of));
       }
       prepare(output, size, !stages_.chain.empty() || stages_.cue);
-      const Pass<Pixel> pass{
+      const FusedPass<Pixel> pass{
           .stages = stages_,
           .frames = views,
           .output = output,

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/depth_scale.h"
 #include "slipstream/decode/maps.h"
-#include "slipstream/frames/frame_views.h"
-#include "slipstream/reconstruct/detail/vote_block.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/reconstruct/fused/fused_stages.h"
+#include "slipstream/reconstruct/fused/vote_block.h"
+#include "slipstream/reconstruct/outputs.h"
 
 namespace slipstream {
 
@@ -23,15 +23,10 @@ struct FusedScratch {
     Image<float> coordinate;  ///< padded on both sides
     Image<std::int32_t> flags;
   };
-  std::array<Row, 3> rows;  ///< a row and its neighbours, in turns
-  Image<float> turns;       ///< a row for each band
-  Image<float> unwrapped;   ///< two rows, in turns
-  Image<float> sum;         ///< one row, as the next
-  Image<float> coarse;
-  Image<float> mean;  ///< one row, as the next
-  Image<float> x;
-  Image<float> y;
-  Image<float> z;
+  std::array<Row, 3> rows;                  ///< a row and its neighbours, in turns
+  Image<float> turns;                       ///< a row for each band
+  Image<float> unwrapped;                   ///< two rows, in turns
+  Image<float> sum, coarse, mean, x, y, z;  ///< one row each
   Image<Validity> validity;
   std::tuple<std::vector<const std::uint8_t*>, std::vector<const std::uint16_t*>> frames;
   VoteBlock block;
@@ -44,24 +39,8 @@ struct FusedMemory {
   std::vector<SinusoidLimits> limits;  ///< of each band of the layout
 };
 
-/// What is wanted of a scan; the rest is null. Of cloud, depth, points and numbers one at most, and
-/// no maps beside points.
-struct FusedOutput {
-  Cloud* cloud = nullptr;
-  Depth* depth = nullptr;
-  PackedPoints* points = nullptr;  ///< not made by a GPU
-  Maps* maps = nullptr;  ///< coordinates as each pixel says them, not confirmed by its neighbours
-  Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
-  Image<std::uint16_t>* numbers = nullptr;  ///< of the depth, by the scale
-  DepthScale scale{};
-
-  [[nodiscard]] bool makes_points() const {
-    return cloud != nullptr || depth != nullptr || points != nullptr || numbers != nullptr;
-  }
-};
-
 /// Gives what is wanted the size of the picture; `doubtful`: the maps have doubts.
-void prepare(const FusedOutput& output, Size size, bool doubtful);
+void prepare(const Outputs& outputs, Size size, bool doubtful);
 
 /// Of `size` and with any content; an image of that size is left alone.
 template <class Pixel>
@@ -69,11 +48,8 @@ void prepare(Image<Pixel>& image, Size size) {
   if (image.size() != size) image = Image<Pixel>(size, uninitialised);
 }
 
-/// Points that were packed from the beginning of a row on come behind those that are there.
-void append_packed(int first_row, std::size_t count, PackedPoints& points);
-
-/// Throws Error where the frames are not as many as the strategy's or not of the camera's size.
-void require_frames(const FrameViews& frames, const FusedStages& stages);
+/// Throws Error where the frames are not `count` or not of the camera's size.
+void require_frames(const FrameViews& frames, int count, Size camera);
 
 /// Frames to cloud in one pass over the pixels: no intermediate image, vectors of floats, rows
 /// shared among threads in bands, no allocation once outputs and memory have been used. Thread-safe
@@ -92,7 +68,7 @@ class FusedEngine {
   /// `coarse`: the coordinate of each pixel, right to half a period, where unwraps_by_picture; NaN
   /// where there is none. Throws Error where it is missing then or given else, and where the frames
   /// are not quantised, not as many as the strategy's or not of the camera's size.
-  void operator()(const FrameViews& frames, const FusedOutput& output, FusedMemory& memory,
+  void operator()(const FrameViews& frames, const Outputs& output, FusedMemory& memory,
                   const Image<float>* coarse = nullptr) const;
 
   /// Whether that coordinate must be given.

@@ -6,9 +6,8 @@
 #include <numbers>
 #include <utility>
 
-#include "slipstream/codes/unwrapping_chain.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/geometry/stripe_geometry.h"
-#include "slipstream/reconstruct/detail/band_stage.h"
 
 namespace slipstream {
 namespace {
@@ -75,7 +74,7 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
                                         .largest_doubt = static_cast<float>(largest_doubt),
                                         .coordinate = unplaced(1)}};
   };
-  if (layout.unwrapping == Unwrapping::code) {
+  if (way_of(layout.unwrapping).reads_code) {
     stages.code = code_bits(layout);
     stages.chain.push_back(link(chain.back(), chain.back().periods));
     UnwrapStage& unwrap = stages.chain.back().unwrap;
@@ -272,10 +271,8 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
   constexpr double widest_margin = 0.25;
   const auto& [scanner, sequence, settings] = setup;
   const Layout& layout = sequence.strategy.layout();
-  const bool votes = layout.unwrapping == Unwrapping::vote;
-  const bool by_reference =
-      layout.unwrapping == Unwrapping::likelihood || layout.unwrapping == Unwrapping::code_alone ||
-      layout.unwrapping == Unwrapping::single_frames || carrier_periods(layout) > 0;
+  const bool votes = order_source(layout) == OrderSource::neighbours;
+  const bool by_reference = !way_of(layout.unwrapping).in_kernels || carrier_periods(layout) > 0;
   if (by_reference || (votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
       scanner.camera.size.width < least_row_width) {
     return std::nullopt;

@@ -4,13 +4,10 @@
 #include <vector>
 
 #include "slipstream/decode/cue_evidence.h"
-#include "slipstream/geometry/ray_blocks.h"
 #include "slipstream/geometry/ray_table.h"
-#include "slipstream/reconstruct/fused/code_rows.h"
-#include "slipstream/reconstruct/fused/cue_rows.h"
-#include "slipstream/reconstruct/fused/order_costs.h"
 #include "slipstream/reconstruct/fused/point_rows.h"
 #include "slipstream/reconstruct/fused/sinusoid_rows.h"
+#include "slipstream/reconstruct/fused/vote_rows.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
 namespace slipstream {
@@ -86,5 +83,12 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
 /// The limits of a cue likewise.
 CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& settings,
                      double full_scale);
+
+/// Frames to the turns of a band, corrected for the response where that is known.
+FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections);
+
+/// To 8e-7 rad. Empty for other N, where the correction is no odd function of the phase or leads
+/// out of [0, T], and where it bends too much.
+FoldedPhase folded_phase(const PhaseCorrection& correction);
 
 }  // namespace slipstream

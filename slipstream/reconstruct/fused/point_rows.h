@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/depth_scale.h"
-#include "slipstream/geometry/ray_blocks.h"
+#include "slipstream/geometry/ray_table.h"
 #include "slipstream/reconstruct/fused/sinusoid_rows.h"
 
 // The last stage of the fused pass, coordinates to points. What sinusoid_rows.h says of its

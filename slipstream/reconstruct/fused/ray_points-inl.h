@@ -16,7 +16,7 @@
 
 #include "slipstream/base/vectors-inl.h"
 #include "slipstream/reconstruct/fused/point_rows.h"
-#include "slipstream/reconstruct/fused/sinusoid_turns-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {

@@ -1,8 +1,12 @@
+// Frames to turns, flags and levels of a row.
 #include "slipstream/reconstruct/fused/sinusoid_rows.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
+#include <span>
+#include <type_traits>
 
 #include "slipstream/base/disabled_targets-inl.h"
 
@@ -12,77 +16,240 @@
 #include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
-#include "slipstream/reconstruct/fused/sinusoid_decode-inl.h"
-#include "slipstream/reconstruct/fused/sinusoid_turns-inl.h"
+#include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
 
-void DecodeRow8(const SinusoidStage& stage, const SinusoidLimits& limits,
-                const std::uint8_t* const* frames, const SinusoidRow& row) {
-  decode_pixels(stage, limits, frames, row);
-}
+/// How N = 4 folds the circle to FoldedPhase's part of it: over the axes and their bisectors.
+struct FoldOfFour {
+  Floats U, V;
 
-void PlaceRow(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
+  HWY_INLINE Floats folded_U() const { return hn::Max(hn::Abs(U), hn::Abs(V)); }
+  HWY_INLINE Floats folded_V() const { return hn::Min(hn::Abs(U), hn::Abs(V)); }
+  HWY_INLINE Floats unfolded(Floats turn) const {
+    return slipstream::HWY_NAMESPACE::unfolded(turn, V, U);
+  }
+};
+
+/// How N = 3 and 6 do: over the axis of V = 0, then a phase past 60 degrees goes to 120 degrees
+/// less itself, which past 120 degrees is turned back over 0.
+struct FoldOfThree {
+  Floats U, V;
+
+  HWY_INLINE Floats folded_U() const {
+    const Floats v = hn::Abs(V);
+    return hn::IfThenElse(hn::Gt(v, U), hn::MulSub(hn::Set(FloatTag(), 3.0F), v, U), U);
+  }
+  HWY_INLINE Floats folded_V() const {
+    const Floats v = hn::Abs(V);
+    return hn::IfThenElse(hn::Gt(v, U), hn::Abs(hn::Add(U, v)), v);
+  }
+  HWY_INLINE Floats unfolded(Floats turn) const {
+    const FloatTag d;
+    const Floats v = hn::Abs(V);
+    const Floats back = hn::Sub(hn::Set(d, 1.0F / 3), hn::CopySign(turn, hn::Add(U, v)));
+    const Floats half = hn::IfThenElse(hn::Gt(v, U), back, turn);
+    return hn::IfThenElse(hn::Lt(V, hn::Zero(d)), hn::Sub(hn::Set(d, 1.0F), half), half);
+  }
+};
+
+/// FoldedPhase of each, in turns.
+template <class Fold, std::size_t count>
+HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<count>& V,
+                                       const Several<count>& U) {
   const FloatTag d;
-  const FieldPlacer in_field(stage);
-  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    hn::StoreU(in_field(hn::LoadU(d, turn + i)), d, coordinate + i);
+  Several<count> numerator, denominator;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const Fold fold{U[k], V[k]};
+    const Floats u = hn::Max(fold.folded_U(), hn::Set(d, 1e-30F)), v = fold.folded_V();
+    numerator[k] = hn::MulAdd(hn::Set(d, -2 - folded.b), v, u);
+    denominator[k] = hn::MulAdd(hn::Set(d, folded.b), v, u);
   });
+  const Several<count> x = quotients<count>(numerator, denominator);
+  Several<count> turn;
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = hn::Set(d, folded.coefficients[0]); });
+  for (std::size_t i = 1; i < folded.coefficients.size(); ++i) {
+    add_term<count>(turn, x, folded.coefficients[i]);
+  }
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = Fold{U[k], V[k]}.unfolded(turn[k]); });
+  return turn;
 }
 
-void PlaceNear(float periods, int width, const float* turn, const float* near, float* coordinate) {
+/// What the row keeps of a vector besides its turns and flags.
+HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits, Floats sum,
+                             Floats square, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
-  const Floats f = hn::Set(d, periods), period = hn::Set(d, 1 / periods);
-  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    const Floats part = hn::LoadU(d, turn + i);
-    const Floats k = hn::Round(hn::MulSub(hn::LoadU(d, near + i), f, part));
-    hn::StoreU(hn::Mul(hn::Add(part, k), period), d, coordinate + i);
-  });
+  if (!row.another) {
+    fetch_ahead(row.mean + i, row.past_cache);
+    store(hn::Mul(sum, hn::Set(d, limits.mean_scale)), row.mean + i, row.past_cache);
+  }
+  if (row.modulation != nullptr) {
+    Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
+    if (row.another) modulation = hn::Min(modulation, hn::LoadU(d, row.modulation + i));
+    hn::StoreU(modulation, d, row.modulation + i);
+  }
 }
 
-void UnwrapRow(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
-               std::int32_t hidden, const UnwrappedRow& row) {
+/// Turns of sums. `N`: 3, 4 or 6, where the phase is folded; else 0.
+template <int N, std::size_t count>
+HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>& U,
+                                const Several<count>& V) {
+  Several<count> turn;
+  if constexpr (N != 0) {
+    using Fold = std::conditional_t<N == 4, FoldOfFour, FoldOfThree>;
+    turn = folded_turns<Fold, count>(stage.folded, V, U);
+  } else {
+    turn = corrected_turns<count>(stage, V, U);
+  }
+  if (stage.direction == 1 && stage.offset == 0) return turn;
+  const FloatTag d;
+  const Floats direction = hn::Set(d, stage.direction), offset = hn::Set(d, stage.offset);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    turn[k] = hn::MulAdd(direction, turn[k], offset);
+    turn[k] = hn::Sub(turn[k], hn::Floor(turn[k]));
+  });
+  return turn;
+}
+
+/// Of the frames of one row: their sums, and which are saturated.
+template <class Sums, class Saturated>
+struct RowFrames {
+  Sums sums;
+  Saturated saturation;
+};
+template <class Sums, class Saturated>
+RowFrames(Sums, Saturated) -> RowFrames<Sums, Saturated>;
+
+/// Vectors from pixel `i` on; `N` as in `turns`.
+template <int N, std::size_t count, class Sums, class Saturated>
+HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
+                               const RowFrames<Sums, Saturated>& frames, const SinusoidRow& row,
+                               std::size_t i) {
   const FloatTag d;
   const IntTag di;
-  const FieldPlacer in_field(stage.coordinate);
-  const Floats ratio = hn::Set(d, stage.ratio);
-  const Floats largest_doubt = hn::Set(d, stage.largest_doubt);
-  const Floats open = hn::Set(d, stage.open), doubt_scale = hn::Set(d, stage.doubt_scale);
+  const auto at = [&](std::size_t k) SLIPSTREAM_STEP { return i + k * hn::Lanes(d); };
+  const auto all_dark = [&](const auto& flags) SLIPSTREAM_STEP {
+    Ints common = hn::Set(di, PixelFlag::dark);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { common = hn::And(common, flags(k)); });
+    return hn::AllTrue(d, is_dark(common));
+  };
+  const auto known = [&](std::size_t k)
+                         SLIPSTREAM_STEP { return hn::LoadU(di, row.flags + at(k)); };
+  if (row.only_lit && row.another && all_dark(known)) return;
+
+  Several<count> U, V, turn;
+  Several<count, FloatMask> dark;
+  FloatMask any_dark = hn::FirstN(d, 0);
+  const Floats least_square = hn::Set(d, limits.least_square);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    const FrameSums sum = frames.sums(at(k));
+    U[k] = sum.U;
+    V[k] = sum.V;
+    const Floats square = modulation_square(stage, sum);
+    dark[k] = hn::Lt(square, least_square);
+    any_dark = hn::Or(any_dark, dark[k]);
+    store_levels(stage, limits, sum.sum, square, row, at(k));
+  });
+  const bool saturated = frames.saturation.template among<count>(i);
+  if (HWY_LIKELY(hn::AllFalse(d, any_dark) && !saturated)) {
+    turn = turns<N, count>(stage, U, V);
+    return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+      if (!row.another) hn::StoreU(hn::Zero(di), di, row.flags + at(k));
+      hn::StoreU(turn[k], d, row.turn + at(k));
+    });
+  }
+
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    const Ints known = hn::LoadU(di, row.flags + i);
-    const auto is_hidden =
-        hn::RebindMask(d, hn::Ne(hn::And(known, hn::Set(di, hidden)), hn::Zero(di)));
-    if (hn::AllTrue(d, is_hidden)) return hn::StoreU(nan, d, row.coordinate + i);
-    const Floats high = hn::LoadU(d, high_turn + i);
-    const Floats periods = hn::MulSub(hn::LoadU(d, low_turn + i), ratio, high);
-    const Floats k = hn::Round(periods);  // (1.17)
-    const Floats y = in_field(hn::Add(high, k));
-    const Floats apart =
-        hn::Mul(hn::Max(hn::Sub(hn::Abs(hn::Sub(periods, k)), open), hn::Zero(d)), doubt_scale);
-    if (row.doubt != nullptr) {
-      const Floats before = row.keeps_doubt ? hn::LoadU(d, row.doubt + i) : hn::Zero(d);
-      hn::StoreU(hn::Max(apart, before), d, row.doubt + i);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    Ints flags = hn::IfThenElseZero(hn::RebindMask(di, dark[k]), hn::Set(di, PixelFlag::dark));
+    if (saturated) flags = hn::Or(flags, saturation_flag(limits, frames.sums(at(k))));
+    if (row.another) flags = hn::Or(flags, known(k));
+    hn::StoreU(flags, di, row.flags + at(k));
+  });
+  if (row.only_lit && all_dark(known)) {
+    if (!row.nan_if_flagged) return;
+    return each<count>([&](std::size_t k)
+                           SLIPSTREAM_STEP { hn::StoreU(nan, d, row.turn + at(k)); });
+  }
+  turn = turns<N, count>(stage, U, V);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP {
+    if (row.nan_if_flagged) {
+      const auto good = hn::RebindMask(d, hn::Eq(known(k), hn::Zero(di)));
+      turn[k] = hn::IfThenElse(good, turn[k], nan);
     }
-    const auto doubtful = hn::Gt(apart, largest_doubt);
-    const Ints doubt =
-        hn::IfThenElseZero(hn::RebindMask(di, doubtful), hn::Set(di, PixelFlag::doubtful_order));
-    hn::StoreU(hn::Or(known, doubt), di, row.flags + i);
-    hn::StoreU(hn::IfThenElse(is_hidden, nan, y), d, row.coordinate + i);
+    hn::StoreU(turn[k], d, row.turn + at(k));
   });
 }
 
-void PhaseRow(int width, const float* turn, float* phase) {
-  const FloatTag d;
-  // The float below 2 pi; a whole turn is none.
-  const Floats two_pi = hn::Set(d, 6.2831850F);
-  for_each_vector(width, [&](std::size_t i) SLIPSTREAM_STEP {
-    const Floats t = hn::LoadU(d, turn + i);
-    Floats part = hn::Sub(t, hn::Floor(t));
-    part = hn::IfThenElseZero(hn::Lt(part, hn::Set(d, 1.0F)), part);
-    hn::StoreU(hn::Min(hn::Mul(part, hn::Set(d, 6.2831853F)), two_pi), d, phase + i);
-  });
+template <int N, class Frames>
+HWY_INLINE void decode_with(const SinusoidStage& stage, const SinusoidLimits& limits,
+                            const SinusoidRow& row, const Frames& frames) {
+  for_each_group(static_cast<std::size_t>(row.width),
+                 [&]<std::size_t count>(Together<count>, std::size_t i)
+                     SLIPSTREAM_STEP { decode_vectors<N, count>(stage, limits, frames, row, i); });
+}
+
+template <int N, class Pixel>
+HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const SinusoidLimits& limits,
+                                   const Pixel* const* frames, const SinusoidRow& row) {
+  std::array<const Pixel*, N> rows;
+  std::copy_n(frames, N, rows.begin());
+  const auto sums = [rows](std::size_t i)
+                        SLIPSTREAM_STEP { return closed_form_sums<N>(rows.data(), i); };
+  const RowFrames decoded{sums, Saturation(rows.data(), N, limits.full_scale)};
+  if (!stage.folded.empty()) return decode_with<N>(stage, limits, row, decoded);
+  decode_with<0>(stage, limits, row, decoded);
+}
+
+template <class Pixel>
+HWY_INLINE void decode_fifths(const SinusoidStage& stage, const SinusoidLimits& limits,
+                              const Pixel* const* frames, const SinusoidRow& row) {
+  std::array<const Pixel*, 5> rows;
+  std::copy_n(frames, rows.size(), rows.begin());
+  const auto sums = [rows](std::size_t i)
+                        SLIPSTREAM_STEP { return fifth_sums(rows.data(), i).first; };
+  decode_with<0>(stage, limits, row,
+                 RowFrames{sums, Saturation(rows.data(), rows.size(), limits.full_scale)});
+}
+
+template <class Pixel>
+HWY_INLINE void decode_weighted(const SinusoidStage& stage, const SinusoidLimits& limits,
+                                const Pixel* const* frames, const SinusoidRow& row) {
+  const Saturation saturation(frames, stage.cosines.size(), limits.full_scale);
+  const auto decode = [&](const auto& sums) SLIPSTREAM_STEP {
+    decode_with<0>(stage, limits, row, RowFrames{sums, saturation});
+  };
+  if (stage.whole.empty()) {
+    return decode([&](std::size_t i) SLIPSTREAM_STEP { return general_sums(stage, frames, i); });
+  }
+  const std::span whole = stage.whole;
+  decode([whole, frames](std::size_t i) SLIPSTREAM_STEP { return whole_sums(whole, frames, i); });
+}
+
+template <class Pixel>
+HWY_NOINLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
+                                const Pixel* const* frames, const SinusoidRow& row) {
+  // A local copy stays in registers: no store can alias it.
+  const SinusoidRow local = row;
+  switch (stage.cosines.empty() ? stage.steps : 0) {
+    case 3:
+      return decode_closed_form<3>(stage, limits, frames, local);
+    case 4:
+      return decode_closed_form<4>(stage, limits, frames, local);
+    case 5:
+      return decode_fifths(stage, limits, frames, local);
+    case 6:
+      return decode_closed_form<6>(stage, limits, frames, local);
+    default:
+      return decode_weighted(stage, limits, frames, local);
+  }
+}
+
+void DecodeRow(const SinusoidStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
+               const SinusoidRow& row) {
+  if (frames.of_8_bits != nullptr) return decode_pixels(stage, limits, frames.of_8_bits, row);
+  decode_pixels(stage, limits, frames.of_16_bits, row);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE
@@ -91,32 +258,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace slipstream {
 
-HWY_EXPORT(DecodeRow8);
-HWY_EXPORT(PlaceRow);
-HWY_EXPORT(PlaceNear);
-HWY_EXPORT(UnwrapRow);
-HWY_EXPORT(PhaseRow);
+HWY_EXPORT(DecodeRow);
 
-void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits,
-                const std::uint8_t* const* frames, const SinusoidRow& row) {
-  HWY_DYNAMIC_DISPATCH(DecodeRow8)(stage, limits, frames, row);
-}
-
-void place_row(const CoordinateStage& stage, int width, const float* turn, float* coordinate) {
-  HWY_DYNAMIC_DISPATCH(PlaceRow)(stage, width, turn, coordinate);
-}
-
-void place_near(float periods, int width, const float* turn, const float* near, float* coordinate) {
-  HWY_DYNAMIC_DISPATCH(PlaceNear)(periods, width, turn, near, coordinate);
-}
-
-void unwrap_row(const UnwrapStage& stage, int width, const float* high_turn, const float* low_turn,
-                std::int32_t hidden, const UnwrappedRow& row) {
-  HWY_DYNAMIC_DISPATCH(UnwrapRow)(stage, width, high_turn, low_turn, hidden, row);
-}
-
-void phase_row(int width, const float* turn, float* phase) {
-  HWY_DYNAMIC_DISPATCH(PhaseRow)(width, turn, phase);
+void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
+                const SinusoidRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeRow)(stage, limits, frames, row);
 }
 
 }  // namespace slipstream

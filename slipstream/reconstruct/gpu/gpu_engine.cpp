@@ -112,12 +112,12 @@ struct PlaneList {
   }
 };
 
-Image<Validity>* reasons_of(const FusedOutput& output) {
+Image<Validity>* reasons_of(const Outputs& output) {
   if (output.cloud != nullptr) return &output.cloud->validity;
   return output.depth != nullptr ? &output.depth->validity : nullptr;
 }
 
-PlaneList planes_of(const FusedOutput& output, std::size_t plane_pixels) {
+PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   PlaneList list{.plane_pixels = plane_pixels};
   GpuStages::Planes& at = list.planes;
   if (Cloud* const cloud = output.cloud) {
@@ -159,7 +159,7 @@ struct GpuEngine::Job {
   GpuStages stages;
   std::vector<PlaneList> planes;  ///< of each scan
   std::span<const FrameViews> scans;
-  std::span<const FusedOutput> outputs;
+  std::span<const Outputs> outputs;
   const Image<float>* coarse;
   std::size_t plane_pixels;
   std::size_t pixel_bytes;  ///< of frames
@@ -181,7 +181,7 @@ struct GpuEngine::Job {
     return planes.front().images.size() * plane_bytes();
   }
   [[nodiscard]] std::size_t packed_bytes() const {
-    const bool numbers = outputs.front().numbers != nullptr;
+    const bool numbers = outputs.front().depth16 != nullptr;
     return plane_pixels * (numbers ? sizeof(std::uint16_t) : sizeof(Validity));
   }
 };
@@ -195,6 +195,7 @@ struct GpuEngine::Step {
 GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu,
                      std::size_t pixels)
     : settings_(fused.settings()),
+      frames_(fused.stages().frames),
       text_(std::move(text)),
       gpu_(std::move(gpu)),
       coordinates_of_8_bits_(coordinate_program(gpu_, fused.stages().bands.size(), 8)),
@@ -284,23 +285,23 @@ void GpuEngine::collect(const Step& step, const Job& job, const GpuScanMemory::S
               part.last, *job.planes[step.first + i / planes].images[i % planes]);
   });
   for (std::size_t scan = 0; scan < step.scans; ++scan) {
-    const FusedOutput& output = job.outputs[step.first + scan];
+    const Outputs& output = job.outputs[step.first + scan];
     const std::byte* const packed = slot.packed.data() + scan * job.packed_bytes();
     if (Image<Validity>* const reasons = reasons_of(output)) {
       copy_rows(packed + skipped * sizeof(Validity), part.first, part.last, *reasons);
     }
-    if (output.numbers != nullptr) {
-      copy_rows(packed + skipped * sizeof(std::uint16_t), part.first, part.last, *output.numbers);
+    if (output.depth16 != nullptr) {
+      copy_rows(packed + skipped * sizeof(std::uint16_t), part.first, part.last, *output.depth16);
     }
   }
 }
 
 GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
-                                  std::span<const FusedOutput> outputs,
+                                  std::span<const Outputs> outputs,
                                   const Image<float>* coarse) const {
   const Size size{text_.stages.width, text_.stages.height};
   const FrameViews& frames = scans.front();
-  const FusedOutput& output = outputs.front();
+  const Outputs& output = outputs.front();
   Job job{.stages = text_.stages,
           .planes = {},
           .scans = scans,
@@ -309,7 +310,7 @@ GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
           .plane_pixels = padded(largest_),
           .pixel_bytes = bytes_of_pixels(frames),
           .together = std::min(together_, scans.size())};
-  for (const FusedOutput& of : outputs) {
+  for (const Outputs& of : outputs) {
     prepare(of, size, text_.stages.links > 0 || !vote_.empty());
     job.planes.push_back(planes_of(of, job.plane_pixels));
   }
@@ -336,7 +337,7 @@ GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
   stages.code.mean_to_frames = 1 / (first.mean_scale * static_cast<float>(first.steps));
   stages.planes = job.planes.front().planes;
   stages.packed = {.wanted = output.makes_points() ? 1 : 0, .offset = output.scale.offset};
-  if (output.numbers != nullptr) stages.packed.numbers_per_mm = 1 / output.scale.scale;
+  if (output.depth16 != nullptr) stages.packed.numbers_per_mm = 1 / output.scale.scale;
   const auto words = [](std::size_t bytes) {
     return static_cast<GpuStages::Word>(bytes / sizeof(GpuStages::Word));
   };
@@ -348,14 +349,17 @@ GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
   return job;
 }
 
-void GpuEngine::operator()(const FrameViews& frames, const FusedOutput& output,
-                           GpuScanMemory& memory, const Image<float>* coarse) const {
+void GpuEngine::operator()(const FrameViews& frames, const Outputs& output, GpuScanMemory& memory,
+                           const Image<float>* coarse) const {
   (*this)(std::span(&frames, 1), std::span(&output, 1), memory, coarse);
 }
 
-void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const FusedOutput> outputs,
+void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Outputs> outputs,
                            GpuScanMemory& memory, const Image<float>* coarse) const {
   const FrameViews& like = scans.front();
+  for (const FrameViews& frames : scans) {
+    require_frames(frames, frames_, {text_.stages.width, text_.stages.height});
+  }
   if (!std::all_of(scans.begin(), scans.end(), [&](const FrameViews& frames) {
         return frames.quantised() && bytes_of_pixels(frames) == bytes_of_pixels(like) &&
                frames.full_scale() == like.full_scale() && frames.merged() == like.merged();
@@ -392,7 +396,7 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Fu
   }
   collect_from(steps - 1);
   if (memory.resident) return;
-  for (const FusedOutput& output : outputs) {
+  for (const Outputs& output : outputs) {
     if (output.cloud == nullptr || output.maps == nullptr) continue;
     scale_intensity(output.maps->mean, like.full_scale(), output.cloud->intensity);
   }

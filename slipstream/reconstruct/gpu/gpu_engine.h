@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "slipstream/frames/frame_views.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/reconstruct/gpu.h"
 #include "slipstream/reconstruct/gpu/gpu_stages.h"
@@ -42,12 +42,12 @@ class GpuEngine {
   static std::optional<GpuEngine> make(const FusedEngine& fused, std::optional<int> device,
                                        std::size_t pixels = pixels_at_once);
 
-  /// As FusedEngine's, of frames that require_frames takes. Throws GpuError where the device fails:
+  /// As FusedEngine's. Throws Error as it does, GpuError where the device fails:
   /// the output is then undefined.
-  void operator()(const FrameViews& frames, const FusedOutput& output, GpuScanMemory& memory,
+  void operator()(const FrameViews& frames, const Outputs& output, GpuScanMemory& memory,
                   const Image<float>* coarse = nullptr) const;
   /// Of several scans at once, whose frames have as many bits, and of which the same is wanted.
-  void operator()(std::span<const FrameViews> scans, std::span<const FusedOutput> outputs,
+  void operator()(std::span<const FrameViews> scans, std::span<const Outputs> outputs,
                   GpuScanMemory& memory, const Image<float>* coarse = nullptr) const;
 
   [[nodiscard]] const Gpu& device() const { return *gpu_; }
@@ -65,13 +65,14 @@ class GpuEngine {
             std::size_t pixels);
 
   [[nodiscard]] GpuScanMemory::Slot slot_for(const Job& job, bool resident) const;
-  [[nodiscard]] Job job_for(std::span<const FrameViews> scans, std::span<const FusedOutput> outputs,
+  [[nodiscard]] Job job_for(std::span<const FrameViews> scans, std::span<const Outputs> outputs,
                             const Image<float>* coarse) const;
   static void upload(const Step& step, const Job& job, const GpuBuffer& to);
   void start(const Step& step, Job& job, GpuScanMemory::Slot& slot) const;
   static void collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot);
 
   ReconstructSettings settings_;
+  int frames_;
   std::vector<SinusoidStage> sinusoids_;  ///< of each band
   GpuProgramText text_;
   std::shared_ptr<const Gpu> gpu_;

@@ -1,5 +1,11 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
 #include "slipstream/base/image.h"
 
 namespace slipstream {
@@ -21,13 +27,140 @@ struct Orders {
   Image<int> region;  ///< the same number where they are connected; -1 where there is no phase
 };
 
-// Each is in the file of its name.
+// The first four are in growing.cpp, the others in the files of their names.
 Orders orders_by_rows(const WrappedCycles& wrapped);
 Orders orders_by_flood(const WrappedCycles& wrapped);
-Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
 Orders orders_by_regions(const WrappedCycles& wrapped);
 Orders orders_by_quality(const WrappedCycles& wrapped);
+Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
 Orders orders_by_least_squares(const WrappedCycles& wrapped);
 Orders orders_by_flow(const WrappedCycles& wrapped);
+
+/// The whole periods by which the order changes between neighbours, of phases in [-0.5, 0.5], that
+/// lie less than half a period apart.
+inline int step_between(float from, float to) {
+  return (from - to > 0.5F ? 1 : 0) - (from - to < -0.5F ? 1 : 0);
+}
+
+/// By how many periods the order changes from each pixel to its right and to its lower neighbour.
+struct EdgeSteps {
+  static constexpr std::int16_t closed = -32768;  ///< there is no way, or no neighbour
+
+  Image<std::int16_t> right, down;
+
+  [[nodiscard]] Size size() const { return right.size(); }
+
+  /// Calls `visit(to, step)` for each neighbour that an edge leads to.
+  template <class Visit>
+  void for_each_neighbour(int at, const Visit& visit) const {
+    // An edge to the left or above that is not there is closed: the pixel before is a row's last.
+    const int width = size().width;
+    const std::int16_t* const to_right = right.begin();
+    const std::int16_t* const to_below = down.begin();
+    if (to_right[at] != closed) visit(at + 1, to_right[at]);
+    if (to_below[at] != closed) visit(at + width, to_below[at]);
+    if (at >= 1 && to_right[at - 1] != closed) visit(at - 1, -to_right[at - 1]);
+    if (at >= width && to_below[at - width] != closed) visit(at - width, -to_below[at - width]);
+  }
+  /// Calls `visit(at, to, step)` for each edge, first those to the right.
+  template <class Visit>
+  void for_each_edge(const Visit& visit) const {
+    for (const auto& [edges, apart] : {std::pair(&right, 1), std::pair(&down, size().width)}) {
+      for (int at = 0; at < static_cast<int>(edges->pixel_count()); ++at) {
+        if (edges->begin()[at] != closed) visit(at, at + apart, edges->begin()[at]);
+      }
+    }
+  }
+  /// The edge between two neighbours, of which `at` is the left or the upper one.
+  std::int16_t& edge(int at, int to) {
+    return to - at == size().width ? down.begin()[at] : right.begin()[at];
+  }
+};
+EdgeSteps edge_steps(const Image<float>& cycles);
+
+/// What a whole turn around each corner of pixels changes, closed edges nothing; pixel (x, y) is
+/// the lower right one of corner (x, y), and there is a column and a row more of these than of
+/// pixels.
+Image<int> charges_of(const EdgeSteps& steps);
+
+/// From pixel to pixel along the steps; what they connect is a region.
+Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps);
+
+/// How little the phase of each pixel is to be trusted: how far it is from the mean of two
+/// neighbours, the square in periods, in the mean over row, column and diagonals, as far as they
+/// are there; over the square of the quality, where that is known.
+Image<float> roughness(const WrappedCycles& wrapped);
+
+/// The weight of each pixel, 0 to 1: less the rougher it is than most.
+Image<float> smoothness(const WrappedCycles& wrapped);
+
+/// What `flow` pays to change the step between two pixels by `change`, 1 or -1, the first time:
+/// by how much the square of the difference grows, so that what is nearly half a period gives way
+/// first, and less where the smoothness is.
+inline int cost_of_change(const WrappedCycles& wrapped, const Image<float>& smoothness, int from,
+                          int to, int change) {
+  const float first = wrapped.cycles.begin()[from], second = wrapped.cycles.begin()[to];
+  const float rest = second - first + static_cast<float>(step_between(first, second));
+  const float weight = 100 * std::min(smoothness.begin()[from], smoothness.begin()[to]);
+  return 1 + static_cast<int>(weight * (1 + 2 * static_cast<float>(change) * rest));
+}
+
+/// Groups of pixels that know the orders of each other, each at first alone: a union-find whose
+/// members remember by how many periods they lie above the one before.
+class PhaseGroups {
+ public:
+  explicit PhaseGroups(std::size_t pixels) : members_(pixels) {}
+
+  struct Place {
+    int group = 0;
+    int order = 0;  ///< above the group's
+  };
+  Place find(int pixel) {
+    int order = 0;
+    while (true) {
+      Member& member = at(pixel);
+      if (member.before < 0) return {pixel, order};
+      const Member before = at(member.before);
+      if (before.before < 0) return {member.before, order + member.order};
+      member = {before.before, member.order + before.order};  // half of the way, the next time
+      order += member.order;
+      pixel = member.before;
+    }
+  }
+
+  /// Makes one of both groups, with `step` periods from one pixel to the other; not where they are
+  /// one.
+  void join(int from, int to, int step) {
+    Place first = find(from), second = find(to);
+    if (first.group == second.group) return;
+    step += first.order - second.order;
+    if (at(first.group).before > at(second.group).before) {
+      std::swap(first, second);
+      step = -step;
+    }
+    at(first.group).before += at(second.group).before;
+    at(second.group) = {first.group, step};
+  }
+
+  Orders orders(const WrappedCycles& wrapped) {
+    Orders orders{Image<int>(wrapped.cycles.size()), Image<int>(wrapped.cycles.size(), -1)};
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      if (!wrapped.has(i)) continue;
+      const Place place = find(static_cast<int>(i));
+      orders.region.begin()[i] = place.group;
+      orders.order.begin()[i] = place.order;
+    }
+    return orders;
+  }
+
+ private:
+  struct Member {
+    int before = -1;  ///< of a group's first: how many there are, negative
+    int order = 0;    ///< above that before
+  };
+  Member& at(int pixel) { return members_[static_cast<std::size_t>(pixel)]; }
+
+  std::vector<Member> members_;
+};
 
 }  // namespace slipstream

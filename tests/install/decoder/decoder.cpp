@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include <slipstream/codes/phase_measuring.h>
+#include <slipstream/codes/phase_shifting.h>
 #include <slipstream/reconstruct/engine.h>
 
 int main() {

@@ -1,0 +1,395 @@
+// calibrate ambient, colour, gamma and noise: what light does in a rig, into its scanner file.
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/commands.h"
+#include "app/findings.h"
+#include "app/scan_flags.h"
+#include "slipstream/base/error.h"
+#include "slipstream/codes/pattern_set.h"
+#include "slipstream/decode/equations.h"
+#include "slipstream/frames/colour_channels.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/pattern_pictures.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/response/ambient_calibration.h"
+#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/noise_calibration.h"
+
+namespace slipstream::app {
+namespace fs = std::filesystem;
+namespace {
+
+/// Where to write a calibration: `-o`, into what `--scanner` or the first scan names.
+struct CalibrationFiles {
+  std::optional<std::string> scanner;
+  std::string output;
+};
+
+void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
+  const FlagGroup group{command};
+  group.add_file("--scanner", files.scanner, "scanner file to add to; where not that of the scan");
+  group.add_scanner_output("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
+}
+
+/// Calls `take` with the frames of each folder and what they show, as scan.yaml and the flags say
+/// it, once they are checked: it warns of what is doubtful and throws Error for what is wrong.
+/// Where `files` names no scanner, the first scan's is the one to add to. `of_gamma`: the scans are
+/// there to measure the response, which nothing is then corrected for: that it shows is no news.
+void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& changes,
+                   CalibrationFiles& files, bool of_gamma, Output& output,
+                   const std::function<void(const Scan& scan, const std::string& folder)>& take) {
+  Progress progress("scans", static_cast<int>(folders.size()));
+  for (const std::string& folder : folders) {
+    ScanFiles described = scan_files_in(folder, changes);
+    if (files.scanner) described.scanner = *files.scanner;
+    Scan scan = load_frames(described);
+    for (const std::string& warning : scan.warnings) output.warn(warning);
+    CheckedScan checked = check_and_repair(scan);
+    if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
+    refuse_or_warn(checked, folder, false, output);
+    if (!files.scanner && described.scanner) files.scanner = described.scanner->string();
+    try {
+      take(scan, folder);
+    } catch (const Error& error) {
+      const std::string message = error.what();
+      throw Error(message.starts_with(folder) ? message : fmt::format("{}: {}", folder, message));
+    }
+    progress.advance();
+  }
+}
+
+/// Writes what was found where it is asked for, and says so.
+void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
+                       Output& output) {
+  require_valid(found);
+  if (files.output.empty()) {
+    output.say("nothing was asked to be written; -o scanner.yaml writes it into a scanner file");
+    return;
+  }
+  std::optional<fs::path> from;
+  if (files.scanner) from = *files.scanner;
+  write_photometric_calibration(from, files.output, found);
+  output.document["output"] = files.output;
+  output.say("{}: written{}", files.output,
+             from ? fmt::format(", with all that {} holds", from->string()) : "");
+}
+
+/// How many pixels have which value.
+BarPlot bar_plot(const std::string& title, const std::string& unit, const Histogram& counted) {
+  return {title,       unit,         "pixels",
+          counted.low, counted.high, {counted.counts.begin(), counted.counts.end()}};
+}
+
+struct CalibrateAmbientFlags {
+  std::vector<std::string> folders;
+  ScanChanges scan;
+  double least_alpha = 0.5;
+  std::string histogram;
+  CalibrationFiles files;
+};
+
+void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
+  CalibrationFiles files = flags.files;
+  ScanAverage scans;
+  for_each_scan(flags.folders, flags.scan, files, false, output,
+                [&](const Scan& scan, const std::string& folder) {
+                  require_ambient_measurable(scan, folder);
+                  scans.add(scan, folder);
+                });
+  std::optional<Response> response;
+  if (files.scanner && fs::exists(*files.scanner)) {
+    const auto measured = read_photometric_calibration(*files.scanner).response;
+    if (measured) response = measured->response;
+  }
+  const auto& [estimate, counted, least_alpha] =
+      slipstream::calibrate_ambient(scans, flags.least_alpha, response);
+  if (response) output.say("by the response in {}", *files.scanner);
+  output.say(
+      "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, "
+      "over {} pixels with alpha of {} and more",
+      estimate.mode, estimate.median, estimate.mean, estimate.variance, estimate.pixels,
+      flags.least_alpha);
+  output.say(
+      "with beta_p = {} frames are off zero where alpha is above {:.4g}; for alpha of 0.15 "
+      "and more beta_p must be above {:.4g}",
+      scans.sequence().light.beta_p, least_alpha, least_beta_p(0.15, estimate.mode));
+  output.document = {{"ambient", estimate.mode},  {"median", estimate.median},
+                     {"mean", estimate.mean},     {"variance", estimate.variance},
+                     {"pixels", estimate.pixels}, {"least_reliable_alpha", least_alpha}};
+  if (!flags.histogram.empty()) {
+    write_plot(flags.histogram, bar_plot("Ambient light of the pixels", "grey levels", counted));
+    output.document["histogram"] = flags.histogram;
+  }
+  write_calibration(files, {.ambient = estimate.mode}, output);
+}
+
+struct CalibrateColourFlags {
+  std::string folder;
+  CalibrationFiles files;
+};
+
+/// The picture of that name, whatever its ending.
+fs::path picture_named(const fs::path& folder, const std::string& name) {
+  for (const fs::path& picture : images_in_folder(folder)) {
+    if (picture.stem() == name) return picture;
+  }
+  throw Error(fmt::format("{}: no picture {}; wanted are {} of a white surface", folder.string(),
+                          name, fmt::join(primary_names, ", ")));
+}
+
+void calibrate_colour(const CalibrateColourFlags& flags, Output& output) {
+  std::vector<fs::path> pictures(primary_names.size());
+  std::transform(primary_names.begin(), primary_names.end(), pictures.begin(),
+                 [&](const char* name) { return picture_named(flags.folder, name); });
+  const ColourMixture mixture = measured_mixture(read_colour_frames(pictures));
+  for (std::size_t c = 0; c < mixture.size(); ++c) {
+    const auto& [red, green, blue, dark] = mixture[c];
+    output.say("the camera's {} sees {:.3f} of red, {:.3f} of green, {:.3f} of blue; dark {:.1f}",
+               primary_names[c + 1], red, green, blue, dark);
+  }
+  output.document["colour_mixture"] = mixture;
+  write_calibration(flags.files, {.colour_mixture = mixture}, output);
+}
+
+struct CalibrateGammaFlags {
+  std::vector<std::string> folders;
+  ScanChanges scan;
+  std::optional<std::string> uniform;
+  bool response = false;
+  CalibrationFiles files;
+  std::string map;
+  std::string histogram;
+  double minimum_modulation = 0;
+};
+
+void require_pixels_asked_for_can_be(const CalibrateGammaFlags& flags, bool can,
+                                     const std::string& why) {
+  if (can || (flags.map.empty() && flags.histogram.empty())) return;
+  throw Error(fmt::format("{} {}: {}", flags.map.empty() ? "--histogram" : "--map",
+                          flags.map.empty() ? flags.histogram : flags.map, why));
+}
+
+void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Output& output) {
+  const auto& [map, estimate, counted] = pixels;
+  output.say(
+      "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of each of {} pixels, which spread "
+      "by {:.3g}",
+      estimate.gamma, estimate.standard_error, estimate.pixels, estimate.spread);
+  output.document["pixels"] = {
+      {"gamma", estimate.gamma},
+      {"standard_error", estimate.standard_error},
+      {"spread", estimate.spread},
+      {"pixels", estimate.pixels},
+      {"histogram", {{"low", counted.low}, {"high", counted.high}, {"counts", counted.counts}}}};
+  if (!flags.map.empty()) {
+    write_map(flags.map, map);
+    output.document["map"] = flags.map;
+  }
+  if (!flags.histogram.empty()) {
+    write_plot(flags.histogram, bar_plot("Gamma of every pixel", "gamma", counted));
+    output.document["histogram"] = flags.histogram;
+  }
+}
+
+struct Found {
+  std::string name;
+  MeasuredResponse measured;
+};
+
+/// Nothing where they do not tell, but uniform patterns will.
+std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
+                                Output& output) {
+  const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);
+  const BlindGamma& fit = found.fit;
+  output.say("gamma {:.5f}, standard error {:.2g}: fitted to {} pixels with all harmonics",
+             fit.gamma, fit.standard_error, fit.pixels);
+  output.document["fit"] = {
+      {"gamma", fit.gamma}, {"standard_error", fit.standard_error}, {"pixels", fit.pixels}};
+  require_pixels_asked_for_can_be(
+      flags, found.pixels.has_value(),
+      fmt::format("{} steps give no gamma for each pixel; it takes 5", found.steps));
+  if (found.pixels) tell_pixels(flags, *found.pixels, output);
+  if (!found.response && flags.uniform) return std::nullopt;
+  const MeasuredResponse measured = found_response(found);
+  return Found{found.response->name, measured};
+}
+
+/// The simplest response that fits uniform patterns, or the curve itself where that is asked for.
+Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
+  const UniformLevels levels = read_uniform_pictures(*flags.uniform);
+  const GammaFit fit = fit_gamma(levels.values, levels.intensities);
+  output.say(
+      "gamma {:.5f}: curve through {} uniform patterns, which it misses by {:.3g} grey "
+      "levels RMS; ambient light {:.3g} grey levels",
+      fit.gamma, levels.values.size(), fit.rms, fit.offset);
+  output.document["uniform"] = {
+      {"gamma", fit.gamma}, {"rms", fit.rms}, {"offset", fit.offset}, {"scale", fit.scale}};
+  const auto [name, response] =
+      flags.response
+          ? NamedResponse{"measured curve", response_curve(levels.values, levels.intensities)}
+          : simplest_response(levels.values, levels.intensities);
+  return {name, {response, fit.gamma, 0}};
+}
+
+void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
+  if (flags.folders.empty() && !flags.uniform) {
+    throw Error("calibrate gamma: give folders of scans, or uniform patterns with --uniform");
+  }
+  if (flags.response && !flags.uniform) {
+    throw Error("--response needs pictures of uniform patterns; name their folder with --uniform");
+  }
+  require_pixels_asked_for_can_be(
+      flags, !flags.folders.empty(),
+      "uniform patterns give no gamma for each pixel; give folders of scans");
+  CalibrationFiles files = flags.files;
+  std::optional<Found> found;
+  if (!flags.folders.empty()) {
+    ScanAverage scans;
+    for_each_scan(flags.folders, flags.scan, files, true, output,
+                  [&](const Scan& scan, const std::string& folder) { scans.add(scan, folder); });
+    found = from_scans(flags, scans, output);
+  }
+  if (flags.uniform) {
+    const Found uniform = from_uniform(flags, output);
+    if (!found) found = uniform;
+    if (flags.response) {
+      found->name = uniform.name;
+      found->measured.response = uniform.measured.response;
+    }
+  }
+  output.say("response: {}", found->name);
+  output.document["response"] = found->name;
+  output.document["gamma"] = found->measured.gamma;
+  output.document["standard_error"] = found->measured.standard_error;
+  write_calibration(files, {.response = found->measured}, output);
+}
+
+struct CalibrateNoiseFlags {
+  std::vector<std::string> folders;
+  ScanChanges scan;
+  CalibrationFiles files;
+};
+
+nlohmann::json json_of(const NoiseMeasurement& measured) {
+  return {{"equation", measured.equation},
+          {"variance", measured.variance},
+          {"standard_error", measured.standard_error},
+          {"count", measured.count},
+          {"pixels", measured.pixels},
+          {"agrees", measured.reason.empty()},
+          {"reason", measured.reason}};
+}
+
+void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
+  CalibrationFiles files = flags.files;
+  std::vector<NoiseScan> scans;
+  for_each_scan(flags.folders, flags.scan, files, false, output,
+                [&](const Scan& scan, const std::string&) { scans.emplace_back(scan); });
+  const std::vector<NoiseMeasurement> all = slipstream::calibrate_noise(scans);
+  output.document["measurements"] = nlohmann::json::array();
+  for (const NoiseMeasurement& measured : all) {
+    output.say("sigma_w^2 {:.4f}, standard error {:.2g}: Eq. ({}), {}, {} times{}{}",
+               measured.variance, measured.standard_error, measured.equation, measured.method,
+               measured.count, measured.reason.empty() ? "" : "; ", measured.reason);
+    output.list("measurements").push_back(json_of(measured));
+  }
+  const NoiseMeasurement& trusted = all.front();
+  if (mistakes_gamma_for_noise(trusted)) {
+    output.warn(
+        fmt::format("Eq. ({}) alone counts a response that is not linear as noise; two "
+                    "scans alike would tell",
+                    trusted.equation));
+  }
+  const NoiseLine line = noise_line(scans).value_or(NoiseLine{.at_half = trusted.variance});
+  if (line.gain > 0) {
+    output.say(
+        "it grows by {:.4f} with each grey level, standard error {:.2g}: {:.4f} at half of "
+        "full scale",
+        line.gain, line.gain_error, line.at_half);
+  }
+  output.document["noise_variance"] = line.at_half;
+  output.document["noise_gain"] = line.gain;
+  if (!files.output.empty() && !(trusted.variance > 0)) {
+    throw Error("the scans show no noise; nothing was written");
+  }
+  if (trusted.variance > 0) {
+    write_calibration(files, {.noise_variance = line.at_half, .noise_gain = line.gain}, output);
+  }
+}
+
+}  // namespace
+
+void add_calibrate_ambient(CLI::App& calibrate, Command& chosen) {
+  const auto [command, flags] =
+      add_command(calibrate, chosen, calibrate_ambient, "ambient",
+                  "the ambient light, from scans of a bright surface with many steps");
+  command
+      .add_file("folders", flags.folders,
+                "scan folders or recordings of one unmoved scene, pmp; averaged")
+      ->required();
+  command.add("--least-reflectivity", flags.least_alpha, "of the pixels that count, 0 to 1");
+  command.add_output("--histogram", flags.histogram, "of the pixels' ambient light: .png");
+  add_calibration_files(command.app, flags.files);
+  add_scan_flags(command.app, flags.scan);
+  command.app.footer("Example:\n  slipstream calibrate ambient scan_1 scan_2 -o scanner.yaml");
+}
+
+void add_calibrate_colour(CLI::App& calibrate, Command& chosen) {
+  const auto [command, flags] =
+      add_command(calibrate, chosen, calibrate_colour, "colour",
+                  "what a camera's red, green and blue see of a projector's, from pictures of a "
+                  "white surface");
+  command
+      .add_file("folder", flags.folder,
+                "pictures named as what was shown: black, red, green, blue (patterns --colour)")
+      ->required();
+  add_calibration_files(command.app, flags.files);
+  command.app.footer(
+      "Example:\n  slipstream calibrate colour white --scanner scanner.yaml -o scanner.yaml");
+}
+
+void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
+  const auto [command, flags] =
+      add_command(calibrate, chosen, calibrate_gamma, "gamma",
+                  "the projector's response, from scans of any surface or uniform patterns");
+  command.add_file(
+      "folders", flags.folders,
+      "scan folders or recordings of one unmoved scene, best of 8 steps or more; averaged");
+  command.add("--uniform", flags.uniform,
+              "folder of pictures of uniform patterns, named by grey level: level_017.png");
+  command.add("--response", flags.response,
+              "take the curve through the uniform patterns, whatever its form");
+  add_calibration_files(command.app, flags.files);
+  command.add_output("--map", flags.map, "gamma of every pixel: .tiff");
+  command.add_output("--histogram", flags.histogram, "gamma of the pixels, counted: .png");
+  command.add("--min-modulation", flags.minimum_modulation, "least modulation, grey levels of 255")
+      ->default_str("16");
+  add_scan_flags(command.app, flags.scan);
+  command.app.footer(
+      "Examples:\n  slipstream calibrate gamma scan_1 scan_2 scan_3 -o scanner.yaml\n  slipstream "
+      "calibrate gamma --uniform levels --response --scanner scanner.yaml -o scanner.yaml");
+}
+
+void add_calibrate_noise(CLI::App& calibrate, Command& chosen) {
+  const auto [command, flags] =
+      add_command(calibrate, chosen, calibrate_noise, "noise",
+                  "the variance of the frames' noise, by all measurements that the scans allow");
+  command.add_file("folders", flags.folders, "scan folders or recordings of one unmoved scene")
+      ->required();
+  add_calibration_files(command.app, flags.files);
+  add_scan_flags(command.app, flags.scan);
+  command.app.footer("Example:\n  slipstream calibrate noise scan_1 scan_2 scan_3 -o scanner.yaml");
+}
+
+}  // namespace slipstream::app

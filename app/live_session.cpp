@@ -1,0 +1,315 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/live.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/check/scan_check.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/result_files.h"
+#include "slipstream/io/saved_scan.h"
+#include "slipstream/io/scanner_file.h"
+#include "slipstream/publish/cloud_sink.h"
+#include "slipstream/reconstruct/engine.h"
+
+namespace slipstream::app {
+namespace {
+
+const std::vector<std::string> off_and_on{"off", "on"};
+
+struct CameraWords {
+  CameraControl which;
+  const char *name, *help, *unit;
+};
+constexpr std::array<CameraWords, 3> camera_words{
+    {{CameraControl::exposure, "exposure", "of each frame", "ms"},
+     {CameraControl::gain, "gain", "of the camera, mostly dB", ""},
+     {CameraControl::frame_rate, "rate", "of a camera that runs freely", "per s"}}};
+
+RunSetting number(const char* name, const char* help, const char* unit, const ControlValue& value) {
+  return {.name = name,
+          .help = help,
+          .unit = unit,
+          .value = fmt::format("{:.6g}", value.value),
+          .least = value.least,
+          .most = value.most};
+}
+
+RunSetting off_or_on(const char* name, const char* help, bool on) {
+  return {.name = name, .help = help, .value = off_and_on[on ? 1 : 0], .choices = off_and_on};
+}
+
+/// Calls visit(setting, member) for each number and switch of `settings` that may change.
+template <class Settings, class Visit>
+void for_each_live_setting(Settings& settings, const Visit& visit) {
+  const auto visit_live = [&](const Setting& setting, auto& member) {
+    if constexpr (std::is_arithmetic_v<std::remove_cvref_t<decltype(member)>>) {
+      if (*setting.live.help != '\0') visit(setting, member);
+    }
+  };
+  ReconstructSettings::for_each_setting(settings, visit_live);
+  CleanSettings::for_each_setting(settings.clean, visit_live);
+}
+
+/// Numbers first.
+std::vector<RunSetting> described(const ReconstructSettings& settings) {
+  std::vector<RunSetting> all;
+  for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
+    const char* const name = setting.flag + 2;  // without --
+    const auto& [help, unit, least, most] = setting.live;
+    if constexpr (std::is_same_v<decltype(value), const bool&>) {
+      all.push_back(off_or_on(name, help, value != setting.flag_clears));
+    } else {
+      all.push_back(number(name, help, unit, {static_cast<double>(value), least, most}));
+    }
+  });
+  std::stable_partition(all.begin(), all.end(),
+                        [](const RunSetting& setting) { return setting.choices.empty(); });
+  return all;
+}
+
+void change_described(ReconstructSettings& settings, const std::string& name,
+                      const std::string& value) {
+  for_each_live_setting(settings, [&](const Setting& setting, auto& member) {
+    if (name != setting.flag + 2) return;
+    using Member = std::remove_reference_t<decltype(member)>;
+    if constexpr (std::is_same_v<Member, bool>) {
+      member = (value == "on") != setting.flag_clears;
+    } else {
+      member = static_cast<Member>(number_in<double>(value).value_or(0));
+    }
+  });
+}
+
+/// The one that was given, and the usual ones where a projector may show them.
+std::vector<std::string> strategy_choices(const LiveSession& session) {
+  std::vector<std::string> labels{label_of(session.strategy)};
+  if (!session.patterns_can_change) return labels;
+  for (const Strategy& strategy : usual_strategies()) {
+    if (strategy != session.strategy) labels.push_back(label_of(strategy));
+  }
+  return labels;
+}
+
+/// The caller holds the mutex, as of the next.
+void change_locked(LiveSession& session, EngineSetup setup) {
+  if (session.motion_when_seen) setup.sequence.motion = takes_motion(setup.sequence) ? 2 : 0;
+  session.pipeline.change(setup);
+  session.setup = setup;
+  session.recorder.set_strategy(setup.sequence.strategy);
+  ++session.changes;
+}
+
+void set_recording(LiveSession& session, bool on) {
+  if (!on) return session.recorder.finish_recording();
+  if (session.recorder.recording()) return;
+  make_folder(session.flags.view.save_to);
+  session.recorder.record_to(path_named_by_time(session.flags.view.save_to, "recording", ".slip"));
+}
+
+/// What the frames of a session's clouds say besides, as PublishedRun tells it; any sink may ask.
+class CloudMaps {
+ public:
+  explicit CloudMaps(LiveSession& session) : session_(session) {}
+
+  Image<std::uint8_t> phase(const LiveCloud& cloud) {
+    const std::lock_guard lock(mutex_);
+    const auto frames = measure(cloud);
+    if (!frames) return {};
+    const double least = least_modulation(engine_->setup().settings, frames->full_scale());
+    Image<std::uint8_t> phase(frames->size());
+    std::transform(maps_.wrapped_phase.begin(), maps_.wrapped_phase.end(), maps_.modulation.begin(),
+                   phase.begin(), [&](float angle, float modulation) {
+                     const float step = angle * (255 / (2 * std::numbers::pi_v<float>));
+                     if (!(modulation >= least) || !(step >= 0)) return std::uint8_t{0};
+                     return static_cast<std::uint8_t>(1 + std::min(step, 254.0F));
+                   });
+    return phase;
+  }
+
+  std::optional<Uncertainty> uncertainty(const LiveCloud& cloud) {
+    const std::lock_guard lock(mutex_);
+    const auto frames = measure(cloud);
+    if (!frames) return std::nullopt;
+    return engine_->uncertainty(cloud.cloud, maps_, *frames);
+  }
+
+ private:
+  /// The frames whose maps are made then; none where they are not of what is looked for now.
+  std::optional<FrameViews> measure(const LiveCloud& cloud) {
+    if (const std::uint64_t changes = session_.changes; !engine_ || changes != changes_) {
+      EngineSetup setup = setup_of(session_);
+      motion_ = std::exchange(setup.sequence.motion, 0);
+      engine_.emplace(setup);
+      changes_ = changes;
+    }
+    const FrameViews window = views_of(cloud.frames);
+    if (window.count() != frame_count(engine_->setup().sequence) + motion_) return std::nullopt;
+    const FrameViews cycle = middle_cycle(window, cloud.first_pattern, motion_);
+    const FrameViews& frames = engine_->merged(cycle);
+    engine_->maps(frames, maps_);
+    return frames;
+  }
+
+  LiveSession& session_;
+  std::mutex mutex_;
+  std::optional<Engine> engine_;
+  std::uint64_t changes_ = 0;
+  int motion_ = 0;
+  Maps maps_;
+};
+
+std::string trouble_of(const LivePipeline& pipeline, const Publisher& publisher) {
+  if (const auto failure = pipeline.failure()) return "the pipeline has failed";
+  const std::string state = pipeline.statistics().source_state;
+  if (!state.empty()) return state;
+  for (const SinkStatistics& sink : publisher.statistics()) {
+    if (!sink.error.empty()) return fmt::format("{}: {}", sink.name, sink.error);
+  }
+  return pipeline.running() ? "" : "the source has ended";
+}
+
+/// When the newest cloud was saved last: once a second at most, whoever asks.
+struct LastSave {
+  std::mutex mutex{};
+  std::chrono::steady_clock::time_point end{};
+};
+
+std::string save_newest(LiveSession& session, LastSave& last) {
+  const std::lock_guard lock(last.mutex);
+  if (std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1)) {
+    throw Error("saved a moment ago");
+  }
+  const Pooled<LiveCloud> newest = session.pipeline.newest();
+  if (!newest) throw Error("no cloud has come that could be saved");
+  std::string folder =
+      save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
+                         doubts(session.pipeline.statistics().findings));
+  last.end = std::chrono::steady_clock::now();
+  return folder;
+}
+
+}  // namespace
+
+bool takes_motion(const Sequence& sequence) {
+  const Layout& layout = sequence.strategy.layout();
+  const auto run = step_run(measuring_band(layout));
+  return layout.bands.size() == 1 && !layout.cue && run && run->steps == layout.frames &&
+         sequence.exposures.size() == 1 && !sequence.both_axes && !sequence.marker;
+}
+
+EngineSetup setup_of(LiveSession& session) {
+  const std::lock_guard lock(session.mutex);
+  return session.setup;
+}
+
+void change_setup(LiveSession& session, const EngineSetup& setup) {
+  const std::lock_guard lock(session.mutex);
+  change_locked(session, setup);
+}
+
+std::vector<RunSetting> settings_of(LiveSession& session) {
+  std::vector<RunSetting> all;
+  const CameraControls* const camera = session.recorder.controls();
+  for (const auto& [which, name, help, unit] : camera_words) {
+    const auto control = camera ? camera->control(which) : std::nullopt;
+    if (control) all.push_back(number(name, help, unit, *control));
+  }
+  const EngineSetup setup = setup_of(session);
+  all.push_back({.name = "strategy",
+                 .help = "what the projector shows",
+                 .value = label_of(setup.sequence.strategy),
+                 .choices = strategy_choices(session)});
+  for (RunSetting& setting : described(setup.settings)) all.push_back(std::move(setting));
+  const auto recording = session.recorder.recording();
+  all.push_back(off_or_on("record", "all frames, into a new file", recording.has_value()));
+  if (recording) all.back().state = text_of(*recording);
+  return all;
+}
+
+void change_setting(LiveSession& session, const std::string& name, const std::string& value) {
+  require_settable(settings_of(session), name, value);
+  const auto control = std::find_if(camera_words.begin(), camera_words.end(),
+                                    [&](const CameraWords& words) { return name == words.name; });
+  if (control != camera_words.end()) {
+    session.recorder.controls()->set_control(control->which, number_in<double>(value).value_or(0));
+    ++session.changes;
+    return;
+  }
+  const std::lock_guard lock(session.mutex);
+  if (name == "record") return set_recording(session, value == "on");
+  EngineSetup setup = session.setup;
+  if (name == "strategy") {
+    const bool given = value == label_of(session.strategy);
+    setup.sequence.strategy = given ? session.strategy : strategy_labelled(value);
+  }
+  change_described(setup.settings, name, value);
+  change_locked(session, std::move(setup));
+}
+
+void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& document,
+                Publisher& publisher) {
+  const Scanner& scanner = session.setup.scanner;
+  const auto last = std::make_shared<LastSave>();
+  for (const std::string& name : session.flags.publish) {
+    const auto maps = std::make_shared<CloudMaps>(session);
+    PublishedRun run{
+        .camera = scanner.camera,
+        .scanner = has_geometry(scanner) ? text_of(scanner) : std::string(),
+        .has_points = has_geometry(scanner),
+        .statistics = [document] { return document().dump(); },
+        .trouble = [&] { return trouble_of(session.pipeline, publisher); },
+        .save = [&session, last] { return save_newest(session, *last); },
+        .phase = [maps](const LiveCloud& cloud) { return maps->phase(cloud); },
+        .sequence = [&session] { return setup_of(session).sequence; },
+        .settings = [&session] { return settings_of(session); },
+        .change = [&session](const std::string& setting,
+                             const std::string& value) { change_setting(session, setting, value); },
+    };
+    if (scanner.photometry.noise_variance) {
+      run.uncertainty = [maps](const LiveCloud& cloud) { return maps->uncertainty(cloud); };
+    }
+    publisher.add(name, open_sink(name, std::move(run)));
+  }
+}
+
+std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
+                               const std::string& parent, const std::vector<std::string>& remarks) {
+  Sequence sequence = setup.sequence;
+  if (frames.count() != frame_count(sequence)) {
+    throw Error("the frames shown are not of the strategy looked for");
+  }
+  sequence.projector = setup.scanner.projector.size;
+  sequence.marker = false;
+  const std::filesystem::path folder = path_named_by_time(parent, "scan", "");
+  if (!has_geometry(setup.scanner)) {
+    save_scan(folder, frames, sequence, std::nullopt);
+    return folder.string();
+  }
+  Cloud cloud;
+  Maps maps;
+  Engine(setup).cloud_and_maps(frames, cloud, maps);
+  make_folder(folder);
+  if (!frames.merged()) save_scan(folder, frames, sequence, setup.scanner);
+  write_results({.cloud = folder / "cloud.ply",
+                 .depth = folder / "depth.tiff",
+                 .coordinate = folder / "coordinate.tiff",
+                 .phase = folder / "phase.tiff",
+                 .modulation = folder / "modulation.tiff",
+                 .mean = folder / "mean.tiff",
+                 .preview = folder / "preview.png"},
+                cloud, maps, {.remarks = remarks});
+  return folder.string();
+}
+
+}  // namespace slipstream::app

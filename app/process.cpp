@@ -1,0 +1,148 @@
+#include "app/process.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <new>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/io/file.h"
+
+namespace slipstream::app {
+namespace {
+
+// A signal handler reaches nothing else, and other threads than the one it ran in ask for it.
+std::atomic<int> stop_raised = 0;  // which signal it was
+static_assert(std::atomic<int>::is_always_lock_free);
+
+/// What nohup has the program ignore stays ignored.
+void handle_ends(void (*handler)(int)) {
+  struct sigaction action {
+  }, before{};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    ::sigaction(signal, nullptr, &before);
+    if (signal != SIGHUP || before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
+  }
+}
+
+void end_program(int signal) {
+  remove_temporary_files();
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+/// What a destructor throws ends here, as where one of JSON gets no memory, and so does an
+/// exception that nothing caught.
+[[noreturn]] void end_by_exception() {
+  remove_temporary_files();
+  const char* why = "ended by an error that nothing handles";
+  try {
+    if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    why = "not enough memory";
+  } catch (...) {
+  }
+  std::fprintf(stderr, "slipstream: %s\n", why);
+  std::_Exit(1);
+}
+
+/// The next signal ends the program, whichever it is.
+void raise_stop(int signal) {
+  stop_raised = signal;
+  handle_ends(end_program);
+}
+
+}  // namespace
+
+void prepare_process() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) >= 0) continue;
+    // The lowest number that is free is this one's.
+    [[maybe_unused]] const int opened =
+        ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  handle_ends(end_program);
+  std::set_terminate(end_by_exception);
+}
+
+void keep_memory() {
+  constexpr int most = 32 << 20;  // more is refused
+  constexpr std::uintptr_t page = 2 << 20;
+  ::mallopt(M_MMAP_THRESHOLD, most);
+  ::mallopt(M_TRIM_THRESHOLD, 16 * most);
+  ::mallopt(M_TOP_PAD, 4 * most);
+  ::mallopt(M_ARENA_MAX, 1);  // what one thread frees another takes
+  void* const first = std::malloc(most / 2);
+  const auto begin = (reinterpret_cast<std::uintptr_t>(first) + page - 1) / page * page,
+             end = reinterpret_cast<std::uintptr_t>(::sbrk(0)) / page * page;
+  if (first != nullptr && begin < end) {
+    ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  }
+  std::free(first);
+}
+
+RunEnd::RunEnd(std::optional<double> duration) : duration_(duration) {
+  forget_signal();
+}
+
+RunEnd::~RunEnd() {
+  handle_ends(end_program);
+}
+
+void RunEnd::forget_signal() const {
+  stop_raised = 0;
+  handle_ends(raise_stop);
+}
+
+void tell_service_manager(const std::string& state) {
+  const char* const named = std::getenv("NOTIFY_SOCKET");
+  sockaddr_un address{};
+  const std::string path = named == nullptr ? "" : named;
+  if (path.size() < 2 || path.size() > sizeof address.sun_path) return;
+  address.sun_family = AF_UNIX;
+  std::copy(path.begin(), path.end(), address.sun_path);
+  if (path.front() == '@') address.sun_path[0] = '\0';  // a name that is no file's
+  const int descriptor = ::socket(AF_UNIX, SOCK_DGRAM, 0);
+  if (descriptor < 0) return;
+  const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
+  // The manager's is the only ear; where it does not listen there is nobody to tell.
+  static_cast<void>(::sendto(descriptor, state.data(), state.size(), 0,
+                             reinterpret_cast<const sockaddr*>(&address), length));
+  ::close(descriptor);
+}
+
+bool hung_up() {
+  return stop_raised == SIGHUP;
+}
+
+void require_duration(const std::optional<double>& duration) {
+  if (!duration || (*duration > 0 && std::isfinite(*duration))) return;
+  throw Error(fmt::format("--duration {} is out of range; above 0 s", *duration));
+}
+
+bool RunEnd::reached() const {
+  return stop_raised != 0 || (duration_ && seconds() >= *duration_);
+}
+
+double RunEnd::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,137 @@
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "python/bindings/bindings.h"
+#include "slipstream/base/did_you_mean.h"
+#include "slipstream/base/error.h"
+#include "slipstream/decode/cue_evidence.h"
+#include "slipstream/frames/frame_set.h"
+
+namespace slipstream::python {
+namespace {
+
+template <class Pixel>
+FrameViews views_of(const std::vector<py::object>& frames, int bits) {
+  constexpr auto pixel = static_cast<py::ssize_t>(sizeof(Pixel));
+  Frames<Pixel> views;
+  for (const py::object& of : frames) {
+    if (!py::isinstance<py::array_t<Pixel>>(of)) throw Error("frames: arrays of different types");
+    const auto frame = py::reinterpret_borrow<py::array>(of);
+    if ((frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0) {
+      throw Error(
+          "frames: the pixels of a row do not lie side by side; numpy.ascontiguousarray makes a "
+          "copy whose do");
+    }
+    const Size size{static_cast<int>(frame.shape(1)), static_cast<int>(frame.shape(0))};
+    views.emplace_back(static_cast<const Pixel*>(frame.data()), size, frame.strides(0) / pixel);
+  }
+  if constexpr (sizeof(Pixel) == 2) {
+    return {views, bits};
+  } else {
+    if (bits != 8) throw Error(fmt::format("frames: not of 16-bit pixels, but of {} bits", bits));
+    return {views};
+  }
+}
+
+std::vector<py::object> arrays_in(const py::object& frames) {
+  std::vector<py::object> arrays;
+  if (py::isinstance<py::array>(frames) && frames.attr("ndim").cast<int>() != 3) {
+    throw Error("frames: one array is frames x rows x columns");
+  }
+  for (const py::handle frame : frames) {
+    const py::array array = py::array::ensure(frame);
+    if (!array) throw py::error_already_set();
+    if (array.ndim() != 2) throw Error("frames: each array is rows x columns");
+    arrays.push_back(array);
+  }
+  if (arrays.empty()) throw Error("frames: there are none");
+  return arrays;
+}
+
+template <class Settings>
+void take_described(Keywords& keywords, Settings& settings) {
+  Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
+    using Value = std::remove_reference_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, std::optional<PointBox>>) {
+      using Corner = std::array<double, 3>;
+      std::optional<std::pair<Corner, Corner>> box;
+      keywords.take(setting.name, box);
+      if (box) value = PointBox{box->first, box->second};
+    } else if constexpr (std::is_same_v<Value, std::vector<PictureCorner>>) {
+      std::vector<std::pair<double, double>> corners;
+      keywords.take(setting.name, corners);
+      for (const auto& [column, row] : corners) value.push_back({column, row});
+    } else {
+      keywords.take(setting.name, value);
+    }
+  });
+}
+
+}  // namespace
+
+Image<float> image_from(const ArrayOf<float>& array) {
+  if (array.ndim() != 2) throw Error("an array of rows x columns is wanted");
+  Image<float> image({static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))});
+  for (int row = 0; row < image.height(); ++row) {
+    for (int column = 0; column < image.width(); ++column)
+      image(column, row) = array.at(row, column);
+  }
+  return image;
+}
+
+BorrowedFrames borrowed(const py::object& frames, std::optional<int> bits) {
+  if (py::isinstance<FrameSet>(frames)) return {{frames}, frames.cast<const FrameSet&>().views()};
+  std::vector<py::object> arrays = arrays_in(frames);
+  FrameViews views;
+  const py::object& first = arrays.front();
+  if (py::isinstance<py::array_t<std::uint8_t>>(first)) {
+    views = views_of<std::uint8_t>(arrays, bits.value_or(8));
+  } else if (py::isinstance<py::array_t<std::uint16_t>>(first)) {
+    views = views_of<std::uint16_t>(arrays, bits.value_or(16));
+  } else if (py::isinstance<py::array_t<double>>(first)) {
+    views = views_of<double>(arrays, bits.value_or(8));
+  } else {
+    throw Error(fmt::format("frames: of {}; uint8, uint16 or float64 are wanted",
+                            py::str(first.attr("dtype")).cast<std::string>()));
+  }
+  return {std::move(arrays), std::move(views)};
+}
+
+Keywords::Keywords(const py::kwargs& given) : left_(given.attr("copy")()) {
+  if (left_.contains("_describe")) described_ = left_.attr("pop")("_describe");
+}
+
+void Keywords::require_none_left() const {
+  if (described_) throw py::type_error("they are described");
+  for (const auto& [name, value] : left_) {
+    const auto word = name.cast<std::string>();
+    throw py::type_error(
+        fmt::format("there is no setting '{}'{}", word, did_you_mean(word, known_)));
+  }
+}
+
+void Keywords::refuse(const char* name, const py::object& given) {
+  throw py::type_error(fmt::format("{} cannot be {}", name, py::repr(given).cast<std::string>()));
+}
+
+void take(Keywords& keywords, CleanSettings& clean) {
+  take_described(keywords, clean);
+}
+
+void take(Keywords& keywords, ReconstructSettings& settings) {
+  std::string backend = "fused", cue_rule(name_of(settings.cue_rule));
+  bool raw = false;
+  keywords.take("backend", backend, "cue_rule", cue_rule, "raw", raw);
+  set_backend(settings, backend);
+  settings.cue_rule = cue_rule_named(cue_rule);
+  take_described(keywords, settings);
+  if (raw) {  // what keywords do not set
+    settings.clean = CleanSettings::none();
+    settings.nearest = settings.nearest.value_or(0);
+    settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
+  }
+  take_described(keywords, settings.clean);
+}
+
+}  // namespace slipstream::python

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <vector>
+
+#include <opencv2/aruco/charuco.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/io/mat.h"
+
+namespace slipstream {
+
+/// While it lives, OpenCV prints nothing of its own: what goes wrong comes out as an exception, and
+/// a library does not write to its caller's terminal.
+class QuietOpenCv {
+ public:
+  QuietOpenCv()
+      : level_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)),
+        callback_(cv::redirectError(silent)) {}
+  QuietOpenCv(const QuietOpenCv&) = delete;
+  QuietOpenCv& operator=(const QuietOpenCv&) = delete;
+  ~QuietOpenCv() {
+    cv::redirectError(callback_);
+    cv::utils::logging::setLogLevel(level_);
+  }
+
+ private:
+  static int silent(int, const char*, const char*, const char*, int, void*) { return 0; }
+
+  cv::utils::logging::LogLevel level_;
+  cv::ErrorCallback callback_;
+};
+
+/// The pixel nearest to a place.
+inline cv::Point nearest_pixel(const Eigen::Vector2d& place) {
+  return {cvRound(place.x()), cvRound(place.y())};
+}
+
+/// A mask of that size: 1 within the hull of these pixels, 0 outside.
+inline cv::Mat within_hull(const std::vector<cv::Point>& pixels, cv::Size size) {
+  std::vector<cv::Point> hull;
+  cv::convexHull(pixels, hull);
+  cv::Mat mask(size, CV_8U, cv::Scalar(0));
+  cv::fillConvexPoly(mask, hull, cv::Scalar(1));
+  return mask;
+}
+
+/// Markers that OpenCV has of each size.
+inline constexpr int charuco_dictionary_size = 1000;
+
+/// The board as OpenCV knows it, a square's side being 1.
+inline cv::Ptr<cv::aruco::CharucoBoard> charuco_of(const CalibrationBoard& board) {
+  constexpr int dictionaries[]{cv::aruco::DICT_4X4_1000, cv::aruco::DICT_5X5_1000,
+                               cv::aruco::DICT_6X6_1000, cv::aruco::DICT_7X7_1000};
+  return cv::aruco::CharucoBoard::create(
+      board.columns + 1, board.rows + 1, 1, static_cast<float>(board.marker_side),
+      cv::aruco::getPredefinedDictionary(dictionaries[board.marker_bits - 4]));
+}
+
+}  // namespace slipstream

@@ -1,0 +1,396 @@
+#include "slipstream/codes/unwrapping.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream {
+namespace {
+
+using std::numbers::pi;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+PhaseSum band_alone(const Layout& layout, std::size_t band) {
+  PhaseSum sum{.of = std::vector<int>(layout.bands.size()), .periods = layout.bands[band].periods};
+  sum.of[band] = 1;
+  return sum;
+}
+
+/// Variance of the band's phase where a share of 1 has a modulation of B = 1, frames one of 1.
+double phase_noise(const Band& band) {
+  return component_noise(band) / (band.share * band.share);
+}
+
+/// How far noise must carry C + i S to turn it by `angle`, in standard deviations, squared.
+double turn(double angle, double phase_noise) {
+  const double distance = std::sin(std::min(std::abs(angle), pi / 2));
+  return distance * distance / phase_noise;
+}
+
+/// Standard deviations from the right fringe order of `fine`, given `coarse`, to the next one.
+double margin(const Layout& layout, const PhaseSum& coarse, const PhaseSum& fine) {
+  const double ratio = fine.periods / coarse.periods;
+  const auto factor = [&](std::size_t i) { return ratio * coarse.of[i] - fine.of[i]; };
+  double variance = 0;
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    variance += factor(i) * factor(i) * phase_noise(layout.bands[i]);
+  }
+  double square = 0;
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    const double noise = phase_noise(layout.bands[i]);
+    square += turn(pi * factor(i) * noise / variance, noise);
+  }
+  return std::sqrt(square);
+}
+
+/// All sums of factors from -2 to 2, at most four bands counted, from few periods to many up to
+/// those of the measuring band, which is the last.
+std::vector<PhaseSum> beats(const Layout& layout) {
+  constexpr int most_factor = 2, most_bands = 4;
+  constexpr double least_periods = 0.02;
+  const PhaseSum measuring = band_alone(layout, measuring_band_index(layout));
+  std::vector<PhaseSum> sums{{std::vector<int>(layout.bands.size()), 0}};
+  for (std::size_t i = 0; i < layout.bands.size(); ++i) {
+    const std::vector<PhaseSum> before = sums;
+    for (int factor = -most_factor; factor <= most_factor; ++factor) {
+      if (factor == 0) continue;
+      for (PhaseSum sum : before) {
+        sum.of[i] = factor;
+        sum.periods += factor * layout.bands[i].periods;
+        int counted = 0;
+        for (const int of : sum.of) counted += std::abs(of);
+        if (counted <= most_bands) sums.push_back(std::move(sum));
+      }
+    }
+  }
+  std::erase_if(sums, [&](const PhaseSum& sum) {
+    return sum.periods < least_periods || sum.periods >= measuring.periods;
+  });
+  std::stable_sort(sums.begin(), sums.end(),
+                   [](const PhaseSum& a, const PhaseSum& b) { return a.periods < b.periods; });
+  sums.push_back(measuring);
+  return sums;
+}
+
+constexpr double chain_rounding = 1e-9;
+
+bool is_whole(double ratio) {
+  return std::abs(ratio - std::round(ratio)) <= chain_rounding;
+}
+
+/// Of all chains from at most one period to the measuring band that whose worst step is surest;
+/// empty where there is none. `circle_of`: of sums alone that repeat as that one does.
+std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> sums,
+                                   std::optional<double> circle_of) {
+  const auto repeats = [&](const PhaseSum& sum) {
+    return !circle_of || is_whole(sum.periods / *circle_of);
+  };
+  if (!repeats(sums.back())) return {};
+  std::erase_if(sums, [&](const PhaseSum& sum) { return !repeats(sum); });
+  struct Way {
+    double surest = 0;
+    std::size_t from = 0;
+    int steps = 0;
+  };
+  std::vector<Way> ways(sums.size());
+  for (std::size_t fine = 0; fine < sums.size(); ++fine) {
+    const bool begins = circle_of ? sums[fine].periods <= *circle_of + chain_rounding
+                                  : sums[fine].periods <= 1 + chain_rounding;
+    if (begins) ways[fine] = {infinity, fine, 0};
+    for (std::size_t coarse = 0; coarse < fine; ++coarse) {
+      if (ways[coarse].surest == 0 || ways[fine].surest == infinity) continue;
+      const double surest = std::min(ways[coarse].surest, margin(layout, sums[coarse], sums[fine]));
+      const Way way{surest, coarse, ways[coarse].steps + 1};
+      const bool shorter =
+          way.surest > ways[fine].surest - chain_rounding && way.steps < ways[fine].steps;
+      if (way.surest > ways[fine].surest + chain_rounding || shorter) ways[fine] = way;
+    }
+  }
+  std::vector<PhaseSum> chain;
+  if (ways.back().surest == 0) return chain;
+  std::size_t at = sums.size() - 1;
+  for (; ways[at].from != at; at = ways[at].from) chain.insert(chain.begin(), sums[at]);
+  chain.insert(chain.begin(), sums[at]);
+  return chain;
+}
+
+std::vector<WrongOrder> wrong_steps(const Layout& layout, const std::vector<PhaseSum>& chain) {
+  std::vector<WrongOrder> wrong;
+  for (std::size_t i = 1; i < chain.size(); ++i) {
+    wrong.push_back({margin(layout, chain[i - 1], chain[i]), 2});
+  }
+  return wrong;
+}
+
+double nearest_of(const std::vector<WrongOrder>& wrong) {
+  double nearest = infinity;
+  for (const WrongOrder& order : wrong) nearest = std::min(nearest, order.margin);
+  return nearest;
+}
+
+double worst_step(const Layout& layout, const std::vector<PhaseSum>& chain) {
+  return nearest_of(wrong_steps(layout, chain));
+}
+
+/// One that is a circle does not mind the field's ends; it may be somewhat less sure for that.
+std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
+  constexpr double worth = 0.7;
+  const std::vector<PhaseSum> sums = beats(layout);
+  std::vector<PhaseSum> any = surest_chain(layout, sums, std::nullopt), circle;
+  for (const PhaseSum& first : sums) {
+    if (first.periods > 1 + chain_rounding) break;
+    std::vector<PhaseSum> chain = surest_chain(layout, sums, first.periods);
+    if (chain.empty()) continue;
+    const double sure = worst_step(layout, chain);
+    if (circle.empty() || sure > worst_step(layout, circle) + chain_rounding)
+      circle = std::move(chain);
+  }
+  const bool good =
+      !circle.empty() && worst_step(layout, circle) >= worth * worst_step(layout, any);
+  return good ? circle : any;
+}
+
+/// The coordinates at which the measuring band has the same phase: half way to what fits all bands
+/// best there.
+std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
+  const double f_h = measuring_band(layout).periods;
+  std::vector<WrongOrder> wrong;
+  for (int k = 1; k < f_h; ++k) {
+    const auto apart = [&](const Band& band) {
+      const double turns = band.periods * k / f_h;
+      return 2 * pi * (turns - std::round(turns));
+    };
+    double along = 0, length = 0, square = 0;
+    for (const Band& band : layout.bands) {
+      along += apart(band) * band.periods / phase_noise(band);
+      length += band.periods * band.periods / phase_noise(band);
+    }
+    for (const Band& band : layout.bands) {
+      square += turn((apart(band) - along / length * band.periods) / 2, phase_noise(band));
+    }
+    wrong.push_back({std::sqrt(square), 2 * (f_h - k) / f_h});
+  }
+  return wrong;
+}
+
+std::vector<PhaseSum> chain_of_bands(const Layout& layout) {
+  std::vector<PhaseSum> chain;
+  for (const std::size_t i : coarse_to_fine(layout)) chain.push_back(band_alone(layout, i));
+  return chain;
+}
+
+double fewest_periods(const Layout& layout) {
+  return layout.bands[coarse_to_fine(layout).front()].periods;
+}
+
+double fewest_beats(const Layout& layout) {
+  return chain_of_beats(layout).front().periods;
+}
+
+std::string periods_text(const Layout& layout) {
+  std::vector<double> periods;
+  for (const Band& band : layout.bands) periods.push_back(band.periods);
+  for (const SingleFrame& single : layout.single_frames) periods.push_back(single.periods);
+  return fmt::format("{:g}", fmt::join(periods, ", "));
+}
+
+void require_hierarchy(const Layout& layout, std::string_view name) {
+  if (fewest_periods(layout) > 1) {
+    throw Error(
+        fmt::format("{}: no band has at most 1 period, from which the others are unwrapped", name));
+  }
+}
+
+void require_beats(const Layout& layout, std::string_view name) {
+  if (chain_of_beats(layout).empty()) {
+    throw Error(fmt::format("{}: no sum or difference of {} periods has at most 1", name,
+                            periods_text(layout)));
+  }
+}
+
+[[noreturn]] void refuse_repeating(const Layout& layout, std::string_view name) {
+  throw Error(
+      fmt::format("{}: {} periods repeat within the field; in projector pixels the lengths of "
+                  "the periods must have no common multiple below that of the field",
+                  name, periods_text(layout)));
+}
+
+void require_unlike(const Layout& layout, std::string_view name) {
+  constexpr double least_margin = 1e-6;
+  if (nearest_of(wrong_likelihoods(layout)) < least_margin) refuse_repeating(layout, name);
+}
+
+void require_code(const Layout& layout, std::string_view name) {
+  if (!layout.code) throw Error(fmt::format("{}: no code to unwrap by", name));
+  require_valid(*layout.code, layout.frames, name);
+}
+
+void require_code_of_periods(const Layout& layout, std::string_view name) {
+  require_code(layout, name);
+  const double f = measuring_band(layout).periods;
+  if (layout.code->stripes < f - chain_rounding) {
+    throw Error(fmt::format("{}: a code of {} stripes is too short for {} periods", name,
+                            layout.code->stripes, f));
+  }
+}
+
+void require_surfaces(const Layout& layout, std::string_view name) {
+  if (layout.bands.size() == 2 && layout.single_frames.empty()) return require_unlike(layout, name);
+  const bool all = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
+                               [&](const SingleFrame& single) {
+                                 return single.frame >= 0 && single.frame < layout.frames &&
+                                        single.periods > 0 && single.periods <= 1;
+                               });
+  if (all && layout.bands.size() == 1 && layout.single_frames.size() >= 3) return;
+  throw Error(
+      fmt::format("{}: surfaces are told by two bands, or one and three frames or more of at "
+                  "most one period each",
+                  name));
+}
+
+void require_single_frames(const Layout& layout, std::string_view name) {
+  const bool all = std::all_of(
+      layout.single_frames.begin(), layout.single_frames.end(), [&](const SingleFrame& single) {
+        return single.frame >= 0 && single.frame < layout.frames && single.periods > 0;
+      });
+  if (layout.single_frames.empty() || !all || layout.bands.size() != 1 ||
+      !step_run(layout.bands.front())) {
+    throw Error(fmt::format("{}: a run of steps and frames of one sinusoid each are wanted", name));
+  }
+  const double f = layout.bands.front().periods;
+  for (int k = 1; k < f; ++k) {
+    const bool repeats = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
+                                     [&](const SingleFrame& single) {
+                                       const double periods = single.periods * k / f;
+                                       return is_whole(periods);
+                                     });
+    if (repeats) refuse_repeating(layout, name);
+  }
+}
+
+void require_cue(const Layout& layout, std::string_view name) {
+  if (layout.cue) {
+    require_valid(*layout.cue, layout.frames, name);
+    if (layout.bands.size() != 1) {
+      throw Error(fmt::format("{}: a cue with {} bands; it takes one", name, layout.bands.size()));
+    }
+  } else if (layout.bands.size() != 2 || layout.bands[1].periods != 1) {
+    throw Error(fmt::format("{}: no cue, and no second band of 1 period, to vote with", name));
+  }
+  const double f_h = layout.bands[0].periods;
+  if (f_h != std::floor(f_h)) {
+    throw Error(fmt::format("{}: {} periods are not a whole number", name, f_h));
+  }
+}
+
+/// In the order of Unwrapping.
+constexpr std::array<UnwrappingWay, 9> ways{{
+    {.name = "none", .order_source = OrderSource::bands, .least_periods = fewest_periods},
+    {.name = "hierarchical",
+     .order_source = OrderSource::bands,
+     .require = require_hierarchy,
+     .chain = chain_of_bands,
+     .least_periods = fewest_periods},
+    {.name = "surfaces", .order_source = OrderSource::surface, .require = require_surfaces},
+    {.name = "vote", .order_source = OrderSource::neighbours, .require = require_cue},
+    {.name = "heterodyne",
+     .order_source = OrderSource::pixel,
+     .weighs_bands = true,
+     .require = require_beats,
+     .chain = chain_of_beats,
+     .least_periods = fewest_beats},
+    {.name = "number-theory",
+     .order_source = OrderSource::pixel,
+     .weighs_bands = true,
+     .in_kernels = false,
+     .require = require_unlike,
+     .wrong_orders = wrong_likelihoods},
+    {.name = "code",
+     .order_source = OrderSource::pixel,
+     .reads_code = true,
+     .require = require_code_of_periods},
+    {.name = "code-alone",
+     .order_source = OrderSource::pixel,
+     .reads_code = true,
+     .whole_stripes = true,
+     .in_kernels = false,
+     .require = require_code},
+    {.name = "single-frames",
+     .order_source = OrderSource::pixel,
+     .in_kernels = false,
+     .require = require_single_frames},
+}};
+static_assert(ways[static_cast<std::size_t>(Unwrapping::single_frames)].name == "single-frames");
+
+}  // namespace
+
+const UnwrappingWay& way_of(Unwrapping unwrapping) {
+  return ways[static_cast<std::size_t>(unwrapping)];
+}
+
+OrderSource order_source(const Layout& layout) {
+  return way_of(layout.unwrapping).order_source;
+}
+
+std::vector<PhaseSum> unwrapping_chain(const Layout& layout) {
+  const UnwrappingWay& way = way_of(layout.unwrapping);
+  if (way.chain != nullptr) return way.chain(layout);
+  return {band_alone(layout, measuring_band_index(layout))};
+}
+
+bool is_circle(const Layout& layout) {
+  const std::vector<PhaseSum> chain = unwrapping_chain(layout);
+  return std::all_of(chain.begin(), chain.end(), [&](const PhaseSum& sum) {
+    return is_whole(sum.periods / chain.front().periods);
+  });
+}
+
+std::vector<double> band_weights(const Layout& layout) {
+  std::vector<double> weights(layout.bands.size());
+  const std::size_t measuring = measuring_band_index(layout);
+  weights[measuring] = 1;
+  if (!way_of(layout.unwrapping).weighs_bands) return weights;
+  const auto precision = [](const Band& band) {
+    return band.periods * band.periods / phase_noise(band);
+  };
+  const double best = precision(layout.bands[measuring]);
+  double sum = 0;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double share = precision(layout.bands[i]) / best;
+    weights[i] = share < 0.01 ? 0 : share;
+    sum += weights[i];
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+double least_periods(const Layout& layout) {
+  const UnwrappingWay& way = way_of(layout.unwrapping);
+  return way.least_periods != nullptr ? way.least_periods(layout) : 1;
+}
+
+double open_by_code(const Code& code, double periods) {
+  return std::min(periods / (2 * code.stripes), 0.4);
+}
+
+std::vector<WrongOrder> wrong_orders(const Layout& layout) {
+  const UnwrappingWay& way = way_of(layout.unwrapping);
+  return way.wrong_orders != nullptr ? way.wrong_orders(layout)
+                                     : wrong_steps(layout, unwrapping_chain(layout));
+}
+
+double unwrapping_margin(const Layout& layout) {
+  return nearest_of(wrong_orders(layout));
+}
+
+}  // namespace slipstream

@@ -1,0 +1,171 @@
+#include "slipstream/decode/neighbourhood_vote.h"
+
+#include <numbers>
+#include <utility>
+
+#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/decode/unwrap.h"
+
+namespace slipstream {
+namespace {
+
+/// Whole images, as NeighbourhoodVote looks at them.
+class ImageField {
+ public:
+  ImageField(const Image<int>& own, const Image<double>& wrapped_phase,
+             const Image<std::uint8_t>& lit, const FringeOrderCost& cost)
+      : own_(own), phase_(wrapped_phase), lit_(lit), cost_(cost), shift_(own.size()) {}
+
+  [[nodiscard]] double periods(int column, int row) const {
+    if (!inside(column, row) || lit_(column, row) == 0)
+      return std::numeric_limits<double>::quiet_NaN();
+    return phase_(column, row) / (2 * std::numbers::pi) + own_(column, row);
+  }
+  void periods_around(int column, int row, PhaseWindow& window) const {
+    for (int r = 0; r < 9; ++r) {
+      for (int c = 0; c < 9; ++c) {
+        window.periods[static_cast<std::size_t>(r) * PhaseWindow::line +
+                       static_cast<std::size_t>(c)] =
+            static_cast<float>(periods(column + c - 4, row + r - 4) - periods(column, row));
+      }
+    }
+  }
+  static void foresee(const std::vector<PixelPlace>&) {}
+  struct Window {
+    const ImageField& field;
+    int column = 0, row = 0;  ///< of its first pixel
+
+    [[nodiscard]] double against(int cell, int shift) const {
+      const int c = column + cell % 5, r = row + cell / 5, own = field.own_(c, r);
+      return field.cost_(c, r, own + shift) - field.cost_(c, r, own);
+    }
+    [[nodiscard]] int shift(int line, int place) const {
+      const int c = column + place, r = row + line;
+      return field.inside(c, r) ? field.shift_(c, r) : 0;
+    }
+  };
+  [[nodiscard]] Window window_around(int column, int row) const {
+    return {*this, column - 2, row - 2};
+  }
+  [[nodiscard]] static bool own_order_costs_least() { return false; }
+  [[nodiscard]] int shift(int column, int row) const { return shift_(column, row); }
+  void set_shift(int column, int row, int shift) { shift_(column, row) = shift; }
+
+ private:
+  [[nodiscard]] bool inside(int column, int row) const {
+    return column >= 0 && row >= 0 && column < lit_.width() && row < lit_.height();
+  }
+
+  const Image<int>& own_;
+  const Image<double>& phase_;
+  const Image<std::uint8_t>& lit_;
+  const FringeOrderCost& cost_;
+  Image<int> shift_;
+};
+
+}  // namespace
+
+void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_phase,
+                            const Image<std::uint8_t>& lit, const FringeOrderCost& cost) {
+  ImageField field(orders, wrapped_phase, lit, cost);
+  NeighbourhoodVote vote(field);
+  Image<std::uint8_t> open(orders.size());
+  for_each_row(orders.height(), [&](int row) {
+    for (int column = 0; column < orders.width(); ++column) {
+      open(column, row) = vote.disagrees(column, row) ? 1 : 0;
+    }
+  });
+  NeighbourhoodVoteLists lists;
+  for (int row = 0; row < orders.height(); ++row) {
+    for (int column = 0; column < orders.width(); ++column) {
+      if (open(column, row) != 0) lists.open.push_back({row, column});
+    }
+  }
+  vote(lists);
+  for (const auto& [row, column] : lists.ever_moved) {
+    orders(column, row) += field.shift(column, row);
+  }
+}
+
+namespace {
+
+Image<CuePixel> cue_pixels(const LayoutPhases& phases, double grey_level) {
+  const PhaseMaps& band = phases.bands.front();
+  Image<CuePixel> pixels(band.modulation.size());
+  for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
+    pixels.begin()[i] = {
+        .modulation = band.modulation.begin()[i] / grey_level,
+        .wrapped_phase = band.wrapped_phase.begin()[i],
+        .cue = phases.cue.begin()[i] / grey_level,
+        .cue_sine = phases.cue_sine.empty() ? 0 : phases.cue_sine.begin()[i] / grey_level};
+  }
+  return pixels;
+}
+
+/// The fringe orders that the neighbours leave standing.
+Image<int> voted_orders(Image<int> orders, const Image<CuePixel>& pixels, const CueEvidence& cue,
+                        double f_h, int projector_length) {
+  Image<double> wrapped_phase(pixels.size());
+  Image<std::uint8_t> lit(pixels.size());
+  std::transform(pixels.begin(), pixels.end(), wrapped_phase.begin(),
+                 [](const CuePixel& pixel) { return pixel.wrapped_phase; });
+  std::transform(pixels.begin(), pixels.end(), lit.begin(), [&](const CuePixel& pixel) {
+    return static_cast<std::uint8_t>(cue.lit(pixel) ? 1 : 0);
+  });
+  const auto cost = [&](int column, int row, int order) {
+    const CuePixel& pixel = pixels(column, row);
+    const double y = unwrapped_coordinate(pixel.wrapped_phase, order, f_h);
+    return cue.near_field(y, projector_length) ? cue.cost(pixel, y)
+                                               : std::numeric_limits<double>::infinity();
+  };
+  choose_with_neighbours(orders, wrapped_phase, lit, cost);
+  return orders;
+}
+
+/// The fringe order of every pixel by the rule asked for.
+Image<int> chosen_orders(const Image<CuePixel>& pixels, const CueEvidence& cue, CueRule rule,
+                         double f_h, int projector_length) {
+  Image<int> orders(pixels.size());
+  std::transform(pixels.begin(), pixels.end(), orders.begin(), [&](const CuePixel& pixel) {
+    switch (rule) {
+      case CueRule::published:
+        return cue.published_order(pixel);
+      case CueRule::likelihood:
+        return cue.likeliest_order(pixel, projector_length);
+      case CueRule::consensus:
+        return cue.nearest_order(pixel, projector_length);
+    }
+    return 0;
+  });
+  if (rule != CueRule::consensus) return orders;
+  return voted_orders(std::move(orders), pixels, cue, f_h, projector_length);
+}
+
+}  // namespace
+
+UnwrappedPhases unwrap_by_vote(const Layout& layout, const LayoutPhases& phases,
+                               const CueSettings& settings, int projector_length,
+                               double grey_level) {
+  const CueEvidence cue(layout, settings);
+  const double f_h = layout.bands.front().periods;
+  const Image<CuePixel> pixels = cue_pixels(phases, grey_level);
+  const Image<int> orders = chosen_orders(pixels, cue, settings.rule, f_h, projector_length);
+  // The published rule leaves the cue of the DC channel in the texture.
+  const bool shaded = needs_ambient_light(layout) && settings.rule != CueRule::published;
+  const Size size = pixels.size();
+  UnwrappedPhases result{.coordinate = Image<double>(size),
+                         .doubt = Image<double>(size),
+                         .shade = Image<double>(shaded ? size : Size{})};
+  for_each_row(size.height, [&](int row) {
+    for (int column = 0; column < size.width; ++column) {
+      const CuePixel& pixel = pixels(column, row);
+      const double y = unwrapped_coordinate(pixel.wrapped_phase, orders(column, row), f_h);
+      result.coordinate(column, row) = y;
+      result.doubt(column, row) = cue.doubt(pixel, y);
+      if (shaded) result.shade(column, row) = grey_level * cue.shade(pixel, y);
+    }
+  });
+  return result;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,442 @@
+#include "slipstream/devices/v4l2.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <span>
+#include <thread>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <linux/videodev2.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/devices/camera_source.h"
+
+namespace slipstream {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+class FileDevice : public VideoDevice {
+ public:
+  explicit FileDevice(int descriptor) : descriptor_(descriptor) {}
+  FileDevice(const FileDevice&) = delete;
+  FileDevice& operator=(const FileDevice&) = delete;
+  ~FileDevice() override { ::close(descriptor_); }
+
+  int control(unsigned long request, void* argument) override {
+    int result = 0;
+    do {
+      result = ::ioctl(descriptor_, request, argument);
+    } while (result < 0 && errno == EINTR);
+    return result;
+  }
+
+  void* map(std::size_t length, std::size_t offset) override {
+    void* memory = ::mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_,
+                          static_cast<off_t>(offset));
+    return memory == MAP_FAILED ? nullptr : memory;
+  }
+
+  void unmap(void* memory, std::size_t length) override { ::munmap(memory, length); }
+
+  bool wait(std::chrono::milliseconds timeout) override {
+    pollfd events{descriptor_, POLLIN, 0};
+    return ::poll(&events, 1, static_cast<int>(timeout.count())) > 0;
+  }
+
+ private:
+  int descriptor_;
+};
+
+constexpr unsigned v4l2_buffer_count = 8;
+
+/// A layout of pixels that is read here.
+struct PixelLayout {
+  std::uint32_t code;
+  int bits;
+  int bytes;       ///< from one value of a pixel to the next
+  int values = 1;  ///< of a pixel
+};
+
+/// The better for a number of bits come first.
+constexpr std::array<PixelLayout, 5> layouts{{
+    {V4L2_PIX_FMT_GREY, 8, 1},
+    {V4L2_PIX_FMT_YUYV, 8, 2},
+    {V4L2_PIX_FMT_Y10, 10, 2},
+    {V4L2_PIX_FMT_Y12, 12, 2},
+    {V4L2_PIX_FMT_RGB24, 8, 1, 3},
+}};
+
+template <class Structure>
+Structure cleared(std::uint32_t type = V4L2_BUF_TYPE_VIDEO_CAPTURE) {
+  Structure structure;
+  std::memset(&structure, 0, sizeof(structure));
+  structure.type = type;
+  return structure;
+}
+
+std::string text_of(const std::uint8_t* letters) {
+  return reinterpret_cast<const char*>(letters);
+}
+
+/// Of the device's clock; 0, as by a device without one, where its driver tells no time that can
+/// be.
+std::chrono::nanoseconds time_of(const timeval& time) {
+  constexpr std::int64_t longest = std::int64_t{1} << 31;  // seconds: 68 years
+  const bool possible = 0 <= time.tv_sec && time.tv_sec < longest && 0 <= time.tv_usec &&
+                        time.tv_usec < std::micro::den;
+  if (!possible) return {};
+  return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
+}
+
+bool is_camera(VideoDevice& device, v4l2_capability& capability) {
+  std::memset(&capability, 0, sizeof(capability));
+  if (device.control(VIDIOC_QUERYCAP, &capability) != 0) return false;
+  const std::uint32_t capabilities = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
+                                         ? capability.device_caps
+                                         : capability.capabilities;
+  constexpr std::uint32_t wanted = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+  return (capabilities & wanted) == wanted;
+}
+
+bool put_control(VideoDevice& device, std::uint32_t id, int value) {
+  v4l2_control control{id, value};
+  return device.control(VIDIOC_S_CTRL, &control) == 0;
+}
+
+/// Rows of pixels, `row_bytes` from one to the next, `pixel_bytes` a pixel.
+template <class Pixel>
+void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pixel_bytes,
+               Image<Pixel>& image) {
+  for (int row = 0; row < image.height(); ++row, bytes += row_bytes) {
+    Pixel* to = image.row(row);
+    if (pixel_bytes == sizeof(Pixel)) {
+      std::memcpy(to, bytes, static_cast<std::size_t>(image.width()) * sizeof(Pixel));
+      continue;
+    }
+    for (int column = 0; column < image.width(); ++column) {
+      to[column] = bytes[static_cast<std::size_t>(column) * pixel_bytes];
+    }
+  }
+}
+
+constexpr double exposure_step_ms = 0.1;  // V4L2 counts exposure in 100 us
+
+/// V4L2 counts gain in whole numbers.
+double whole_gain(double gain) {
+  if (!(std::abs(gain) <= std::numeric_limits<int>::max())) {
+    throw Error(fmt::format("--gain {} is out of range; a whole number of 32 bits", gain));
+  }
+  return std::round(gain);
+}
+
+/// Throws Error for settings that no such camera has.
+FrameFormat format_from(const CameraSettings& settings) {
+  const PixelFormat pixels = settings.pixel_format;
+  if (pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
+      pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8) {
+    throw Error(
+        fmt::format("--pixel-format {} is not of a v4l2 camera; Mono8, Mono10, Mono12 or RGB8 are",
+                    name_of(pixels)));
+  }
+  const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
+  if (region.x != 0 || region.y != 0) {
+    throw Error(
+        fmt::format("--region {}x{}+{}+{}: a v4l2 camera has sizes, but no region; as 640x480",
+                    region.size.width, region.size.height, region.x, region.y));
+  }
+  if (!settings.trigger.empty()) {
+    throw Error(fmt::format("--trigger {}: v4l2 cameras run freely", settings.trigger));
+  }
+  if (settings.gain) (void)whole_gain(*settings.gain);
+  return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
+}
+
+/// An open camera with its buffers.
+class V4l2Stream {
+ public:
+  V4l2Stream(std::string name, std::unique_ptr<VideoDevice> device, const FrameFormat& format,
+             const CameraSettings& settings)
+      : name_(std::move(name)), device_(std::move(device)) {
+    v4l2_capability capability;
+    if (!is_camera(*device_, capability)) {
+      throw Error(fmt::format("{} is no camera that gives a stream of frames", name_));
+    }
+    set_format(format, values_of(settings.pixel_format));
+    set_rate(settings);
+    set_light(settings);
+  }
+  V4l2Stream(const V4l2Stream&) = delete;
+  V4l2Stream& operator=(const V4l2Stream&) = delete;
+  ~V4l2Stream() { stop(); }
+
+  void start() {
+    auto request = cleared<v4l2_requestbuffers>();
+    request.count = v4l2_buffer_count;
+    request.memory = V4L2_MEMORY_MMAP;
+    require(VIDIOC_REQBUFS, &request, "buffers");
+    for (std::uint32_t i = 0; i < request.count; ++i) {
+      v4l2_buffer buffer = empty_buffer(i);
+      require(VIDIOC_QUERYBUF, &buffer, "buffers");
+      void* memory = device_->map(buffer.length, buffer.m.offset);
+      if (memory == nullptr) fail("buffers");
+      buffers_.push_back({static_cast<std::uint8_t*>(memory), buffer.length});
+      require(VIDIOC_QBUF, &buffer, "buffers");
+    }
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    require(VIDIOC_STREAMON, &type, "a stream");
+  }
+
+  void stop() {
+    if (buffers_.empty()) return;
+    int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    device_->control(VIDIOC_STREAMOFF, &type);
+    for (const std::span<std::uint8_t> buffer : buffers_) {
+      device_->unmap(buffer.data(), buffer.size());
+    }
+    buffers_.clear();
+    auto request = cleared<v4l2_requestbuffers>();
+    request.memory = V4L2_MEMORY_MMAP;
+    device_->control(VIDIOC_REQBUFS, &request);
+  }
+
+  /// Exposure in ms; none of another that V4L2 has a control for.
+  [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const {
+    if (which == CameraControl::frame_rate) return std::nullopt;
+    const bool exposure = which == CameraControl::exposure;
+    const double unit = exposure ? exposure_step_ms : 1;
+    v4l2_queryctrl range{};
+    range.id = exposure ? V4L2_CID_EXPOSURE_ABSOLUTE : V4L2_CID_GAIN;
+    v4l2_control now{range.id, 0};
+    if (device_->control(VIDIOC_QUERYCTRL, &range) != 0) return std::nullopt;
+    if ((range.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return std::nullopt;
+    if (device_->control(VIDIOC_G_CTRL, &now) != 0) return std::nullopt;
+    return ControlValue{unit * now.value, unit * range.minimum, unit * range.maximum};
+  }
+
+  void set_control(CameraControl which, double value) const {
+    CameraSettings asked;
+    put(asked, which, value);
+    set_light(asked);
+  }
+
+  /// None where the camera is gone.
+  std::optional<Arrival> fetch(Frame& frame, milliseconds timeout) {
+    if (!device_->wait(timeout)) return Arrival::nothing;
+    v4l2_buffer buffer = empty_buffer(0);
+    if (device_->control(VIDIOC_DQBUF, &buffer) != 0) {
+      if (errno == EAGAIN) return Arrival::nothing;
+      return std::nullopt;
+    }
+    const Arrival arrival = take(buffer, frame);
+    if (device_->control(VIDIOC_QBUF, &buffer) != 0) return std::nullopt;
+    return arrival;
+  }
+
+ private:
+  static v4l2_buffer empty_buffer(std::uint32_t index) {
+    auto buffer = cleared<v4l2_buffer>();
+    buffer.memory = V4L2_MEMORY_MMAP;
+    buffer.index = index;
+    return buffer;
+  }
+
+  [[noreturn]] void fail(std::string_view what) const {
+    throw WorldError(fmt::format("camera {} gives no {}: {}", name_, what, std::strerror(errno)));
+  }
+  void require(unsigned long request, void* argument, std::string_view what) const {
+    if (device_->control(request, argument) != 0) fail(what);
+  }
+
+  void set_format(const FrameFormat& frames, int values) {
+    const FrameFormat wanted{{frames.size.width / values, frames.size.height}, frames.bits};
+    for (const PixelLayout& layout : layouts) {
+      if (layout.bits != wanted.bits || layout.values != values) continue;
+      auto format = cleared<v4l2_format>();
+      format.fmt.pix.width = static_cast<std::uint32_t>(wanted.size.width);
+      format.fmt.pix.height = static_cast<std::uint32_t>(wanted.size.height);
+      format.fmt.pix.pixelformat = layout.code;
+      format.fmt.pix.field = V4L2_FIELD_NONE;
+      if (device_->control(VIDIOC_S_FMT, &format) != 0) {
+        if (errno == EINVAL) continue;
+        fail("frames");
+      }
+      if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another
+      const Size size{static_cast<int>(format.fmt.pix.width),
+                      static_cast<int>(format.fmt.pix.height)};
+      if (size != wanted.size) {
+        throw Error(fmt::format("camera {} has no frames of {}x{}; the nearest are {}x{}", name_,
+                                wanted.size.width, wanted.size.height, size.width, size.height));
+      }
+      layout_ = layout;
+      const auto tight = static_cast<std::size_t>(frames.size.width * layout.bytes);
+      row_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, tight);
+      return;
+    }
+    throw Error(fmt::format("camera {} has no {} frames of {} bits ({})", name_,
+                            values == 1 ? "grey" : "colour", wanted.bits,
+                            values == 1 ? "GREY, YUYV, Y10 or Y12" : "RGB24"));
+  }
+
+  void set_rate(const CameraSettings& settings) const {
+    if (!settings.frame_rate) return;
+    if (!(*settings.frame_rate > 0 && *settings.frame_rate < 1e6)) {
+      throw Error(
+          fmt::format("camera {}: a rate of {} Hz; it is above 0", name_, *settings.frame_rate));
+    }
+    auto parameters = cleared<v4l2_streamparm>();
+    constexpr std::uint32_t precision = 1000;
+    parameters.parm.capture.timeperframe = {
+        precision, static_cast<std::uint32_t>(std::lround(*settings.frame_rate * precision))};
+    if (device_->control(VIDIOC_S_PARM, &parameters) != 0) {
+      throw Error(fmt::format("camera {} does not take a rate of {} Hz: {}", name_,
+                              *settings.frame_rate, std::strerror(errno)));
+    }
+  }
+
+  void set_light(const CameraSettings& settings) const {
+    if (settings.exposure) {
+      const double steps = std::round(*settings.exposure * 1e4);  // of 100 us
+      const bool possible = steps >= 1 && steps <= std::numeric_limits<int>::max();
+      put_control(*device_, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
+      if (!possible ||
+          !put_control(*device_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(steps))) {
+        throw Error(
+            fmt::format("camera {} does not take an exposure of {} s", name_, *settings.exposure));
+      }
+    }
+    if (settings.gain) {
+      put_control(*device_, V4L2_CID_AUTOGAIN, 0);
+      const int gain = static_cast<int>(whole_gain(*settings.gain));
+      if (!put_control(*device_, V4L2_CID_GAIN, gain)) {
+        throw Error(fmt::format("camera {} does not take a gain of {}", name_, gain));
+      }
+    }
+  }
+
+  Arrival take(const v4l2_buffer& buffer, Frame& frame) const {
+    if ((buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.index >= buffers_.size()) {
+      return Arrival::damaged;
+    }
+    const auto pixel_bytes = static_cast<std::size_t>(layout_.bytes);
+    const Size size = frame.format().size;
+    const std::size_t needed = row_bytes_ * static_cast<std::size_t>(size.height - 1) +
+                               pixel_bytes * static_cast<std::size_t>(size.width);
+    if (buffer.bytesused < needed || buffers_[buffer.index].size() < needed) {
+      return Arrival::damaged;
+    }
+    std::visit(
+        [&](auto& image) {
+          copy_rows(buffers_[buffer.index].data(), row_bytes_, pixel_bytes, image);
+        },
+        frame.pixels);
+    frame.stamp = {.sequence = buffer.sequence,
+                   .pattern_index = std::nullopt,
+                   .device_time = time_of(buffer.timestamp),
+                   .host_time = steady_clock::now()};
+    return Arrival::frame;
+  }
+
+  std::string name_;
+  std::unique_ptr<VideoDevice> device_;
+  PixelLayout layout_ = layouts[0];
+  std::size_t row_bytes_ = 0;
+  std::vector<std::span<std::uint8_t>> buffers_;
+};
+
+class V4l2Source final : public CameraSource<V4l2Stream> {
+ public:
+  V4l2Source(const std::string& name, std::function<std::unique_ptr<VideoDevice>()> open,
+             const CameraSettings& settings)
+      : CameraSource(name, settings, nullptr, format_from(settings)), open_(std::move(open)) {
+    require_valid(format_);
+    connection_ = connect();
+  }
+
+  void start() override {
+    const bool gone = !connection_;
+    std::shared_ptr<V4l2Stream> stream = gone ? connect() : connection_;
+    stream->start();  // one that was gone and throws is still gone
+    count_.begin(0);
+    if (gone) regain(std::move(stream));
+  }
+
+  void stop() override {
+    if (connection_) connection_->stop();
+  }
+
+  Arrival next(Frame& frame, milliseconds timeout) override {
+    if (!connection_) return seek(timeout);
+    if (frame.format() != format()) frame = Frame(format());
+    const std::optional<Arrival> arrival = connection_->fetch(frame, timeout);
+    if (!arrival) lose();
+    if (arrival == Arrival::frame) frame.stamp.sequence = count(frame.stamp.sequence);
+    return arrival.value_or(Arrival::nothing);
+  }
+
+ private:
+  [[nodiscard]] std::shared_ptr<V4l2Stream> connect() const {
+    return std::make_shared<V4l2Stream>(name_, open_(), format_, settings_now());
+  }
+
+  Arrival seek(milliseconds timeout) try {
+    start();
+    return Arrival::nothing;
+  } catch (const std::exception&) {
+    std::this_thread::sleep_for(std::min(timeout, milliseconds(100)));
+    return Arrival::nothing;
+  }
+
+  const std::function<std::unique_ptr<VideoDevice>()> open_;
+};
+
+}  // namespace
+
+std::unique_ptr<VideoDevice> open_video_device(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) {
+    throw WorldError(fmt::format("cannot open camera {}: {}", path, std::strerror(errno)));
+  }
+  return std::make_unique<FileDevice>(descriptor);
+}
+
+std::unique_ptr<FrameSource> open_v4l2_camera(
+    const std::string& name, const std::function<std::unique_ptr<VideoDevice>()>& open,
+    const CameraSettings& settings) {
+  return std::make_unique<V4l2Source>(name, open, settings);
+}
+
+std::vector<CameraDescription> list_v4l2_cameras() {
+  constexpr int most = 64;
+  std::vector<CameraDescription> cameras;
+  for (int number = 0; number < most; ++number) {
+    const std::string path = fmt::format("/dev/video{}", number);
+    try {
+      v4l2_capability capability;
+      if (!is_camera(*open_video_device(path), capability)) continue;
+      cameras.push_back({.name = std::to_string(number),
+                         .vendor = text_of(capability.driver),
+                         .model = text_of(capability.card),
+                         .serial = "",
+                         .address = text_of(capability.bus_info),
+                         .protocol = "V4L2"});
+    } catch (const WorldError&) {
+      continue;
+    }
+  }
+  return cameras;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,302 @@
+#include "slipstream/publish/mcap.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include <fmt/format.h>
+#include <zstd.h>
+
+#include "slipstream/base/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/publish/cdr.h"
+
+namespace slipstream {
+namespace {
+using namespace std::string_view_literals;
+using namespace mcap;
+using Bytes = std::vector<std::uint8_t>;
+
+/// A chunk ends once it holds so much.
+constexpr std::size_t chunk_bytes = 4 << 20;
+/// Of zstd: the fastest ones save nearly as much of 32-bit floats as the thorough ones.
+constexpr int compression = -3;
+
+/// What tells what a record is, and how long its content.
+void append_head(Bytes& bytes, Opcode opcode, std::uint64_t length) {
+  append(bytes, static_cast<std::uint8_t>(opcode), length);
+}
+
+template <class... Values>
+void append_record(Bytes& bytes, Opcode opcode, const Values&... values) {
+  Bytes content;
+  append(content, values...);
+  append_head(bytes, opcode, content.size());
+  append(bytes, content);
+}
+
+Bytes map_of(const std::map<std::uint16_t, std::uint64_t>& values) {
+  Bytes bytes;
+  append(bytes, static_cast<std::uint32_t>(values.size() * 10));
+  for (const auto& [key, value] : values) append(bytes, key, value);
+  return bytes;
+}
+
+/// Bytes of a record, and of a chunk's content.
+constexpr std::uint64_t largest_record = std::uint64_t{1} << 30;
+/// A block of zstd has 128 KiB at most and takes 4 bytes at least.
+constexpr std::uint64_t most_times_smaller = (128 << 10) / 4;
+
+/// What records say, one behind another.
+class Records {
+ public:
+  explicit Records(const std::function<void(const McapMessage&)>& see) : see_(see) {}
+
+  void take(std::uint8_t opcode, std::span<const std::uint8_t> content) {
+    ByteReader record(content);
+    if (opcode == chunk) return take_chunk(record);
+    if (opcode == schema) {
+      const auto number = record.get<std::uint16_t>();
+      types_[number] = record.text();
+    } else if (opcode == channel) {
+      const auto number = record.get<std::uint16_t>();
+      Channel& channel = channels_[number];
+      channel.schema = record.get<std::uint16_t>();
+      channel.topic = record.text();
+      channel.encoding = record.text();
+    } else if (opcode == message) {
+      const auto channel = channels_.find(record.get<std::uint16_t>());
+      if (channel == channels_.end()) throw Error("a message is of no channel");
+      const auto& [schema, topic, encoding] = channel->second;
+      const auto message_number = record.get<std::uint32_t>();
+      const auto time = record.get<std::uint64_t>();
+      record.get<std::uint64_t>();  // when it was published
+      see_({topic, types_[schema], encoding, message_number, time, record.take(record.left())});
+    } else if (opcode == attachment) {
+      const auto time = record.get<std::uint64_t>();
+      record.get<std::uint64_t>();  // when it was made
+      const std::string name(record.text()), type(record.text());
+      see_({name, type, "", 0, time, record.take(record.get<std::uint64_t>())});
+    }
+  }
+
+ private:
+  struct Channel {
+    std::uint16_t schema = 0;
+    std::string topic{}, encoding{};
+  };
+
+  void take_chunk(ByteReader& chunk) {
+    chunk.take(8 + 8);  // from when to when
+    const auto size = chunk.get<std::uint64_t>();
+    const auto sum = chunk.get<std::uint32_t>();
+    const std::string_view compression = chunk.text();
+    std::span<const std::uint8_t> content = chunk.take(chunk.get<std::uint64_t>());
+    if (compression == "zstd") {
+      if (size > largest_record || size / most_times_smaller > content.size()) {
+        throw Error("a chunk says that it is larger than can be");
+      }
+      unpacked_.resize(size);
+      if (ZSTD_decompress(unpacked_.data(), size, content.data(), content.size()) != size) {
+        throw Error("a chunk is damaged");
+      }
+      content = unpacked_;
+    } else if (!compression.empty()) {
+      throw Error(fmt::format("its chunks are compressed by {}; zstd or none can be read",
+                              compression.substr(0, 32)));
+    }
+    if (sum != 0 && checksum(content) != sum) throw Error("a chunk is damaged");
+    for (ByteReader records(content); records.left() > 0;) {
+      const auto opcode = records.get<std::uint8_t>();
+      const auto record = records.take(records.get<std::uint64_t>());
+      if (opcode != mcap::chunk) take(opcode, record);  // there is none in another
+    }
+  }
+
+  const std::function<void(const McapMessage&)>& see_;
+  std::map<std::uint16_t, std::string> types_;
+  std::map<std::uint16_t, Channel> channels_;
+  Bytes unpacked_;
+};
+
+bool read_records(const InputFile& file, Records& records) {
+  std::array<std::uint8_t, 8> begin{};
+  if (!file.read(0, {begin}) || begin != magic) throw Error("is no MCAP file");
+  Bytes content;
+  for (std::uint64_t offset = begin.size();;) {
+    std::array<std::uint8_t, 1 + 8> head{};
+    if (!file.read(offset, {head})) return false;
+    ByteReader reader(head);
+    const auto opcode = reader.get<std::uint8_t>();
+    const auto length = reader.get<std::uint64_t>();
+    offset += head.size();
+    if (opcode == data_end || opcode == footer) return true;
+    if (length > file.size() - offset) return false;  // what was being written
+    if ((opcode >= schema && opcode <= chunk) || opcode == attachment) {
+      if (length > largest_record) throw Error("a record of it is larger than 1 GiB");
+      content.resize(length);
+      if (!file.read(offset, {content})) return false;
+      records.take(opcode, content);
+    }
+    offset += length;
+  }
+}
+
+}  // namespace
+
+McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
+    : path_(path) {
+  Bytes begin(magic.begin(), magic.end());
+  append_record(begin, header, "ros2"sv, "slipstream"sv);
+  file_ = std::make_unique<OutputFile>(path, writing);  // last: it stays where memory fails
+  put({begin});
+}
+
+McapWriter::~McapWriter() {
+  try {
+    if (file_) (void)file_->give_up(chunks_.empty() ? 0 : offset_);
+  } catch (const std::exception&) {
+    // A destructor has nobody to tell; what was written stays.
+  }
+}
+
+/// Puts what is read as a whole.
+void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts) {
+  if (!file_) throw WorldError(fmt::format("{}: is closed", path_.string()));
+  try {
+    file_->write(parts);
+  } catch (const WorldError&) {
+    throw WorldError(std::exchange(file_, nullptr)->give_up(chunks_.empty() ? 0 : offset_));
+  }
+  for (const auto part : parts) offset_ += part.size();
+}
+
+std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
+                                      const std::string& text) {
+  const std::uint16_t number = ++channel_count_;  // of its schema too; 0 is none
+  Bytes of_schema, of_channel;
+  append_record(of_schema, schema, number, schema_name, "ros2msg"sv, text);
+  constexpr std::uint32_t metadata = 0;  // no more is told of it
+  append_record(of_channel, channel, number, number, topic, "cdr"sv, metadata);
+  append(schemas_, of_schema);
+  append(channels_, of_channel);
+  append(of_schema, of_channel);
+  append(chunk_, of_schema);  // both at once or none
+  statistics_.of_channel[number] = 0;
+  return number;
+}
+
+void McapWriter::write(std::uint16_t number, std::uint64_t time,
+                       std::span<const std::uint8_t> content, std::optional<std::uint32_t> own) {
+  // All memory before the first byte: where there is none, no half a message is left.
+  const std::size_t head = 1 + 8 + 2 + 4 + 8 + 8, needed = chunk_.size() + head + content.size();
+  if (needed > chunk_.capacity()) chunk_.reserve(std::max(needed, 2 * chunk_.capacity()));
+  if (index_.empty()) now_.start = now_.end = time;
+  now_.start = std::min(now_.start, time);
+  now_.end = std::max(now_.end, time);
+  index_[number].push_back({time, chunk_.size()});
+  const auto count = own.value_or(static_cast<std::uint32_t>(statistics_.of_channel[number]));
+  ++statistics_.of_channel[number];
+  append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
+  append(chunk_, number, count, time, time, content);  // when it was logged, and published
+  ++statistics_.messages;
+}
+
+void McapWriter::attach(const std::string& name, const std::string& media_type, std::uint64_t time,
+                        std::string_view text) {
+  Bytes content, record;
+  append(content, time, time, name, media_type, std::uint64_t{text.size()},
+         std::span(text.data(), text.size()));
+  append_record(record, attachment, content, checksum(content));
+  append_record(attachment_indices_, attachment_index, offset_, std::uint64_t{record.size()}, time,
+                time, std::uint64_t{text.size()}, name, media_type);
+  ++attachment_count_;
+  put({record});
+}
+
+void McapWriter::end_message_group() {
+  if (chunk_.size() >= chunk_bytes) end_chunk();
+}
+
+void McapWriter::end_chunk() {
+  if (index_.empty()) return;
+  packed_.resize(ZSTD_compressBound(chunk_.size()));
+  const std::size_t size =
+      ZSTD_compress(packed_.data(), packed_.size(), chunk_.data(), chunk_.size(), compression);
+  if (ZSTD_isError(size) != 0) throw WorldError(ZSTD_getErrorName(size));
+  now_.offset = offset_;
+  now_.packed = size;
+  now_.unpacked = chunk_.size();
+  Bytes head, indices;
+  append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
+  append(head, now_.start, now_.end, now_.unpacked, checksum(chunk_), "zstd"sv, now_.packed);
+  now_.length = head.size() + size;
+  for (const auto& [number, places] : index_) {
+    now_.indices[number] = now_.offset + now_.length + indices.size();
+    append_head(indices, message_index, 2 + 4 + 16 * places.size());
+    append(indices, number, static_cast<std::uint32_t>(16 * places.size()));
+    for (const auto& [time, place] : places) append(indices, time, place);
+  }
+  put({head, {packed_.data(), size}, indices});
+  now_.index_length = indices.size();
+  const bool first = chunks_.empty();
+  statistics_.start = first ? now_.start : std::min(statistics_.start, now_.start);
+  statistics_.end = std::max(statistics_.end, now_.end);
+  chunks_.push_back(std::exchange(now_, {}));
+  index_.clear();
+  chunk_.clear();
+}
+
+void McapWriter::finish() {
+  if (!file_) return;  // what failed was told
+  if (statistics_.messages == 0) return std::exchange(file_, nullptr)->discard();
+  end_chunk();
+  Bytes end;
+  append_record(end, data_end, std::uint32_t{0});  // no checksum of all before
+  put({end});
+  const std::uint64_t summary = offset_;
+  Bytes records, offsets;
+  // Of each kind of record, where the records of that kind lie.
+  const auto add_group = [&](Opcode opcode, const Bytes& group) {
+    if (group.empty()) return;
+    append_record(offsets, summary_offset, static_cast<std::uint8_t>(opcode),
+                  summary + records.size(), std::uint64_t{group.size()});
+    append(records, group);
+  };
+  Bytes counts, chunks;
+  constexpr std::uint32_t metadata = 0;
+  append_record(counts, statistics, statistics_.messages, channel_count_,
+                std::uint32_t{channel_count_}, attachment_count_, metadata,
+                static_cast<std::uint32_t>(chunks_.size()), statistics_.start, statistics_.end,
+                map_of(statistics_.of_channel));
+  for (const Chunk& one : chunks_) {
+    append_record(chunks, chunk_index, one.start, one.end, one.offset, one.length,
+                  map_of(one.indices), one.index_length, "zstd"sv, one.packed, one.unpacked);
+  }
+  add_group(schema, schemas_);
+  add_group(channel, channels_);
+  add_group(statistics, counts);
+  add_group(chunk_index, chunks);
+  add_group(attachment_index, attachment_indices_);
+  // The footer's own checksum is of all from the summary on but itself.
+  const std::uint64_t offsets_at = summary + records.size();
+  append(records, offsets);
+  append_head(records, footer, 8 + 8 + 4);
+  append(records, summary, offsets_at);
+  append(records, checksum(records), magic);
+  put({records});
+  std::exchange(file_, nullptr)->keep();
+}
+
+bool read_mcap(const std::filesystem::path& path,
+               const std::function<void(const McapMessage&)>& see) {
+  const InputFile file(path, no_limit);
+  Records records(see);
+  try {
+    return read_records(file, records);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace slipstream

@@ -1,0 +1,181 @@
+#include "slipstream/publish/web_content.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include "slipstream/base/error.h"
+#include "slipstream/cloud/cloud.h"
+#include "slipstream/geometry/scanner.h"
+
+namespace slipstream {
+namespace {
+
+constexpr int most_levels = 65534;
+
+int thinned(int pixels, int step) {
+  return (pixels + step - 1) / step;
+}
+
+/// Calls `visit` for every so many pixels of a row, of every so many rows.
+template <class Visit>
+void each_sent(Size size, int step, Visit visit) {
+  for (int row = 0; row < size.height; row += step) {
+    for (int column = 0; column < size.width; column += step) visit(column, row);
+  }
+}
+
+DepthRange range_of(const Image<float>& depth, int step) {
+  DepthRange range{std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest()};
+  each_sent(depth.size(), step, [&](int column, int row) {
+    const float z = depth(column, row);
+    if (std::isnan(z)) return;
+    range.nearest = std::min<double>(range.nearest, z);
+    range.farthest = std::max<double>(range.farthest, z);
+  });
+  return range.nearest <= range.farthest ? range : DepthRange{};
+}
+
+/// Writes values one after the other.
+struct Places {
+  char* at;
+
+  template <class Value>
+  void put(Value value) {
+    std::memcpy(at, &value, sizeof value);
+    at += sizeof value;
+  }
+};
+
+constexpr std::array counts{
+    "captured",           "lost",      "overwritten",  "repeated", "clouds", "done",
+    "resynchronisations", "published", "windows_lost", "missed",   "dropped"};
+
+/// Samples of each metric, together as the form wants them.
+using Metrics = std::map<std::string, std::string>;
+
+std::string escaped_label(const std::string& label) {
+  std::string text;
+  for (const char c : label) {
+    if (c == '\\' || c == '"') text += '\\';
+    text += c == '\n' ? ' ' : c;
+  }
+  return text;
+}
+
+void add_metrics(const nlohmann::json& value, const std::string& name, const std::string& labels,
+                 Metrics& metrics) {
+  if (value.is_object()) {
+    for (const auto& [key, inner] : value.items()) {
+      const bool count = std::find(counts.begin(), counts.end(), key) != counts.end();
+      std::string word = key;
+      std::replace_if(
+          word.begin(), word.end(), [](char c) { return !std::isalnum(c); }, '_');
+      const char* const ending = count && inner.is_number() ? "_total" : "";
+      add_metrics(inner, fmt::format("{}_{}{}", name, word, ending), labels, metrics);
+    }
+  } else if (value.is_array()) {
+    const bool objects = std::all_of(value.begin(), value.end(), [](const nlohmann::json& one) {
+      return one.is_object() && !one.contains("name");
+    });
+    if (objects) metrics[name] += fmt::format("{} {}\n", name, value.size());
+    for (std::size_t i = 0; i < value.size() && !objects; ++i) {
+      const nlohmann::json& one = value[i];
+      const bool named = one.is_object();
+      add_metrics(
+          one, name,
+          fmt::format("{{{}=\"{}\"}}", named ? "name" : "index",
+                      named ? escaped_label(one["name"].get<std::string>()) : std::to_string(i)),
+          metrics);
+    }
+  } else if (value.is_number()) {
+    metrics[name] += fmt::format("{}{} {}\n", name, labels, value.dump());
+  }
+}
+
+}  // namespace
+
+int web_step(Size camera) {
+  int step = 1;
+  const auto sent = [&] {
+    return std::int64_t{thinned(camera.width, step)} * thinned(camera.height, step);
+  };
+  while (sent() > most_web_pixels) ++step;
+  return step;
+}
+
+std::string web_rays(const Lens& camera) {
+  std::vector<float> rays;
+  each_sent(camera.size, web_step(camera.size), [&](int column, int row) {
+    const Eigen::Vector3d ray = ray_through(camera, {column, row});
+    rays.insert(rays.end(), {static_cast<float>(ray.x()), static_cast<float>(ray.y())});
+  });
+  return {reinterpret_cast<const char*>(rays.data()), rays.size() * sizeof(float)};
+}
+
+std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
+  const Cloud& cloud = live.cloud;
+  const Frame& frame = *live.frames.front();
+  const bool has_depth = !cloud.z.empty();
+  const Size size = frame.format().size;
+  const int every = web_step(size);
+  const int width = thinned(size.width, every), height = thinned(size.height, every);
+  const DepthRange range = range_of(cloud.z, every);
+  const auto nearest = static_cast<float>(range.nearest);
+  constexpr double finest = 1e-6;  // of the depth, which a float tells
+  const auto step = static_cast<float>(
+      std::max({(range.farthest - range.nearest) / most_levels, finest * range.farthest,
+                double{std::numeric_limits<float>::min()}}));
+  const DepthScale numbers{step, nearest - step};
+  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  std::string bytes(24 + (phase.empty() ? 3 : 4) * pixels, '\0');
+  Places head{bytes.data()};
+  for (const int number :
+       {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
+    head.put(number);
+  }
+  head.put(nearest);
+  head.put(step);
+  Places greys{head.at + 2 * pixels};
+  if (has_depth) {
+    each_sent(size, every, [&](int column, int row) {
+      head.put(numbers(cloud.z(column, row)));
+      greys.put(grey_level(cloud.intensity(column, row)));
+    });
+  } else {
+    std::visit(
+        [&](const auto& pictured) {
+          each_sent(size, every, [&](int column, int row) {
+            greys.put(static_cast<std::uint8_t>(pictured(column, row) >> (frame.bits - 8)));
+          });
+        },
+        frame.pixels);
+  }
+  if (!phase.empty()) {
+    each_sent(size, every, [&](int column, int row) { greys.put(phase(column, row)); });
+  }
+  return bytes;
+}
+
+std::string metrics_of(std::string_view statistics) {
+  const auto document = nlohmann::json::parse(statistics, nullptr, false);
+  if (document.is_discarded()) throw Error("statistics that are no JSON");
+  Metrics metrics;
+  add_metrics(document, "slipstream", "", metrics);
+  std::string text;
+  for (const auto& [name, samples] : metrics) {
+    text += fmt::format("# TYPE {} {}\n{}", name, name.ends_with("_total") ? "counter" : "gauge",
+                        samples);
+  }
+  return text;
+}
+
+}  // namespace slipstream

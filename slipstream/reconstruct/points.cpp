@@ -1,0 +1,161 @@
+// Which pixels become points, where these lie and how sure they are.
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/unwrapping.h"
+#include "slipstream/decode/maps.h"
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/reconstruct/pipeline.h"
+#include "slipstream/response/correction.h"
+
+namespace slipstream {
+namespace {
+
+/// Whether the point is seen by the projector's lens at that pixel. Past the angle at which its
+/// polynomial turns back, a lens seems to light from within its field what it does not.
+bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector3d direction = point / point.z();
+  // Only a lens that moves the point this far turns back; to ask it is dear.
+  constexpr double least_turn = 0.1;  // of the field
+  const Eigen::Vector2d moved = (lens.intrinsic * direction).head<2>() - pixel;
+  if (!(moved.norm() > least_turn * lens.size.width)) return true;
+  constexpr double largest_error = 1e-2;
+  return !((ray_through(lens, pixel) - direction).norm() > largest_error);
+}
+
+Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
+  if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
+  const auto& [scanner, sequence, settings] = setup;
+  const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
+  if (in_projector.z() <= 0) return Validity::no_point;
+  const double end = farthest_past_field(projector_length(setup));
+  if (!(coordinate >= -end && coordinate <= 1 + end)) return Validity::outside_field;
+
+  const Axis other = across(sequence.axis);
+  const Eigen::Vector2d pixel = project(scanner.projector, in_projector);
+  const double place = coordinate_along(other, pixel, scanner.projector.size);
+  if (!(place >= -settings.field_margin && place <= 1 + settings.field_margin) ||
+      !is_lit(scanner.projector, in_projector, pixel)) {
+    return Validity::outside_field;
+  }
+  const auto [nearest, farthest] = depth_range(setup);
+  const bool in_range = point.z() >= nearest && point.z() <= farthest;
+  return in_range ? Validity::valid : Validity::out_of_range;
+}
+
+/// |dy / d ln z| of a point along its pixel's ray: how much the projector coordinate changes for
+/// a change of z relative to it. The projector's lens is asked forwards, and no point solved for.
+double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) {
+  constexpr double step = 1e-6;  // where y is a straight line of the distance
+  const auto& [scanner, sequence, settings] = setup;
+  const auto y = [&](double distance) {
+    const Eigen::Vector2d pixel =
+        project(scanner.projector, in_projector_frame(scanner, distance * point));
+    return coordinate_along(sequence.axis, pixel, scanner.projector.size);
+  };
+  return std::abs(y(1 + step) - y(1 - step)) / (2 * step);
+}
+
+}  // namespace
+
+Image<Validity> judged(const BasicMaps<double>& maps, const Image<Validity>& order,
+                       const FrameViews& frames, const EngineSetup& setup) {
+  const ReconstructSettings& settings = setup.settings;
+  const Layout& layout = setup.sequence.strategy.layout();
+  const double full_scale = frames.full_scale();
+  const Image<std::uint8_t> lit =
+      modulation_mask(maps.modulation, least_modulation(settings, full_scale));
+  const std::vector<int> measuring = measuring_frames(layout);
+  Image<std::uint8_t> saturated(frames.size()), unconfirmed(frames.size());
+  if (settings.drop_saturated && !measuring.empty()) {
+    saturated = saturation_mask(frames.chosen(measuring));
+  }
+  if (!maps.fringe_order_doubt.empty()) {
+    const bool voted = order_source(layout) == OrderSource::neighbours;
+    const Image<std::uint8_t> asked =
+        voted ? modulation_mask(maps.modulation, least_neighbour_modulation(settings, full_scale))
+              : lit;
+    unconfirmed = unconfirmed_fringe_orders(maps.coordinate, maps.fringe_order_doubt, asked,
+                                            highest_frequency(layout), settings.fringe_order);
+  }
+  Image<Validity> validity = order.empty() ? Image<Validity>(frames.size()) : order;
+  for (std::size_t i = 0; i < validity.pixel_count(); ++i) {
+    Validity& pixel = validity.begin()[i];
+    if (lit.begin()[i] == 0) {
+      pixel = Validity::too_dark;
+    } else if (saturated.begin()[i] != 0) {
+      pixel = Validity::saturated;
+    } else if (unconfirmed.begin()[i] != 0) {
+      pixel = Validity::doubtful_order;
+    }
+  }
+  return validity;
+}
+
+BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity> validity,
+                                const Triangulator& triangulate, const EngineSetup& setup) {
+  BasicCloud<double> cloud(validity.size());
+  cloud.validity = std::move(validity);
+  for_each_row(cloud.size().height, [&](int row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      Validity& pixel = cloud.validity(column, row);
+      if (pixel != Validity::valid) continue;
+      const double coordinate = coordinates(column, row);
+      const Eigen::Vector3d point = triangulate(column, row, coordinate);
+      pixel = validity_of(coordinate, point, setup);
+      if (pixel != Validity::valid) continue;
+      cloud.x(column, row) = point.x();
+      cloud.y(column, row) = point.y();
+      cloud.z(column, row) = point.z();
+    }
+  });
+  return cloud;
+}
+
+Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSetup& setup,
+                           double full_scale) {
+  const Layout& layout = setup.sequence.strategy.layout();
+  const double grey_level = full_scale / 255;
+  const double at_half = cue_settings(setup).noise_variance;
+  const double by_light = setup.scanner.photometry.noise_gain;
+  const Band& band = measuring_band(layout);
+  const std::optional<StepRun> run = bent_run(band);
+  const auto& corrected = setup.scanner.photometry.response;
+  const bool by_noise = !way_of(layout.unwrapping).whole_stripes;
+  const double unit_variance = coordinate_variance(layout, 1, 1);
+  Uncertainty sigma(cloud.size());
+  for_each_row(cloud.size().height, [&](int row) {
+    for (int column = 0; column < cloud.size().width; ++column) {
+      if (cloud.validity(column, row) != Validity::valid) continue;
+      const double modulation = maps.modulation(column, row) / grey_level;
+      const double noise_variance =
+          noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
+      const double y = maps.coordinate(column, row);
+      const double phi = 2 * std::numbers::pi * band.periods * y;
+      const double gain =
+          run && corrected && band.carrier == 0
+              ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
+              : 1;
+      const double sigma_y = by_noise
+                                 ? gain * std::sqrt(unit_variance * noise_variance) / modulation
+                                 : std::sqrt(unit_variance);
+      const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
+      const Eigen::Vector3d sigma_point =
+          point.cwiseAbs() * (sigma_y / change_along_ray(point, setup));
+      sigma.coordinate(column, row) = static_cast<float>(sigma_y);
+      sigma.x(column, row) = static_cast<float>(sigma_point.x());
+      sigma.y(column, row) = static_cast<float>(sigma_point.y());
+      sigma.z(column, row) = static_cast<float>(sigma_point.z());
+    }
+  });
+  return sigma;
+}
+
+}  // namespace slipstream

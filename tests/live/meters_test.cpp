@@ -1,0 +1,121 @@
+#include "slipstream/live/meters.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+namespace slipstream::meters_test {
+using namespace std::chrono_literals;
+
+TEST(LatencyHistogram, percentiles_are_within_a_step_and_the_maximum_is_exact) {
+  LatencyHistogram histogram;
+  EXPECT_EQ(histogram.latency().p99, 0);
+  for (int i = 1; i <= 1000; ++i) histogram.add(i * 10us);
+  const Latency latency = histogram.latency();
+  EXPECT_GE(latency.p50, 5.0);
+  EXPECT_LE(latency.p50, 5.0 * 1.042);
+  EXPECT_GE(latency.p99, 9.9);
+  EXPECT_LE(latency.p99, 10.0);
+  EXPECT_DOUBLE_EQ(latency.max, 10.0);
+}
+
+TEST(LatencyHistogram, takes_whatever_it_is_given) {
+  LatencyHistogram histogram;
+  histogram.add(-5ms);
+  histogram.add(0ns);
+  EXPECT_EQ(histogram.latency().max, 0);
+  histogram.add(1h);
+  EXPECT_DOUBLE_EQ(histogram.latency().max, 3.6e6);
+  EXPECT_GE(histogram.latency().p99, 1e5);
+}
+
+TEST(StageMeter, rate_is_that_of_the_second_before) {
+  StageMeter meter;
+  const auto start = StageMeter::Clock::now();
+  for (int i = 0; i < 30; ++i) meter.done(start);
+  EXPECT_EQ(meter.statistics(start + 3s).done, 30U);
+  EXPECT_DOUBLE_EQ(meter.statistics(start + 10s).rate, 0);
+  // As soon as the slot that they were counted in is over.
+  EXPECT_DOUBLE_EQ(meter.statistics(start + 950ms).rate * 0.9, 30);
+  EXPECT_DOUBLE_EQ(meter.statistics(start).rate, 0);
+}
+
+TEST(SequenceWatch, counts_gaps_and_takes_back_what_comes_late) {
+  using Kind = SequenceWatch::Kind;
+  SequenceWatch watch;
+  EXPECT_EQ(watch.look(5), Kind::fresh);
+  EXPECT_EQ(watch.look(6), Kind::fresh);
+  EXPECT_EQ(watch.look(6), Kind::repeated);
+  EXPECT_EQ(watch.look(10), Kind::fresh);
+  EXPECT_EQ(watch.lost(), 3U);
+  EXPECT_EQ(watch.look(8), Kind::fresh);
+  EXPECT_EQ(watch.look(8), Kind::repeated);
+  EXPECT_EQ(watch.lost(), 2U);
+  EXPECT_EQ(watch.look(1000), Kind::fresh);
+  EXPECT_EQ(watch.lost(), 991U);
+  EXPECT_EQ(watch.look(0), Kind::restart);
+  EXPECT_EQ(watch.look(1), Kind::fresh);
+  EXPECT_EQ(watch.lost(), 991U);
+}
+
+TEST(SequenceWatch, a_damaged_frame_is_lost_once) {
+  SequenceWatch watch;
+  watch.look(0);
+  watch.damaged();
+  EXPECT_EQ(watch.lost(), 1U);
+  watch.look(2);
+  EXPECT_EQ(watch.lost(), 1U);
+  watch.damaged();
+  watch.look(3);
+  EXPECT_EQ(watch.lost(), 2U);
+}
+
+Finding finding(const std::string& what, double value = 0) {
+  return {.what = what, .evidence = {{"value", value}}};
+}
+
+TEST(FindingLog, KnowsWhenWhatBeganAndEnded) {
+  FindingLog log;
+  log.replace({}, 3);
+  EXPECT_TRUE(log.told().empty());
+  log.replace({finding("a", 1)}, 7);
+  log.replace({finding("a", 2), finding("b")}, 11);
+  log.replace({finding("b")}, 15);
+  EXPECT_EQ(log.current(), (std::vector<Finding>{finding("b")}));
+  log.replace({finding("a", 3)}, 19);
+  EXPECT_EQ(log.told(),
+            (std::vector<LiveFinding>{
+                {finding("a", 1), 7, 15}, {finding("b"), 11, 19}, {finding("a", 3), 19, {}}}));
+  log.replace({}, 23);
+  EXPECT_TRUE(log.current().empty());
+  EXPECT_EQ(log.told().back().end, 23U);
+}
+
+TEST(FindingLog, ForgetsTheOldestThatHasEnded) {
+  FindingLog log;
+  for (std::uint64_t n = 0; n < 3 * FindingLog::most; ++n) {
+    log.replace({finding("always"), finding(std::to_string(n))}, n);
+  }
+  EXPECT_EQ(log.told().size(), FindingLog::most);
+  EXPECT_EQ(log.told().front().finding.what, "always");
+  EXPECT_EQ(log.told().back().finding.what, std::to_string(3 * FindingLog::most - 1));
+}
+
+TEST(LiveStatistics, CountsOfWhatGoesWrongAreSaid) {
+  const LiveStatistics statistics{
+      .frames = {.lost = 5, .overwritten = 3}, .windows_lost = 2, .latency = {.p99 = 4}};
+  std::string numbers, wrong;
+  const auto note = [&](const char* name, const auto& value, const char* trouble = "") {
+    if constexpr (requires { value + 1.0; }) {
+      if (value != 0) numbers += name + std::string(" ");
+      if (value != 0 && *trouble != '\0') wrong += trouble + std::string(", ");
+    }
+  };
+  statistics.for_each_figure(note);
+  statistics.frames.for_each_figure(note);
+  statistics.latency.for_each_figure(note);
+  EXPECT_EQ(numbers, "windows_lost lost overwritten p99 ");
+  EXPECT_EQ(wrong, "scans lost, frames not used, ");
+}
+
+}  // namespace slipstream::meters_test

@@ -31,7 +31,7 @@ CalibrationBoard board_from(const BoardFlags& flags);
 /// else.
 std::vector<double> lengths_from(const std::string& text, const std::string& flag);
 
-/// Where scans of a board are and what they are.
+/// Folders of board scans, and the kind of each.
 struct BoardCaptureFlags {
   std::string folder;
   BoardFlags board;
@@ -53,7 +53,7 @@ PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBo
 /// The board as a sheet in the scene, its printing as fine as a camera could ever see.
 Body sheet_of(const CalibrationBoard& board, const Scanner& scanner);
 
-/// So many poses of that sheet. Throws Error for a `count` of --boards that is out of range.
+/// `count` poses of the board. Throws Error if --boards is out of range.
 std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scanner& scanner);
 
 /// The flags of `calibrate geometry`.

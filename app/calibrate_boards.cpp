@@ -1,4 +1,4 @@
-// calibrate board and calibrate verify: boards to print, and what they say of a scanner file.
+// calibrate board and calibrate verify: print a board; check a scanner file with board scans.
 #include <cmath>
 #include <numbers>
 #include <optional>

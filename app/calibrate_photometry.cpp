@@ -42,10 +42,10 @@ void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
   group.add_scanner_output("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
 }
 
-/// Calls `take` with the frames of each folder and what they show, as scan.yaml and the flags say
-/// it, once they are checked: it warns of what is doubtful and throws Error for what is wrong.
-/// Where `files` names no scanner, the first scan's is the one to add to. `of_gamma`: the scans are
-/// there to measure the response, which nothing is then corrected for: that it shows is no news.
+/// Calls `take` with the frames and sequence of each folder, from scan.yaml and the flags. Prints
+/// warnings; throws Error if the check fails. If `files` names no scanner, the result is added to
+/// the first scan's. `of_gamma`: the scans measure the response, so a response that shows is not a
+/// warning.
 void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& changes,
                    CalibrationFiles& files, bool of_gamma, Output& output,
                    const std::function<void(const Scan& scan, const std::string& folder)>& take) {
@@ -69,7 +69,7 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
   }
 }
 
-/// Writes what was found where it is asked for, and says so.
+/// Writes the result to the requested file and prints its path.
 void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
                        Output& output) {
   require_valid(found);
@@ -207,7 +207,7 @@ struct Found {
   MeasuredResponse measured;
 };
 
-/// Nothing where they do not tell, but uniform patterns will.
+/// nullopt if the scans cannot tell but uniform patterns can.
 std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAverage& scans,
                                 Output& output) {
   const GammaCalibration found = calibrate_gamma(scans, flags.minimum_modulation);

@@ -12,9 +12,9 @@
 
 namespace slipstream::app {
 
-/// The subcommand that was chosen and what was read for it.
+/// The chosen subcommand and its parsed flags.
 struct Command {
-  std::function<void(Output&)> work{};  ///< tells `Output` what it did
+  std::function<void(Output&)> work{};  ///< runs it and reports to `Output`
   RigSaid rig{};
 };
 

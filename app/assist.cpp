@@ -1,15 +1,4 @@
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "app/commands.h"
-#include "app/scan_input.h"
 #include "app/source_flags.h"
-#include "slipstream/base/error.h"
 #include "slipstream/live/cyclic_scans.h"
 #include "slipstream/response/exposure_advice.h"
 
@@ -25,9 +14,9 @@ struct AssistFlags {
 
 /// A scan whose sequence has the exposures that were taken.
 Scan from_scan(const AssistFlags& flags, Output& output) {
-  ScanInputFlags input;
-  input.changes = {.sequence = flags.source.request.sequence,
-                   .scanner = flags.source.request.scanner};
+  ScanFlags input;
+  input.sequence = flags.source.sequence;
+  input.scanner = flags.source.scanner;
   Scan scan = load_checkable(flags.scan, input, false, output);
   scan.sequence.exposures = scan.exposures;
   return scan;
@@ -35,44 +24,33 @@ Scan from_scan(const AssistFlags& flags, Output& output) {
 
 /// Opens the source once for each exposure, a camera set to it in ms.
 Scan from_source(const AssistFlags& flags, Output& output) {
-  if (scheme_of(flags.source.request.source) == "replay") {
-    throw Error(
-        "--source: frames that were recorded have their exposures; give the recording alone");
-  }
+  throw_if(scheme_of(flags.source.source) == "replay",
+           "--source: frames that were recorded have their exposures; give the recording alone");
   SourceRequest request = request_from(flags.source);
-  const bool is_virtual = scheme_of(flags.source.request.source) == "virtual";
   const std::vector<double> usual =
-      is_virtual ? std::vector<double>{0.25, 1, 4} : std::vector<double>{2, 8, 32};
+      request.world ? std::vector<double>{0.25, 1, 4} : std::vector<double>{2, 8, 32};
   const std::vector<double> exposures = request.sequence.exposures.value_or(usual);
   Scan taken;
   std::vector<FrameSet> each;
   for (const double exposure : exposures) {
     request.sequence.exposures = {exposure};
     request.camera.exposure = exposure / 1e3;
-    const NamedSource opened = open_source(request);
-    if (!opened.warning.empty()) output.warn(opened.warning);
+    const NamedSource opened = open(request, output);
     each.push_back(take_window(*opened.frames, opened.sequence, request.source));
     taken.sequence = opened.sequence;
     taken.scanner = opened.scanner;
   }
-  taken.frames = joined(each);
+  taken.frames = joined(std::move(each));
   taken.sequence.exposures = exposures;
   return taken;
 }
 
-nlohmann::json json_of(const std::vector<ExposureChoice>& choices) {
-  nlohmann::json document = nlohmann::json::array();
-  for (const ExposureChoice& choice : choices) {
-    document.push_back({{"exposures", choice.exposures},
-                        {"measured", choice.measured},
-                        {"saturated", choice.saturated},
-                        {"too_dark", choice.too_dark},
-                        {"coordinate_sigma", choice.sigma}});
-  }
-  return document;
-}
-
 void tell(const char* name, const std::vector<ExposureChoice>& choices, Output& output) {
+  output.document[name] = as_json(choices, [](const ExposureChoice& choice) {
+    return described("exposures", choice.exposures, "measured", choice.measured, "saturated",
+                     choice.saturated, "too_dark", choice.too_dark, "coordinate_sigma",
+                     choice.sigma);
+  });
   for (const ExposureChoice& choice : choices) {
     output.say("{:<9}{:<22}{:8.1f} %{:10.1f} %{:9.1f} %{:10.2g}", name,
                fmt::format("{:.3g}", fmt::join(choice.exposures, ",")), 100 * choice.measured,
@@ -116,41 +94,33 @@ void assist(const AssistFlags& flags, Output& output) {
   }
   needs.noise_variance = flags.noise_variance.value_or(needs.noise_variance);
   const ExposureAdvice advice = exposure_advice(taken.frames, taken.sequence, needs);
+  output.document = described("lit", advice.lit, "unknown", advice.unknown, "exposures",
+                              advice.proposed[advice.best].exposures, "light", advice.light);
   tell(advice, taken.sequence.light, output);
-  output.document = {{"lit", advice.lit},
-                     {"unknown", advice.unknown},
-                     {"taken", json_of(advice.taken)},
-                     {"proposed", json_of(advice.proposed)},
-                     {"exposures", advice.proposed[advice.best].exposures},
-                     {"light", advice.light}};
 }
 
 }  // namespace
 
-void add_assist(CLI::App& program, Command& chosen) {
-  const auto [command, flags] =
-      add_command(program, chosen, assist, "assist",
-                  "which exposures measure which share of what the patterns light");
-  SourceRequest& request = flags.source.request;
+void add_assist(const Commands& program) {
+  const auto [command, flags] = program.add(
+      assist, "assist", "which exposures measure which share of what the patterns light");
+  SourceFlags& source = flags.source;
   CLI::Option* const scan =
       command.add("scan", flags.scan, "a scan, of one or several exposures; or --source");
   command
-      .add("--source", request.source,
+      .add("--source", source.source,
            fmt::format("{}; set to the exposures itself: to 2, 8 and 32 ms, the virtual one to "
                        "0.25, 1 and 4, where --exposures says no others",
                        source_forms()))
       ->excludes(scan);
-  command.add_file("--scanner", request.scanner, "scanner file, for its noise");
+  command.add_file("--scanner", source.scanner, "scanner file, for its noise");
   command.add("--noise-variance", flags.noise_variance,
               "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
   command.add("--min-modulation", flags.needs.least_modulation,
               "of a pixel that counts as measured, grey levels of 255");
-  add_camera_flags(command.app, request.camera);
-  add_pattern_flags(command.app, request.sequence);
-  add_virtual_flags(command.app, flags.source.world);
-  command.app.footer(
-      "Examples:\n  slipstream assist scan\n  slipstream assist --source virtual --scene "
-      "contrast\n  slipstream assist --source aravis: --strategy pmp --steps 4 --exposures 1,4,16");
+  add_source_flags(command.app, source, false);
+  command.examples({"assist scan", "assist --source virtual --scene contrast",
+                    "assist --source aravis: --strategy pmp --steps 4 --exposures 1,4,16"});
 }
 
 }  // namespace slipstream::app

@@ -1,11 +1,9 @@
 #include "app/board_flags.h"
 
-#include <fmt/format.h>
-
 #include "app/scan_flags.h"
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/simulate/boards.h"
+#include "slipstream/io/board_scans.h"
+#include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream::app {
 namespace {
@@ -19,9 +17,8 @@ void set_spacing(BoardFlags& flags, const std::string& text) {
 
 void set_dictionary(CalibrationBoard& board, const std::string& text) {
   const Size bits = size_from(text, "--dictionary");
-  if (bits.width != bits.height) {
-    throw Error(fmt::format("--dictionary {} is not known; it is 4x4, 5x5, 6x6 or 7x7", text));
-  }
+  throw_if(bits.width != bits.height, "--dictionary {} is not known; it is 4x4, 5x5, 6x6 or 7x7",
+           text);
   board.marker_bits = bits.width;
 }
 
@@ -32,58 +29,48 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags) {
   CalibrationBoard& board = flags.board;
   group.add_named("--board", board.kind, board_kind_named, name_of(board.kind),
                   "chessboard, circles (asymmetric grid) or charuco");
-  group
-      .add_read<>(
-          "--corners",
-          [&board](const std::string& text) {
-            const auto [columns, rows] = size_from(text, "--corners");
-            board.columns = columns;
-            board.rows = rows;
-          },
-          "corners between squares, or circles: in a row x rows")
+  const auto corners = [&board](const std::string& text) {
+    const auto [columns, rows] = size_from(text, "--corners");
+    board.columns = columns;
+    board.rows = rows;
+  };
+  group.add_read<>("--corners", corners, "corners between squares, or circles: in a row x rows")
       ->default_str("13x9");
+  const auto space = [&flags](const std::string& text) { set_spacing(flags, text); };
   group.add_read<>(
-      "--spacing", [&flags](const std::string& text) { set_spacing(flags, text); },
+      "--spacing", space,
       "mm, as measured on the print: side of a square; for circles from one row to the next; "
       "10x10.1 of a print stretched down");
-  group.add_read<double>(
-      "--circle-diameter", [&board](double mm) { board.circle_diameter = mm / board.spacing; },
-      "mm; 0.8 of the spacing where not given");
-  group.add_read<double>(
-      "--marker-side", [&board](double mm) { board.marker_side = mm / board.spacing; },
-      "mm, of a ChArUco marker; 0.75 of the spacing where not given");
-  group
-      .add_read<>(
-          "--dictionary", [&board](const std::string& text) { set_dictionary(board, text); },
-          "of the markers: 4x4, 5x5, 6x6 or 7x7")
+  const auto circle = [&board](double mm) { board.circle_diameter = mm / board.spacing; };
+  group.add_read<double>("--circle-diameter", circle, "mm; 0.8 of the spacing where not given");
+  const auto marker = [&board](double mm) { board.marker_side = mm / board.spacing; };
+  group.add_read<double>("--marker-side", marker,
+                         "mm, of a ChArUco marker; 0.75 of the spacing where not given");
+  const auto dictionary = [&board](const std::string& text) { set_dictionary(board, text); };
+  group.add_read<>("--dictionary", dictionary, "of the markers: 4x4, 5x5, 6x6 or 7x7")
       ->default_str("4x4");
 }
 
 CalibrationBoard board_from(const BoardFlags& flags) {
-  if (!flags.has_spacing) {
-    throw Error(
-        "--spacing is missing: measure the side of a square on the print, best across many of "
-        "them, "
-        "and give it in mm (for circles, from one row to the next)");
-  }
+  throw_if(!flags.has_spacing,
+           "--spacing is missing: measure the side of a square on the print, best across many of "
+           "them, and give it in mm (for circles, from one row to the next)");
   require_valid(flags.board);
   return flags.board;
 }
 
 std::vector<double> lengths_from(const std::string& text, const std::string& flag) {
   std::vector<double> lengths = numbers_in<double>(text, 'x');
-  if (lengths.size() == 1 || lengths.size() == 2) return lengths;
-  throw Error(
-      fmt::format("{} '{}' is not a length; give mm, as 10.2, or two, as 10.2x10.1", flag, text));
+  throw_if(lengths.size() != 1 && lengths.size() != 2,
+           "{} '{}' is not a length; give mm, as 10.2, or two, as 10.2x10.1", flag, text);
+  return lengths;
 }
 
 void add_board_capture_flags(const FlagGroup& command, BoardCaptureFlags& flags) {
-  command
-      .add_file(
-          "folder", flags.folder,
-          "holds a folder for each pose: scans x and y (folders, or recordings x.slip and y.slip), "
-          "or the pictures of both")
-      ->required();
+  required(command.add_file(
+      "folder", flags.folder,
+      "holds a folder for each pose: scans x and y (folders, or recordings x.slip and y.slip), "
+      "or the pictures of both"));
   command.add("--exclude", flags.excluded, "poses to leave out, by name");
   command.add("--first-axis", flags.first_axis,
               "where both scans lie in one folder: x or y, whose pictures come first");
@@ -106,13 +93,13 @@ PoseCaptures captured_boards(const BoardCaptureFlags& flags, const CalibrationBo
     output.say("phases are corrected for the response in the scanner file, gamma {:.5g}",
                response->gamma);
   }
-  Progress progress("poses", static_cast<int>(poses.size()));
+  Progress progress("poses", poses.size());
   PoseCaptures captures = capture_poses(flags.folder, poses, flags.excluded, board, settings,
                                         [&](const std::string& words) {
                                           if (!words.empty()) output.say("{}", words);
                                           progress.advance();
                                         });
-  for (const std::string& warning : captures.warnings) output.warn(warning);
+  output.warn(captures.warnings);
   return captures;
 }
 
@@ -123,10 +110,7 @@ Body sheet_of(const CalibrationBoard& board, const Scanner& scanner) {
 }
 
 std::vector<Eigen::Isometry3d> poses_of(const Body& sheet, int count, const Scanner& scanner) {
-  constexpr int most_boards = 1000;
-  if (count < 1 || count > most_boards) {
-    throw Error(fmt::format("--boards {} is out of range; 1 to {}", count, most_boards));
-  }
+  require_in_range(count >= 1 && count <= 1000, "--boards", count, "1 to 1000");
   const Board& shape = std::get<Board>(sheet.shape);
   return board_poses(scanner, count, shape.width, shape.height);
 }

@@ -6,9 +6,9 @@
 
 #include <Eigen/Geometry>
 
-#include "app/flag_group.h"
+#include "app/commands.h"
 #include "app/output.h"
-#include "slipstream/calibrate/pose_captures.h"
+#include "slipstream/calibrate/board_capture.h"
 #include "slipstream/codes/response.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/simulate/scene.h"
@@ -27,8 +27,7 @@ void add_board_flags(CLI::App& subcommand, BoardFlags& flags);
 /// The board that the flags say. Throws Error where it cannot be or no spacing is given.
 CalibrationBoard board_from(const BoardFlags& flags);
 
-/// "121.9x80.3" or "121.9": one length or two, mm. Throws Error, naming the flag, for anything
-/// else.
+/// "121.9x80.3" or "121.9": one length or two, mm. Throws Error, naming the flag, for other text.
 std::vector<double> lengths_from(const std::string& text, const std::string& flag);
 
 /// Folders of board scans, and the kind of each.

@@ -1,20 +1,14 @@
-// calibrate board and calibrate verify: print a board; check a scanner file with board scans.
+// calibrate board, geometry and verify: print a board; make a scanner file of its scans; check one.
 #include <cmath>
 #include <numbers>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
 
 #include "app/board_flags.h"
-#include "app/commands.h"
-#include "app/findings.h"
 #include "app/scan_flags.h"
 #include "slipstream/base/error.h"
-#include "slipstream/calibrate/verification.h"
+#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/calibrate/geometry_calibration.h"
+#include "slipstream/calibrate/report.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/scanner_file.h"
 
 namespace slipstream::app {
 namespace {
@@ -28,10 +22,8 @@ struct CalibrateBoardFlags {
 void write_board(const CalibrateBoardFlags& flags, Output& output) {
   const CalibrationBoard board = board_from(flags.board);
   constexpr double mm_per_inch = 25.4;
-  if (!(flags.dots_per_inch > 0 && flags.dots_per_inch <= 10000)) {
-    throw Error(
-        fmt::format("--dpi {} is out of range; more than 0, at most 10000", flags.dots_per_inch));
-  }
+  require_in_range(flags.dots_per_inch > 0 && flags.dots_per_inch <= 10000, "--dpi",
+                   flags.dots_per_inch, "more than 0, at most 10000");
   // Whole pixels for each spacing keep all edges sharp; the page's size in mm says the rest.
   const int pixels_per_spacing =
       static_cast<int>(std::lround(board.spacing / mm_per_inch * flags.dots_per_inch));
@@ -41,13 +33,10 @@ void write_board(const CalibrateBoardFlags& flags, Output& output) {
   const double width = picture.width() * mm_per_pixel, height = picture.height() * mm_per_pixel;
   output.say("wrote a {} of {}x{} to {}, {} pixels", name_of(board.kind), board.columns, board.rows,
              flags.file, text_of(picture.size()));
-  output.say("print it {:.2f} mm x {:.2f} mm (no 'fit to page'), and measure what was printed",
-             width, height);
-  output.document = {{"board", flags.file},
-                     {"width_px", picture.width()},
-                     {"height_px", picture.height()},
-                     {"width_mm", width},
-                     {"height_mm", height}};
+  output.say("print at {:.2f} mm x {:.2f} mm, without 'fit to page', then measure the print", width,
+             height);
+  output.document = described("board", flags.file, "width_px", picture.width(), "height_px",
+                              picture.height(), "width_mm", width, "height_mm", height);
 }
 
 struct CalibrateVerifyFlags {
@@ -56,14 +45,13 @@ struct CalibrateVerifyFlags {
   std::optional<std::string> output;
 };
 
-nlohmann::json json_of_measure(const BoardMeasure& measure) {
-  return {{"epipolar_px", measure.epipolar},
-          {"rms",
-           {{"camera", measure.rms.camera},
-            {"projector", measure.rms.projector},
-            {"stereo", measure.rms.stereo}}},
-          {"flatness_mm", measure.quality.flatness},
-          {"scale_error", measure.quality.scale_error}};
+nlohmann::json json_of(const ReprojectionRms& rms) {
+  return described("camera", rms.camera, "projector", rms.projector, "stereo", rms.stereo);
+}
+
+nlohmann::json json_of(const BoardMeasure& measure) {
+  return described("epipolar_px", measure.epipolar, "rms", json_of(measure.rms), "flatness_mm",
+                   measure.quality.flatness, "scale_error", measure.quality.scale_error);
 }
 
 void say_measure(const std::string& what, const BoardMeasure& measure, Output& output) {
@@ -78,8 +66,7 @@ void write_corrected(const CalibrateVerifyFlags& flags, const Verification& foun
                      Scanner corrected, Output& output) {
   if (!flags.output) return;
   if (found.holds) {
-    output.say("{} is not written: there is nothing to correct", *flags.output);
-    return;
+    return output.say("{} is not written: there is nothing to correct", *flags.output);
   }
   if (!found.mended) {
     throw Error(
@@ -97,30 +84,23 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
   const Scanner read = read_scanner(flags.scanner);
   const PoseCaptures captures =
       captured_boards(flags.boards, board, read.photometry.response, output);
-  if (captures.views.empty()) {
-    throw Error(fmt::format("{}: no pose can be used{}", flags.boards.folder,
-                            captures.unused.empty() ? "" : " (" + captures.unused[0].why + ")"));
-  }
+  throw_if(captures.views.empty(), "{}: no pose can be used{}", flags.boards.folder,
+           captures.unused.empty() ? "" : " (" + captures.unused[0].why + ")");
   const Verification found = verify_scanner(
       captures.views, board, completed(read, flags.scanner, captures.camera, captures.projector));
 
-  output.document = {{"scanner", flags.scanner},
-                     {"holds", found.holds},
-                     {"mended", found.mended},
-                     {"before", json_of_measure(found.before)},
-                     {"after", json_of_measure(found.after)},
-                     {"rotation_rad", found.rotation},
-                     {"translation_mm", found.translation},
-                     {"poses", nlohmann::json::array()}};
-  for (const VerifiedPose& pose : found.poses) {
-    output.list("poses").push_back({{"name", pose.name},
-                                    {"before", json_of_measure(pose.before)},
-                                    {"after", json_of_measure(pose.after)}});
-  }
+  output.document =
+      described("scanner", flags.scanner, "holds", found.holds, "mended", found.mended, "before",
+                json_of(found.before), "after", json_of(found.after), "rotation_rad",
+                found.rotation, "translation_mm", found.translation);
+  output.document["poses"] = as_json(found.poses, [](const VerifiedPose& pose) {
+    return described("name", pose.name, "before", json_of(pose.before), "after",
+                     json_of(pose.after));
+  });
   std::vector<Finding> findings = captures.findings;
   findings.insert(findings.end(), found.findings.begin(), found.findings.end());
-  output.document["findings"] = app::json_of(findings);
-  warn_of(findings, output);
+  output.document["findings"] = findings;
+  output.warn(findings);
   say_measure("as it is", found.before, output);
   say_measure("corrected", found.after, output);
   output.say("the correction turns the projector by {:.3f} degrees and moves it by {:.3f} mm",
@@ -132,44 +112,199 @@ void verify_calibration(const CalibrateVerifyFlags& flags, Output& output) {
   write_corrected(flags, found, found.corrected, output);
 }
 
+GeometryCalibrationSettings settings_from(const CalibrateGeometryFlags& flags) {
+  GeometryCalibrationSettings settings;
+  settings.camera_coefficients = lens_model_named(flags.camera_distortion, "--camera-distortion");
+  settings.projector_coefficients =
+      lens_model_named(flags.projector_distortion, "--projector-distortion");
+  throw_if(flags.print != "exact" && flags.print != "estimated",
+           "--print {} is not known; it is estimated or exact", flags.print);
+  require_in_range(flags.print_deviation > 0 && flags.print_deviation < 1, "--print-deviation",
+                   flags.print_deviation, "more than 0, less than 1");
+  settings.print_deviation =
+      flags.print == "exact" ? std::nullopt : std::optional(flags.print_deviation);
+  return settings;
+}
+
+/// What the scanner file to write knows already.
+std::optional<MeasuredResponse> response_in(const fs::path& scanner) {
+  return fs::exists(scanner) ? read_photometric_calibration(scanner).response : std::nullopt;
+}
+
+std::vector<Finding> measured_findings(const CalibrateGeometryFlags& flags,
+                                       const CalibrationBoard& board) {
+  if (!flags.measured) return {};
+  const std::vector<double> lengths = lengths_from(*flags.measured, "--measured");
+  throw_if(lengths.size() != 2,
+           "--measured {}: two lengths are wanted, of a row and of a column, as 121.9x80.3",
+           *flags.measured);
+  return findings_of_ruler(board, {lengths[0], lengths[1]});
+}
+
+nlohmann::json json_of(const Lens& lens, const LensDeviation& deviation, const LensChoice& choice,
+                       double covered) {
+  const Eigen::Matrix3d& K = lens.intrinsic;
+  const auto scores = as_json(choice.scores, [](const LensModelScore& score) {
+    return described("coefficients", score.coefficients, "left_out_error", score.error);
+  });
+  return described("focal_px", std::array{K(0, 0), K(1, 1)}, "focal_deviation_px", deviation.focal,
+                   "principal_point_px", std::array{K(0, 2), K(1, 2)},
+                   "principal_point_deviation_px", deviation.principal_point, "distortion",
+                   lens.distortion.coefficients, "distortion_deviation", deviation.coefficients,
+                   "distortion_coefficients", choice.coefficients, "distortion_models", scores,
+                   "covered_share", covered);
+}
+
+void add_quality(nlohmann::json& told, const std::optional<BoardQuality>& quality) {
+  const auto add = [&](const char* name, double BoardQuality::*figure) {
+    told[name] = quality ? nlohmann::json((*quality).*figure) : nlohmann::json();
+  };
+  add("flatness_mm", &BoardQuality::flatness);
+  add("distance_error_mm", &BoardQuality::distance_error);
+  add("scale_error", &BoardQuality::scale_error);
+}
+
+nlohmann::json json_of_poses(const CalibrationReport& report) {
+  const auto& [calibration, unused, board, comparison, findings] = report;
+  nlohmann::json poses = nlohmann::json::array();
+  for (std::size_t i = 0; i < calibration.poses.size(); ++i) {
+    const CalibratedPose& pose = calibration.poses[i];
+    nlohmann::json told = described("name", pose.name, "used", true, "rms", json_of(pose.rms),
+                                    "corners", pose.corners, "lit_corners", pose.lit);
+    add_quality(told, pose.left_out);
+    if (comparison) add_quality(told["compared"], comparison->poses[i]);
+    poses.push_back(told);
+  }
+  for (const UnusedPose& pose : unused) {
+    poses.push_back(described("name", pose.name, "used", false, "reason", pose.why));
+  }
+  std::sort(poses.begin(), poses.end(), [](const auto& a, const auto& b) {
+    return before_in_order(a["name"].template get<std::string>(),
+                           b["name"].template get<std::string>());
+  });
+  return poses;
+}
+
+nlohmann::json document(const CalibrateGeometryFlags& flags, const CalibrationReport& report) {
+  const GeometryCalibration& calibration = report.calibration;
+  const Scanner& scanner = calibration.state.scanner;
+  nlohmann::json told = described(
+      "scanner", flags.scanner, "rms", json_of(calibration.rms), "poses", json_of_poses(report),
+      "camera",
+      json_of(scanner.camera, calibration.deviation.camera, calibration.camera_lens,
+              calibration.covered_camera),
+      "projector",
+      json_of(scanner.projector, calibration.deviation.projector, calibration.projector_lens,
+              calibration.covered_projector),
+      "baseline_mm", scanner.translation.norm(), "rotation_deviation_rad",
+      calibration.deviation.rotation, "translation_deviation_mm", calibration.deviation.translation,
+      "largest_tilt_rad", calibration.largest_tilt, "depths_mm",
+      std::array{scanner.calibrated_depths->nearest, scanner.calibrated_depths->farthest});
+  add_quality(told, overall(left_out_qualities(calibration)));
+  told["findings"] = report.findings;
+  if (report.comparison != nullptr) {
+    told["compared"] = described("scanner", report.comparison->name);
+    add_quality(told["compared"], overall(report.comparison->poses));
+  }
+  if (flags.report) told["report"] = *flags.report;
+  return told;
+}
+
+void add_model_flags(CLI::App& command, CalibrateGeometryFlags& flags) {
+  const FlagGroup group{command, "Model"};
+  const std::string models = fmt::format("coefficients of its lens: auto, or {} in OpenCV's order",
+                                         fmt::join(lens_models, ", "));
+  group.add("--camera-distortion", flags.camera_distortion, models);
+  group.add("--projector-distortion", flags.projector_distortion, models);
+  group.add("--print", flags.print, "the board's corners: estimated (near where printed) or exact");
+  group.add("--print-deviation", flags.print_deviation,
+            "standard deviation of a printed corner, in spacings");
+}
+
 }  // namespace
 
-void add_calibrate_board(CLI::App& calibrate, Command& chosen) {
+void calibrate_boards(const CalibrateGeometryFlags& flags, Output& output) {
+  const CalibrationBoard board = board_from(flags.boards.board);
+  const GeometryCalibrationSettings settings = settings_from(flags);
+  std::vector<Finding> findings = measured_findings(flags, board);
+  std::optional<Scanner> other;
+  if (flags.compare) other = read_scanner(*flags.compare);
+  const PoseCaptures captures =
+      captured_boards(flags.boards, board, response_in(flags.scanner), output);
+  require_enough_poses(captures, flags.boards.folder);
+  if (other) other = completed(*other, *flags.compare, captures.camera, captures.projector);
+  const GeometryCalibration calibration =
+      calibrate_geometry(captures.views, board, captures.camera, captures.projector, settings);
+
+  std::optional<ScannerComparison> comparison;
+  if (other) {
+    comparison = compared_with(*other, fs::path(*flags.compare).filename().string(),
+                               calibration.views, board);
+  }
+  for (const auto* more : {&captures.findings, &calibration.findings}) {
+    findings.insert(findings.end(), more->begin(), more->end());
+  }
+  const CalibrationReport report{calibration, captures.unused, board,
+                                 comparison ? &*comparison : nullptr, findings};
+  if (flags.report) write_page(*flags.report, calibration_report(report));
+  const std::vector<std::string> kept = replace_geometry(flags.scanner, calibration.state.scanner);
+  output.document = document(flags, report);
+  output.say("{}", text_of(report));
+  output.warn(findings);
+  output.say("the scanner file is {}", flags.scanner);
+  if (flags.report) {
+    output.say("the report is {}", (fs::path(*flags.report) / "report.md").string());
+  }
+  if (!kept.empty()) output.say("kept of the file that was there: {}", fmt::join(kept, ", "));
+}
+
+void add_calibrate_board(const Commands& calibrate) {
   const auto [command, flags] =
-      add_command(calibrate, chosen, write_board, "board", "draw a calibration board to print");
-  command.add_output("-o,--output", flags.file, "the picture: .png, .tiff, .bmp or .pgm")
-      ->required();
+      calibrate.add(write_board, "board", "draw a calibration board to print");
+  required(command.add_output("-o,--output", flags.file, "the picture: .png, .tiff, .bmp or .pgm"));
   command.add("--dpi", flags.dots_per_inch, "pixels for each inch of paper");
   add_board_flags(command.app, flags.board);
-  command.app.footer(
-      "Example:\n  slipstream calibrate board --board chessboard --corners 13x9 --spacing 15 -o "
-      "board.png");
+  command.examples({"calibrate board --board chessboard --corners 13x9 --spacing 15 -o board.png"});
 }
 
-void add_calibrate_verify(CLI::App& calibrate, Command& chosen) {
+void add_calibrate_verify(const Commands& calibrate) {
   const auto [command, flags] =
-      add_command(calibrate, chosen, verify_calibration, "verify",
-                  "whether a scanner file still holds, by scans of a board; corrects its pose");
-  command.add_file("--scanner", flags.scanner, "the scanner file")->required();
-  command.add_scanner_output("-o,--output", flags.output,
-                             "where it does not hold, the corrected scanner file: .yaml or .xml");
+      calibrate.add(verify_calibration, "verify",
+                    "whether a scanner file still holds, by scans of a board; corrects its pose");
+  required(command.add_file("--scanner", flags.scanner, "the scanner file"));
+  command.add_output("-o,--output", flags.output,
+                     "where it does not hold, the corrected scanner file: .yaml or .xml",
+                     scanner_output_type);
   add_board_capture_flags(command, flags.boards);
-  command.app.footer(
-      "Example:\n  slipstream calibrate verify poses --scanner scanner.yaml --corners 13x9 "
-      "--spacing 10 -o corrected.yaml");
+  command.examples(
+      {"calibrate verify poses --scanner scanner.yaml --corners 13x9 --spacing 10 -o "
+       "corrected.yaml"});
 }
 
-void add_calibrate(CLI::App& program, Command& chosen) {
-  CLI::App* calibrate = program.add_subcommand("calibrate", "find out what a real rig is like");
-  calibrate->require_subcommand(1);
-  add_calibrate_board(*calibrate, chosen);
-  add_calibrate_geometry(*calibrate, chosen);
-  add_calibrate_verify(*calibrate, chosen);
-  add_calibrate_gamma(*calibrate, chosen);
-  add_calibrate_ambient(*calibrate, chosen);
-  add_calibrate_noise(*calibrate, chosen);
-  add_calibrate_colour(*calibrate, chosen);
-  add_calibrate_height(*calibrate, chosen);
+void add_calibrate(const Commands& program) {
+  const Commands calibrate = program.add_group("calibrate", "find out what a real rig is like");
+  for (AddCommand* const add :
+       {add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_gamma,
+        add_calibrate_ambient, add_calibrate_noise, add_calibrate_colour, add_calibrate_height}) {
+    add(calibrate);
+  }
+}
+
+void add_calibrate_geometry(const Commands& calibrate_command) {
+  const auto [command, flags] = calibrate_command.add(
+      calibrate_boards, "geometry", "scans of a board in several poses to a scanner file");
+  required(command.add_output("-o,--output", flags.scanner, "the scanner file: .yaml or .xml",
+                              scanner_output_type));
+  command.add("--report", flags.report, "a folder for a report with pictures");
+  command.add_file("--compare", flags.compare, "a scanner file to hold beside the result");
+  command.add("--measured", flags.measured,
+              "mm by a ruler on the print, from the first to the last corner: row x column");
+  add_board_capture_flags(command, flags.boards);
+  add_model_flags(command.app, flags);
+  command.examples(
+      {"calibrate geometry poses --board chessboard --corners 13x9 --spacing 10 --strategy "
+       "dual-frequency --steps 3 --high 16 --low 1 --projector 1824x1140 -o scanner.yaml --report "
+       "report"});
 }
 
 }  // namespace slipstream::app

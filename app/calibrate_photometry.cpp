@@ -1,45 +1,28 @@
 // calibrate ambient, colour, gamma and noise: what light does in a rig, into its scanner file.
-#include <algorithm>
-#include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "app/commands.h"
-#include "app/findings.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_set.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/pattern_pictures.h"
 #include "slipstream/io/plot.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/gamma.h"
 #include "slipstream/response/noise_calibration.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
 
 /// Where to write a calibration: `-o`, into what `--scanner` or the first scan names.
 struct CalibrationFiles {
-  std::optional<std::string> scanner;
+  std::optional<fs::path> scanner;
   std::string output;
 };
 
 void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
   const FlagGroup group{command};
   group.add_file("--scanner", files.scanner, "scanner file to add to; where not that of the scan");
-  group.add_scanner_output("-o,--output", files.output, "the scanner file to write: .yaml or .xml");
+  group.add_output("-o,--output", files.output, "the scanner file to write: .yaml or .xml",
+                   scanner_output_type);
 }
 
 /// Calls `take` with the frames and sequence of each folder, from scan.yaml and the flags. Prints
@@ -49,16 +32,16 @@ void add_calibration_files(CLI::App& command, CalibrationFiles& files) {
 void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& changes,
                    CalibrationFiles& files, bool of_gamma, Output& output,
                    const std::function<void(const Scan& scan, const std::string& folder)>& take) {
-  Progress progress("scans", static_cast<int>(folders.size()));
+  Progress progress("scans", folders.size());
   for (const std::string& folder : folders) {
     ScanFiles described = scan_files_in(folder, changes);
-    if (files.scanner) described.scanner = *files.scanner;
+    if (files.scanner) described.scanner = files.scanner;
     Scan scan = load_frames(described);
-    for (const std::string& warning : scan.warnings) output.warn(warning);
+    output.warn(scan.warnings);
     CheckedScan checked = check_and_repair(scan);
     if (of_gamma) checked.findings = without_cause(std::move(checked.findings), gamma_is_to_blame);
     refuse_or_warn(checked, folder, false, output);
-    if (!files.scanner && described.scanner) files.scanner = described.scanner->string();
+    if (!files.scanner) files.scanner = described.scanner;
     try {
       take(scan, folder);
     } catch (const Error& error) {
@@ -73,22 +56,24 @@ void for_each_scan(const std::vector<std::string>& folders, const ScanChanges& c
 void write_calibration(const CalibrationFiles& files, const PhotometricCalibration& found,
                        Output& output) {
   require_valid(found);
-  if (files.output.empty()) {
-    output.say("nothing was asked to be written; -o scanner.yaml writes it into a scanner file");
-    return;
+  const auto& [from, to] = files;
+  if (to.empty()) {
+    return output.say(
+        "nothing was asked to be written; -o scanner.yaml writes it into a scanner file");
   }
-  std::optional<fs::path> from;
-  if (files.scanner) from = *files.scanner;
-  write_photometric_calibration(from, files.output, found);
-  output.document["output"] = files.output;
-  output.say("{}: written{}", files.output,
+  write_photometric_calibration(from, to, found);
+  output.document["output"] = to;
+  output.say("{}: written{}", to,
              from ? fmt::format(", with all that {} holds", from->string()) : "");
 }
 
-/// How many pixels have which value.
-BarPlot bar_plot(const std::string& title, const std::string& unit, const Histogram& counted) {
-  return {title,       unit,         "pixels",
-          counted.low, counted.high, {counted.counts.begin(), counted.counts.end()}};
+/// Draws how many pixels have which value, where a file is named.
+void write_histogram(const std::string& file, const std::string& title, const std::string& unit,
+                     const Histogram& counted, Output& output) {
+  if (file.empty()) return;
+  const auto& [low, high, counts] = counted;
+  write_plot(file, BarPlot{title, unit, "pixels", low, high, {counts.begin(), counts.end()}});
+  output.document["histogram"] = file;
 }
 
 struct CalibrateAmbientFlags {
@@ -114,7 +99,7 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
   }
   const auto& [estimate, counted, least_alpha] =
       slipstream::calibrate_ambient(scans, flags.least_alpha, response);
-  if (response) output.say("by the response in {}", *files.scanner);
+  if (response) output.say("by the response in {}", files.scanner->string());
   output.say(
       "ambient light {:.3f} grey levels (mode); median {:.3f}, mean {:.3f}, variance {:.3g}, "
       "over {} pixels with alpha of {} and more",
@@ -123,14 +108,11 @@ void calibrate_ambient(const CalibrateAmbientFlags& flags, Output& output) {
   output.say(
       "with beta_p = {} frames are off zero where alpha is above {:.4g}; for alpha of 0.15 "
       "and more beta_p must be above {:.4g}",
-      scans.sequence().light.beta_p, least_alpha, least_beta_p(0.15, estimate.mode));
-  output.document = {{"ambient", estimate.mode},  {"median", estimate.median},
-                     {"mean", estimate.mean},     {"variance", estimate.variance},
-                     {"pixels", estimate.pixels}, {"least_reliable_alpha", least_alpha}};
-  if (!flags.histogram.empty()) {
-    write_plot(flags.histogram, bar_plot("Ambient light of the pixels", "grey levels", counted));
-    output.document["histogram"] = flags.histogram;
-  }
+      scans.sequence.light.beta_p, least_alpha, least_beta_p(0.15, estimate.mode));
+  output.document = described("ambient", estimate.mode, "median", estimate.median, "mean",
+                              estimate.mean, "variance", estimate.variance, "pixels",
+                              estimate.pixels, "least_reliable_alpha", least_alpha);
+  write_histogram(flags.histogram, "Ambient light of the pixels", "grey levels", counted, output);
   write_calibration(files, {.ambient = estimate.mode}, output);
 }
 
@@ -175,9 +157,9 @@ struct CalibrateGammaFlags {
 
 void require_pixels_asked_for_can_be(const CalibrateGammaFlags& flags, bool can,
                                      const std::string& why) {
-  if (can || (flags.map.empty() && flags.histogram.empty())) return;
-  throw Error(fmt::format("{} {}: {}", flags.map.empty() ? "--histogram" : "--map",
-                          flags.map.empty() ? flags.histogram : flags.map, why));
+  const bool map = !flags.map.empty();
+  throw_if(!can && (map || !flags.histogram.empty()), "{} {}: {}", map ? "--map" : "--histogram",
+           map ? flags.map : flags.histogram, why);
 }
 
 void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Output& output) {
@@ -186,20 +168,15 @@ void tell_pixels(const CalibrateGammaFlags& flags, const PixelGamma& pixels, Out
       "gamma {:.5f}, standard error {:.2g}: from B_1 and B_2 of each of {} pixels, which spread "
       "by {:.3g}",
       estimate.gamma, estimate.standard_error, estimate.pixels, estimate.spread);
-  output.document["pixels"] = {
-      {"gamma", estimate.gamma},
-      {"standard_error", estimate.standard_error},
-      {"spread", estimate.spread},
-      {"pixels", estimate.pixels},
-      {"histogram", {{"low", counted.low}, {"high", counted.high}, {"counts", counted.counts}}}};
+  output.document["pixels"] =
+      described("gamma", estimate.gamma, "standard_error", estimate.standard_error, "spread",
+                estimate.spread, "pixels", estimate.pixels, "histogram",
+                described("low", counted.low, "high", counted.high, "counts", counted.counts));
   if (!flags.map.empty()) {
     write_map(flags.map, map);
     output.document["map"] = flags.map;
   }
-  if (!flags.histogram.empty()) {
-    write_plot(flags.histogram, bar_plot("Gamma of every pixel", "gamma", counted));
-    output.document["histogram"] = flags.histogram;
-  }
+  write_histogram(flags.histogram, "Gamma of every pixel", "gamma", counted, output);
 }
 
 struct Found {
@@ -214,8 +191,8 @@ std::optional<Found> from_scans(const CalibrateGammaFlags& flags, const ScanAver
   const BlindGamma& fit = found.fit;
   output.say("gamma {:.5f}, standard error {:.2g}: fitted to {} pixels with all harmonics",
              fit.gamma, fit.standard_error, fit.pixels);
-  output.document["fit"] = {
-      {"gamma", fit.gamma}, {"standard_error", fit.standard_error}, {"pixels", fit.pixels}};
+  output.document["fit"] =
+      described("gamma", fit.gamma, "standard_error", fit.standard_error, "pixels", fit.pixels);
   require_pixels_asked_for_can_be(
       flags, found.pixels.has_value(),
       fmt::format("{} steps give no gamma for each pixel; it takes 5", found.steps));
@@ -233,8 +210,8 @@ Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
       "gamma {:.5f}: curve through {} uniform patterns, which it misses by {:.3g} grey "
       "levels RMS; ambient light {:.3g} grey levels",
       fit.gamma, levels.values.size(), fit.rms, fit.offset);
-  output.document["uniform"] = {
-      {"gamma", fit.gamma}, {"rms", fit.rms}, {"offset", fit.offset}, {"scale", fit.scale}};
+  output.document["uniform"] =
+      described("gamma", fit.gamma, "rms", fit.rms, "offset", fit.offset, "scale", fit.scale);
   const auto [name, response] =
       flags.response
           ? NamedResponse{"measured curve", response_curve(levels.values, levels.intensities)}
@@ -243,12 +220,10 @@ Found from_uniform(const CalibrateGammaFlags& flags, Output& output) {
 }
 
 void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
-  if (flags.folders.empty() && !flags.uniform) {
-    throw Error("calibrate gamma: give folders of scans, or uniform patterns with --uniform");
-  }
-  if (flags.response && !flags.uniform) {
-    throw Error("--response needs pictures of uniform patterns; name their folder with --uniform");
-  }
+  throw_if(flags.folders.empty() && !flags.uniform,
+           "calibrate gamma: give folders of scans, or uniform patterns with --uniform");
+  throw_if(flags.response && !flags.uniform,
+           "--response needs pictures of uniform patterns; name their folder with --uniform");
   require_pixels_asked_for_can_be(
       flags, !flags.folders.empty(),
       "uniform patterns give no gamma for each pixel; give folders of scans");
@@ -269,9 +244,8 @@ void calibrate_gamma(const CalibrateGammaFlags& flags, Output& output) {
     }
   }
   output.say("response: {}", found->name);
-  output.document["response"] = found->name;
-  output.document["gamma"] = found->measured.gamma;
-  output.document["standard_error"] = found->measured.standard_error;
+  output.add("response", found->name, "gamma", found->measured.gamma, "standard_error",
+             found->measured.standard_error);
   write_calibration(files, {.response = found->measured}, output);
 }
 
@@ -281,28 +255,21 @@ struct CalibrateNoiseFlags {
   CalibrationFiles files;
 };
 
-nlohmann::json json_of(const NoiseMeasurement& measured) {
-  return {{"equation", measured.equation},
-          {"variance", measured.variance},
-          {"standard_error", measured.standard_error},
-          {"count", measured.count},
-          {"pixels", measured.pixels},
-          {"agrees", measured.reason.empty()},
-          {"reason", measured.reason}};
-}
-
 void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
   CalibrationFiles files = flags.files;
   std::vector<NoiseScan> scans;
   for_each_scan(flags.folders, flags.scan, files, false, output,
                 [&](const Scan& scan, const std::string&) { scans.emplace_back(scan); });
   const std::vector<NoiseMeasurement> all = slipstream::calibrate_noise(scans);
-  output.document["measurements"] = nlohmann::json::array();
   for (const NoiseMeasurement& measured : all) {
     output.say("sigma_w^2 {:.4f}, standard error {:.2g}: Eq. ({}), {}, {} times{}{}",
                measured.variance, measured.standard_error, measured.equation, measured.method,
                measured.count, measured.reason.empty() ? "" : "; ", measured.reason);
-    output.list("measurements").push_back(json_of(measured));
+    output.list("measurements")
+        .push_back(described("equation", measured.equation, "variance", measured.variance,
+                             "standard_error", measured.standard_error, "count", measured.count,
+                             "pixels", measured.pixels, "agrees", measured.reason.empty(), "reason",
+                             measured.reason));
   }
   const NoiseMeasurement& trusted = all.front();
   if (mistakes_gamma_for_noise(trusted)) {
@@ -318,11 +285,9 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
         "full scale",
         line.gain, line.gain_error, line.at_half);
   }
-  output.document["noise_variance"] = line.at_half;
-  output.document["noise_gain"] = line.gain;
-  if (!files.output.empty() && !(trusted.variance > 0)) {
-    throw Error("the scans show no noise; nothing was written");
-  }
+  output.add("noise_variance", line.at_half, "noise_gain", line.gain);
+  throw_if(!files.output.empty() && trusted.variance <= 0,
+           "the scans show no noise; nothing was written");
   if (trusted.variance > 0) {
     write_calibration(files, {.noise_variance = line.at_half, .noise_gain = line.gain}, output);
   }
@@ -330,39 +295,36 @@ void calibrate_noise(const CalibrateNoiseFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_calibrate_ambient(CLI::App& calibrate, Command& chosen) {
+void add_calibrate_ambient(const Commands& calibrate) {
   const auto [command, flags] =
-      add_command(calibrate, chosen, calibrate_ambient, "ambient",
-                  "the ambient light, from scans of a bright surface with many steps");
-  command
-      .add_file("folders", flags.folders,
-                "scan folders or recordings of one unmoved scene, pmp; averaged")
-      ->required();
+      calibrate.add(calibrate_ambient, "ambient",
+                    "the ambient light, from scans of a bright surface with many steps");
+  required(command.add_file("folders", flags.folders,
+                            "scan folders or recordings of one unmoved scene, pmp; averaged"));
   command.add("--least-reflectivity", flags.least_alpha, "of the pixels that count, 0 to 1");
   command.add_output("--histogram", flags.histogram, "of the pixels' ambient light: .png");
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
-  command.app.footer("Example:\n  slipstream calibrate ambient scan_1 scan_2 -o scanner.yaml");
+  command.examples({"calibrate ambient scan_1 scan_2 -o scanner.yaml"});
 }
 
-void add_calibrate_colour(CLI::App& calibrate, Command& chosen) {
+void add_calibrate_colour(const Commands& calibrate) {
   const auto [command, flags] =
-      add_command(calibrate, chosen, calibrate_colour, "colour",
-                  "what a camera's red, green and blue see of a projector's, from pictures of a "
-                  "white surface");
-  command
-      .add_file("folder", flags.folder,
-                "pictures named as what was shown: black, red, green, blue (patterns --colour)")
-      ->required();
+      calibrate.add(calibrate_colour, "colour",
+                    "what a camera's red, green and blue see of a projector's, from pictures of a "
+                    "white surface");
+  required(
+      command.add_file("folder", flags.folder,
+                       "a picture of each colour shown, named black, red, green and blue (patterns "
+                       "--colour)"));
   add_calibration_files(command.app, flags.files);
-  command.app.footer(
-      "Example:\n  slipstream calibrate colour white --scanner scanner.yaml -o scanner.yaml");
+  command.examples({"calibrate colour white --scanner scanner.yaml -o scanner.yaml"});
 }
 
-void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
+void add_calibrate_gamma(const Commands& calibrate) {
   const auto [command, flags] =
-      add_command(calibrate, chosen, calibrate_gamma, "gamma",
-                  "the projector's response, from scans of any surface or uniform patterns");
+      calibrate.add(calibrate_gamma, "gamma",
+                    "the projector's response, from scans of any surface or uniform patterns");
   command.add_file(
       "folders", flags.folders,
       "scan folders or recordings of one unmoved scene, best of 8 steps or more; averaged");
@@ -376,20 +338,20 @@ void add_calibrate_gamma(CLI::App& calibrate, Command& chosen) {
   command.add("--min-modulation", flags.minimum_modulation, "least modulation, grey levels of 255")
       ->default_str("16");
   add_scan_flags(command.app, flags.scan);
-  command.app.footer(
-      "Examples:\n  slipstream calibrate gamma scan_1 scan_2 scan_3 -o scanner.yaml\n  slipstream "
-      "calibrate gamma --uniform levels --response --scanner scanner.yaml -o scanner.yaml");
+  command.examples(
+      {"calibrate gamma scan_1 scan_2 scan_3 -o scanner.yaml",
+       "calibrate gamma --uniform levels --response --scanner scanner.yaml -o scanner.yaml"});
 }
 
-void add_calibrate_noise(CLI::App& calibrate, Command& chosen) {
+void add_calibrate_noise(const Commands& calibrate) {
   const auto [command, flags] =
-      add_command(calibrate, chosen, calibrate_noise, "noise",
-                  "the variance of the frames' noise, by all measurements that the scans allow");
-  command.add_file("folders", flags.folders, "scan folders or recordings of one unmoved scene")
-      ->required();
+      calibrate.add(calibrate_noise, "noise",
+                    "the variance of the frames' noise, by all measurements that the scans allow");
+  required(command.add_file("folders", flags.folders,
+                            "scan folders or recordings of one unmoved scene"));
   add_calibration_files(command.app, flags.files);
   add_scan_flags(command.app, flags.scan);
-  command.app.footer("Example:\n  slipstream calibrate noise scan_1 scan_2 scan_3 -o scanner.yaml");
+  command.examples({"calibrate noise scan_1 scan_2 scan_3 -o scanner.yaml"});
 }
 
 }  // namespace slipstream::app

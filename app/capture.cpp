@@ -1,33 +1,14 @@
-#include <chrono>
-#include <cstdio>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "app/board_flags.h"
-#include "app/commands.h"
-#include "app/findings.h"
+#include "app/live.h"
 #include "app/process.h"
-#include "app/scan_flags.h"
-#include "app/source_flags.h"
-#include "app/windows.h"
-#include "slipstream/base/error.h"
 #include "slipstream/calibrate/pose_guide.h"
-#include "slipstream/codes/pattern_set.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/saved_scan.h"
 #include "slipstream/live/cyclic_scans.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
 
 struct CaptureFlags {
@@ -44,45 +25,31 @@ struct CaptureFlags {
 
 void require_good(const CaptureFlags& flags) {
   constexpr int most_poses = 1000;
-  if (flags.poses && (*flags.poses < 0 || *flags.poses > most_poses)) {
-    throw Error(
-        fmt::format("--poses {} is out of range; 1 to {}, or no number until there are "
-                    "enough",
-                    *flags.poses, most_poses));
-  }
-  if (!(flags.settle >= 0 && flags.settle <= 10000)) {
-    throw Error(fmt::format("--settle {} is out of range; 0 to 10000 ms", flags.settle));
-  }
-  const SourceRequest& request = flags.source.request;
-  const std::string scheme = scheme_of(request.source);
-  if (flags.monitor && (scheme == "virtual" || scheme == "replay")) {
-    throw Error(fmt::format("--monitor {}: {} sees no monitor; leave it out", *flags.monitor,
-                            request.source));
-  }
-  if (flags.monitor && request.camera.pixel_format == PixelFormat::rgb8) {
-    throw Error(
-        "--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them, or "
-        "`slipstream project --colour` shows them in colour");
-  }
-  if (flags.poses && (scheme == "virtual" || scheme == "replay")) {
-    throw Error(
-        fmt::format("--poses: nobody moves a board before {}; `slipstream camera serve "
-                    "--boards 12` serves one as a camera",
-                    request.source));
-  }
-  if (!flags.monitor && request.camera.trigger == "Software") {
-    throw Error("--trigger Software: nothing says when; give --monitor too, or the camera's line");
-  }
-  if (flags.poses && request.sequence.axes == "both") {
-    throw Error("--axis both: poses are taken along both axes as it is; leave it out");
-  }
-  if (flags.poses && request.sequence.exposures) {
-    throw Error("--exposures: the poses of a board are taken with one, --exposure");
-  }
-  if (fs::exists(flags.output) &&
-      (fs::is_regular_file(flags.output) || !fs::is_empty(flags.output))) {
-    throw Error(fmt::format("{}: is there already; name another", flags.output));
-  }
+  const SourceFlags& source = flags.source;
+  const bool sees_monitor = is_camera(source);
+  const int poses = flags.poses.value_or(0);
+  require_in_range(poses >= 0 && poses <= most_poses, "--poses", poses,
+                   "1 to 1000, or no number until there are enough");
+  require_in_range(flags.settle >= 0 && flags.settle <= 10000, "--settle", flags.settle,
+                   "0 to 10000 ms");
+  throw_if(flags.monitor && !sees_monitor, "--monitor {}: {} sees no monitor; leave it out",
+           flags.monitor.value_or(0), source.source);
+  throw_if(flags.monitor && source.camera.pixel_format == PixelFormat::rgb8,
+           "--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them, or "
+           "`slipstream project --colour` shows them in colour");
+  throw_if(flags.poses && !sees_monitor,
+           "--poses: nobody moves a board before {}; `slipstream camera serve --boards 12` serves "
+           "one as a camera",
+           source.source);
+  throw_if(!flags.monitor && source.camera.trigger == "Software",
+           "--trigger Software: nothing says when; give --monitor too, or the camera's line");
+  throw_if(flags.poses && source.sequence.axes == "both",
+           "--axis both: poses are taken along both axes as it is; leave it out");
+  throw_if(flags.poses && source.sequence.exposures,
+           "--exposures: the poses of a board are taken with one, --exposure");
+  throw_if(fs::exists(flags.output) &&
+               (fs::is_regular_file(flags.output) || !fs::is_empty(flags.output)),
+           "{}: is there already; name another", flags.output);
 }
 
 /// `projector`: its pixels, where they are known.
@@ -111,43 +78,30 @@ std::vector<std::vector<Image<std::uint8_t>>> pictures_of(Sequence sequence, boo
   return pictures;
 }
 
-/// Those of --exposures; none where it is not given.
-std::vector<double> exposures_in_seconds(const CaptureFlags& flags, const Sequence& sequence) {
-  std::vector<double> seconds;
-  if (!flags.source.request.sequence.exposures) return seconds;
-  for (const double ms : sequence.exposures) seconds.push_back(ms / 1e3);
-  return seconds;
-}
-
 std::unique_ptr<ScanCamera> scan_camera(const CaptureFlags& flags, const NamedSource& opened,
                                         PatternSink* projector) {
   const Sequence& sequence = opened.sequence;
-  if (projector != nullptr) {
-    const StepSettings steps{.settling = std::chrono::milliseconds(static_cast<int>(flags.settle)),
-                             .triggered = flags.source.request.camera.trigger == "Software",
-                             .exposures = exposures_in_seconds(flags, sequence)};
-    return std::make_unique<ShownScans>(*projector, *opened.frames,
-                                        pictures_of(sequence, flags.poses.has_value()), steps);
+  if (projector == nullptr) {
+    return std::make_unique<CyclicScans>(*opened.frames, sequence, flags.poses ? 2 : 1);
   }
-  return std::make_unique<CyclicScans>(*opened.frames, sequence, flags.poses ? 2 : 1);
+  StepSettings steps{.settling = std::chrono::milliseconds(static_cast<int>(flags.settle)),
+                     .triggered = flags.source.camera.trigger == "Software"};
+  if (flags.source.sequence.exposures) {
+    for (const double ms : sequence.exposures) steps.exposures.push_back(ms / 1e3);
+  }
+  return std::make_unique<ShownScans>(*projector, *opened.frames,
+                                      pictures_of(sequence, flags.poses.has_value()), steps);
 }
 
-/// What is amiss with the source, told where it changes.
-class SourceNews {
- public:
-  explicit SourceNews(const FrameSource& source) : source_(source) {}
-
-  void tell(Output& output) {
-    const std::string state = source_.state();
-    if (state == told_) return;
-    output.warn(state.empty() ? "the camera is back" : state);
-    told_ = state;
-  }
-
- private:
-  const FrameSource& source_;
-  std::string told_;
-};
+/// Warns when the source's state has changed since it was called last.
+std::function<void()> news_of(const FrameSource& source, Output& output) {
+  return [&source, &output, told = std::string()]() mutable {
+    const std::string state = source.state();
+    if (state != std::exchange(told, state)) {
+      output.warn(state.empty() ? "the camera is back" : state);
+    }
+  };
+}
 
 std::string headline_of(const PoseProgress& progress, int wanted) {
   const std::string of = wanted > 0 ? fmt::format(" of {}", wanted) : "";
@@ -186,12 +140,11 @@ void calibrate_taken(const CaptureFlags& flags, Output& output) {
 
 void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera& camera,
                 CaptureDesktop& desktop, Output& output) {
-  if (opened.sequence.projector == Size{}) {
-    throw Error("--projector is missing: the pixels of what shows the patterns, as 1280x800");
-  }
+  throw_if(opened.sequence.projector == Size{},
+           "--projector is missing: the pixels of what shows the patterns, as 1280x800");
   const CalibrationBoard board = board_from(flags.board);
   const RunEnd end(std::nullopt);
-  SourceNews news(*opened.frames);
+  const auto tell_news = news_of(*opened.frames, output);
   PoseState told = PoseState::taken;
   const auto tell = [&](const PoseProgress& progress) {
     if (desktop.show) desktop.show(guide_of(progress, *flags.poses));
@@ -201,23 +154,23 @@ void take_poses(const CaptureFlags& flags, const NamedSource& opened, ScanCamera
     std::fflush(stdout);  // who reads it through a pipe moves the board by it
   };
   const auto ends = [&] {
-    news.tell(output);
+    tell_news();
     return end.reached() || desktop.closed();
   };
-  GuidedPosesSettings settings;
-  settings.wanted = *flags.poses;
-  settings.told = tell;
-  settings.ends = ends;
+  const auto save = [](const fs::path& folder, const Scan& scan) {
+    save_scan(folder, scan.frames, scan.sequence, std::nullopt);
+  };
   const std::size_t taken =
-      take_guided_poses(camera, flags.output, board, opened.sequence, settings).size();
+      take_guided_poses(camera, flags.output, board, opened.sequence,
+                        {.save = save, .wanted = *flags.poses, .told = tell, .ends = ends})
+          .size();
   opened.frames->stop();
   if (!flags.screenshot.empty() && desktop.picture) {
     write_image(flags.screenshot, desktop.picture());
   }
-  if (taken == 0) throw Error("no pose was taken");
+  throw_if(taken == 0, "no pose was taken");
   calibrate_taken(flags, output);
-  output.document["poses_taken"] = taken;
-  output.document["folder"] = flags.output;
+  output.add("poses_taken", taken, "folder", flags.output);
 }
 
 /// The frames of one scan, once nothing moves.
@@ -225,10 +178,10 @@ FrameSet still_frames(ScanCamera& camera, const NamedSource& opened, CaptureDesk
                       Output& output) {
   constexpr double patience = 10;  // s
   const RunEnd end(patience);
-  SourceNews news(*opened.frames);
+  const auto tell_news = news_of(*opened.frames, output);
   bool seen = false;
   while (!end.reached() && !desktop.closed()) {
-    news.tell(output);
+    tell_news();
     const std::optional<Glimpse> glimpse = camera.look(std::chrono::milliseconds(200));
     seen |= glimpse.has_value();
     if (!glimpse || !glimpse->still) continue;
@@ -266,11 +219,9 @@ void take_scan(const CaptureFlags& flags, const NamedSource& opened, ScanCamera&
   output.say("{}: {} frames of {} with {}", flags.output, scan.frames.count(),
              text_of(scan.frames.size()), scan.sequence.strategy.name());
   refuse_or_warn(checked, flags.output, true, output);
-  output.document = {{"scan", flags.output},
-                     {"frames", scan.frames.count()},
-                     {"width", scan.frames.size().width},
-                     {"height", scan.frames.size().height},
-                     {"findings", app::json_of(checked.findings)}};
+  output.document = described("scan", flags.output, "frames", scan.frames.count(), "width",
+                              scan.frames.size().width, "height", scan.frames.size().height,
+                              "findings", checked.findings);
 }
 
 void capture(const CaptureFlags& flags, Output& output) {
@@ -279,15 +230,11 @@ void capture(const CaptureFlags& flags, Output& output) {
       {.monitor = flags.monitor, .guides = flags.poses && !flags.headless, .size = flags.size});
   PatternSink* const projector = desktop.projector;
   const NamedSource opened =
-      open_source(request_for(flags, projector != nullptr ? projector->size() : std::nullopt));
-  if (!opened.warning.empty()) output.warn(opened.warning);
+      open(request_for(flags, projector != nullptr ? projector->size() : std::nullopt), output);
   opened.frames->start();
   const std::unique_ptr<ScanCamera> camera = scan_camera(flags, opened, projector);
-  if (flags.poses) {
-    take_poses(flags, opened, *camera, desktop, output);
-  } else {
-    take_scan(flags, opened, *camera, desktop, output);
-  }
+  flags.poses ? take_poses(flags, opened, *camera, desktop, output)
+              : take_scan(flags, opened, *camera, desktop, output);
 }
 
 }  // namespace
@@ -300,17 +247,16 @@ CaptureDesktop open_desktop(const DesktopWishes& wishes) {
 }
 #endif
 
-void add_capture(CLI::App& program, Command& chosen) {
+void add_capture(const Commands& program) {
   const auto [command, flags] =
-      add_command(program, chosen, capture, "capture",
+      program.add(capture, "capture",
                   "take a scan, or with --poses a calibration, with camera and projector in step");
-  SourceRequest& request = flags.source.request;
-  command
-      .add("-o,--output", flags.output,
-           "a scan folder, or a recording (.slip); with --poses the folder of the poses, their "
-           "scanner.yaml and report")
-      ->required();
-  command.add("--source", request.source, source_forms())->required()->default_str("");
+  SourceFlags& source = flags.source;
+  required(command.add(
+      "-o,--output", flags.output,
+      "a scan folder, or a recording (.slip); with --poses the folder of the poses, their "
+      "scanner.yaml and report"));
+  required(command.add("--source", source.source, source_forms()));
   command.add("--monitor", flags.monitor,
               "shows the patterns on that monitor, by its number in `project --list`; without, "
               "the projector shows them over and over by itself");
@@ -323,20 +269,17 @@ void add_capture(CLI::App& program, Command& chosen) {
       ->expected(0, 1)
       ->default_str("0");
   command.add("--headless", flags.headless, "no window: a line whenever the verdict changes");
-  add_size_flag(command, flags.size, "of the window that guides, pixels");
+  command.add("--size", flags.size, "of the window that guides, pixels");
   command.add_output("--screenshot", flags.screenshot, "that window as it was last: .png");
-  command.add("--rate", request.rate, "frames per second of a camera that runs freely");
-  command.add_file("--scanner", request.scanner, "scanner file, which is kept with the scan");
+  command.add("--rate", source.rate, "frames per second of a camera that runs freely");
+  command.add_file("--scanner", source.scanner, "scanner file, which is kept with the scan");
   add_board_flags(command.app, flags.board);
-  add_camera_flags(command.app, request.camera);
-  add_pattern_flags(command.app, request.sequence);
-  add_marker_flag(command.app, request.sequence);
-  add_virtual_flags(command.app, flags.source.world);
-  command.app.footer(
-      "Examples:\n  slipstream capture --source aravis: --monitor 1 --exposure 15 --poses "
-      "--corners 13x9 --spacing 15 -o poses\n  slipstream capture --source aravis: --monitor 1 "
-      "--exposure 15 --scanner poses/scanner.yaml -o scan\nCtrl-C or Esc ends it; the poses taken "
-      "until then are calibrated.");
+  add_source_flags(command.app, source, true);
+  command.examples(
+      {"capture --source aravis: --monitor 1 --exposure 15 --poses --corners 13x9 --spacing 15 -o "
+       "poses",
+       "capture --source aravis: --monitor 1 --exposure 15 --scanner poses/scanner.yaml -o scan"},
+      "Ctrl-C or Esc ends it; the poses taken until then are calibrated.");
 }
 
 }  // namespace slipstream::app

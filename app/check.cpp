@@ -1,17 +1,13 @@
-#include <string>
-#include <vector>
-
-#include "app/commands.h"
-#include "app/findings.h"
-#include "app/output.h"
-#include "app/scan_input.h"
+#include "app/scan_flags.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/cloud/measure.h"
 
 namespace slipstream::app {
 namespace {
 
 struct CheckFlags {
   std::vector<std::string> folders;
-  ScanInputFlags input;
+  ScanFlags input;
   CheckSettings settings;
 };
 
@@ -26,7 +22,7 @@ void tell_findings(const std::string& folder, const std::vector<Finding>& findin
 
 void check(const CheckFlags& flags, Output& output) {
   output.document["scans"] = nlohmann::json::array();
-  Progress progress("scans", static_cast<int>(flags.folders.size()));
+  Progress progress("scans", flags.folders.size());
   for (const std::string& folder : flags.folders) {
     Scan scan = load_checkable(folder, flags.input, true, output);
     CheckSettings settings = flags.settings;
@@ -34,30 +30,143 @@ void check(const CheckFlags& flags, Output& output) {
     settings.photometry.response = choose_response(scan, flags.input.gamma).response;
     const std::vector<Finding> findings = check_and_repair(scan, settings).findings;
     if (any_wrong(findings)) output.exit_code = 2;
-    output.list("scans").push_back({{"scan", folder}, {"findings", app::json_of(findings)}});
+    output.list("scans").push_back(described("scan", folder, "findings", findings));
     progress.finish();
     tell_findings(folder, findings, output);
     progress.advance();
   }
 }
 
+struct MeasureFlags {
+  std::string path;
+  CloudFlags input;
+  std::vector<std::string> points, planes, spheres;
+  std::vector<std::pair<std::string, std::string>> distances;
+};
+
+/// What is measured in, and where the words go.
+struct Measuring {
+  const StoredCloud& stored;
+  Output& output;
+};
+
+MeasuredPoint point_of(const Measuring& in, const std::string& text) {
+  const std::vector<int> numbers = numbers_in<int>(text, ',');
+  throw_if(numbers.size() != 2, "'{}' is no pixel; give column and row, as 320,240", text);
+  const int column = numbers[0], row = numbers[1];
+  const Cloud& cloud = in.stored.cloud;
+  if (const auto point = point_at(cloud, uncertainty_of(in.stored), column, row)) return *point;
+  const bool inside =
+      column >= 0 && row >= 0 && column < cloud.size().width && row < cloud.size().height;
+  throw Error(
+      inside ? fmt::format("pixel {} has no point: {}", text, name_of(cloud.validity(column, row)))
+             : fmt::format("pixel {} is not in the picture, which is {}", text,
+                           text_of(cloud.size())));
+}
+
+std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& text) {
+  const std::optional<Rectangle> rectangle = rectangle_of_text(text);
+  throw_if(!rectangle.has_value(),
+           "'{}' is no rectangle; give width x height + x + y, as 200x100+320+240", text);
+  return points_in(in.stored.cloud, uncertainty_of(in.stored), *rectangle);
+}
+
+std::string text_of(const Eigen::Vector3d& vector) {
+  return fmt::format("{:.3f}, {:.3f}, {:.3f}", vector.x(), vector.y(), vector.z());
+}
+
+void measure_point(const std::string& pixel, const Measuring& in) {
+  const MeasuredPoint point = point_of(in, pixel);
+  in.output.list("points").push_back(
+      described("pixel", pixel, "position_mm", point.position, "sigma_mm", point.sigma));
+  in.output.say("point {}: {} mm{}", pixel, text_of(point.position),
+                point.sigma ? fmt::format(", sigma {} mm", text_of(*point.sigma)) : "");
+}
+
+void measure_distance(const std::pair<std::string, std::string>& pixels, const Measuring& in) {
+  const Distance apart = distance(point_of(in, pixels.first), point_of(in, pixels.second));
+  const auto& [from, to] = pixels;
+  in.output.list("distances")
+      .push_back(
+          described("from", from, "to", to, "length_mm", apart.length, "sigma_mm", apart.sigma));
+  in.output.say("distance {} to {}: {:.3f} mm{}", from, to, apart.length,
+                apart.sigma ? fmt::format(", sigma {:.3f} mm", *apart.sigma) : "");
+}
+
+/// Adds the residuals to what is told of a shape, in words too.
+void tell_fit(const char* list, nlohmann::json told, const Residuals& residuals, Output& output) {
+  told.update(described("rms_mm", residuals.rms, "largest_mm", residuals.largest, "points",
+                        residuals.points, "outliers", residuals.outliers, "noise_mm",
+                        residuals.noise));
+  output.list(list).push_back(std::move(told));
+  output.say("  residuals of {} points: rms {:.4f} mm{}, largest {:.4f} mm; {} outliers left out",
+             residuals.points, residuals.rms,
+             residuals.noise ? fmt::format(" (noise alone: {:.4f})", *residuals.noise) : "",
+             residuals.largest, residuals.outliers);
+}
+
+void measure_plane(const std::string& rectangle, const Measuring& in) {
+  const FittedPlane plane = fit_plane(points_of(in, rectangle));
+  in.output.say("plane in {}: through {} mm, normal {}", rectangle, text_of(plane.centre),
+                text_of(plane.normal));
+  tell_fit("planes",
+           described("rectangle", rectangle, "centre_mm", plane.centre, "normal", plane.normal),
+           plane.residuals, in.output);
+}
+
+void measure_sphere(const std::string& rectangle, const Measuring& in) {
+  const FittedSphere sphere = fit_sphere(points_of(in, rectangle));
+  in.output.say("sphere in {}: radius {:.4f} mm, sigma {:.4f} mm, centre {} mm", rectangle,
+                sphere.radius, sphere.radius_sigma, text_of(sphere.centre));
+  tell_fit("spheres",
+           described("rectangle", rectangle, "centre_mm", sphere.centre, "radius_mm", sphere.radius,
+                     "radius_sigma_mm", sphere.radius_sigma),
+           sphere.residuals, in.output);
+}
+
+void measure(const MeasureFlags& flags, Output& output) {
+  throw_if(flags.points.empty() && flags.distances.empty() && flags.planes.empty() &&
+               flags.spheres.empty(),
+           "nothing to measure; give --point, --distance, --plane or --sphere");
+  output.document["input"] = flags.path;
+  const StoredCloud stored = organised_cloud(flags.path, flags.input, output);
+  const Measuring in{stored, output};
+  for (const auto& pixel : flags.points) measure_point(pixel, in);
+  for (const auto& pixels : flags.distances) measure_distance(pixels, in);
+  for (const auto& rectangle : flags.planes) measure_plane(rectangle, in);
+  for (const auto& rectangle : flags.spheres) measure_sphere(rectangle, in);
+}
+
 }  // namespace
 
-void add_check(CLI::App& program, Command& chosen) {
+void add_measure(const Commands& program) {
   const auto [command, flags] =
-      add_command(program, chosen, check, "check",
-                  "whether the frames of scans fit their patterns, the scanner and each other");
-  command
-      .add_file("folders", flags.folders,
-                "scan folders (pictures, and scan.yaml or flags) or recordings")
-      ->required();
+      program.add(measure, "measure", "points, distances, planes and spheres of a cloud, mm");
+  required(command.add_file("input", flags.path,
+                            "a scan folder, a recording or an organised cloud, .pcd"));
+  const FlagGroup group{command.app, "What to measure, each as often as wanted"};
+  group.add("--point", flags.points, "the point of a pixel, column and row, as 320,240");
+  group.add("--distance", flags.distances, "between the points of two pixels: 320,240 400,250");
+  group.add("--plane", flags.planes,
+            "fitted to the points of a rectangle of pixels, width x height + x + y, as "
+            "200x100+320+240");
+  group.add("--sphere", flags.spheres, "likewise");
+  add_cloud_flags(command.app, flags.input);
+  command.examples({"measure scan --point 320,240 --distance 100,200 500,210",
+                    "measure cloud.pcd --plane 200x100+320+240 --json"});
+}
+
+void add_check(const Commands& program) {
+  const auto [command, flags] = program.add(
+      check, "check", "whether the frames of scans fit their patterns, the scanner and each other");
+  required(command.add_file("folders", flags.folders,
+                            "scan folders (pictures, and scan.yaml or flags) or recordings"));
   command.add("--min-modulation", flags.settings.minimum_modulation,
               "of a pixel that becomes a point, grey levels of 255 whatever the camera's bits");
   add_scan_input_flags(command.app, flags.input);
-  command.app.footer(
-      "Examples:\n  slipstream check scan\n  slipstream check frames --strategy pmp --steps 4\n"
-      "Without a scanner less can be told. It ends with 2 where a scan is wrong, so that "
-      "reconstruct would refuse it.");
+  command.examples({"check scan", "check frames --strategy pmp --steps 4"},
+                   "Without a scanner less can be told. It ends with 2 where a scan is wrong, so "
+                   "that reconstruct would refuse it.");
 }
 
 }  // namespace slipstream::app

@@ -1,16 +1,185 @@
 #pragma once
 
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include <CLI/App.hpp>
 
-#include "app/flag_group.h"
 #include "app/output.h"
-#include "app/rig_flag.h"
+#include "slipstream/base/setting.h"
+#include "slipstream/base/size.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/rig_file.h"
 
 namespace slipstream::app {
+namespace fs = std::filesystem;
+
+/// What the help shows for the value of a flag that names a file or a folder to read.
+inline constexpr const char* file_type = "FILE";
+/// The same of a file to write.
+inline constexpr const char* output_type = "OUTPUT";
+/// The same of a scanner file to write, which may be the one that is read and added to.
+inline constexpr const char* scanner_output_type = "SCANNER";
+
+/// Why the text is not a number that a flag takes; empty if it is one. NaN never is.
+std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole);
+
+/// Throws Error if an output of the command is also an input, or two outputs are one file.
+void require_distinct_files(const CLI::App& command);
+
+/// "1824x1140". Throws Error, naming the flag, for anything else.
+Size size_from(const std::string& text, const std::string& flag);
+
+/// The type of the numbers that go into a flag's value.
+template <class Value>
+struct NumberOf {
+  using Type = Value;
+};
+template <class Value>
+struct NumberOf<std::optional<Value>> : NumberOf<Value> {};
+template <class Value>
+struct NumberOf<std::vector<Value>> : NumberOf<Value> {};
+
+/// Flags of a subcommand that its help shows together.
+struct FlagGroup {
+  CLI::App& app;
+  std::string name = "Options";  ///< the help's heading
+
+  /// Adds a flag that sets `value`: a switch for a bool, else the help shows a number or a text
+  /// that is there before as the default. A size is written "1824x1140".
+  template <class Value>
+  CLI::Option* add(const std::string& flag, Value& value, const std::string& help) const {
+    if constexpr (std::is_same_v<Value, bool>) {
+      return app.add_flag(flag, value, help)->group(name);
+    } else if constexpr (std::is_same_v<typename NumberOf<Value>::Type, Size>) {
+      const auto read = [&value, flag](const std::string& text) { value = size_from(text, flag); };
+      CLI::Option* const option = add_read<>(flag, read, help);
+      if constexpr (std::is_same_v<Value, Size>) option->default_str(text_of(value));
+      return option;
+    } else {
+      constexpr bool has_default =
+          std::is_arithmetic_v<Value> || std::is_same_v<Value, std::string>;
+      CLI::Option* const option = checked<Value>(app.add_option(flag, value, help));
+      return has_default ? option->capture_default_str() : option;
+    }
+  }
+
+  /// The same of a value that `read` takes, a text unless said otherwise, and may refuse.
+  template <class Value = std::string>
+  CLI::Option* add_read(const std::string& flag,
+                        std::type_identity_t<std::function<void(const Value&)>> read,
+                        const std::string& help) const {
+    return checked<Value>(app.add_option_function<Value>(flag, std::move(read), help));
+  }
+
+  /// The same of a value with a name, which `named` finds; the help shows that of the default.
+  template <class Value>
+  CLI::Option* add_named(const std::string& flag, Value& value,
+                         Value (*named)(std::string_view name), std::string_view usual,
+                         const std::string& help) const {
+    const auto read = [&value, named](const std::string& text) { value = named(text); };
+    return add_read<>(flag, read, help)->default_str(std::string(usual));
+  }
+
+  /// Adds the described settings of a struct that have a flag and a number or a switch; values out
+  /// of range throw Error. `add_other(setting, value)` adds the others.
+  template <class Settings, class AddOther>
+  void add_settings(Settings& settings, const AddOther& add_other) const {
+    Settings::for_each_setting(settings, [&](const Setting& setting, auto& value) {
+      using Value = std::remove_cvref_t<decltype(value)>;
+      if (*setting.flag == '\0') return;
+      if constexpr (std::is_same_v<Value, bool>) {
+        const auto set = [&value, on = !setting.flag_clears] { value = on; };
+        app.add_flag_callback(setting.flag, set, setting.help)->group(name);
+      } else if constexpr (std::is_arithmetic_v<typename NumberOf<Value>::Type>) {
+        add(setting.flag, value, setting.help)->check([setting](const std::string& text) {
+          require_in_range(setting, std::strtod(text.c_str(), nullptr));
+          return std::string();
+        });
+      } else {
+        add_other(setting, value);
+      }
+    });
+  }
+
+  /// Adds a file or a folder to read: in a rig file its path is relative to that.
+  template <class Value>
+  CLI::Option* add_file(const std::string& flag, Value& value, const std::string& help) const {
+    if constexpr (std::is_same_v<Value, std::optional<fs::path>>) {
+      const auto read = [&value](const std::string& path) { value = path; };
+      return add_read<>(flag, read, help)->type_name(file_type);
+    } else {
+      return add(flag, value, help)->type_name(file_type);
+    }
+  }
+
+  /// Adds a file to write, which no other flag may name; of `type` scanner_output_type a scanner
+  /// file.
+  template <class Value>
+  CLI::Option* add_output(const std::string& flag, Value& value, const std::string& help,
+                          const char* type = output_type) const {
+    return add(flag, value, help)->type_name(type);
+  }
+
+  /// None of the others may be given together with the flag.
+  void exclude(const char* flag, std::initializer_list<const char*> others) const {
+    for (const char* other : others) app.get_option(flag)->excludes(app.get_option(other));
+  }
+
+  /// Ends the help with examples, without the program's name, and words.
+  void examples(const std::vector<std::string>& commands, const std::string& words = {}) const {
+    app.footer(
+        fmt::format("{}:\n  slipstream {}{}{}", commands.size() == 1 ? "Example" : "Examples",
+                    fmt::join(commands, "\n  slipstream "), words.empty() ? "" : "\n", words));
+  }
+
+ private:
+  /// In this group; a number is checked before it is read.
+  template <class Value>
+  CLI::Option* checked(CLI::Option* option) const {
+    using Number = typename NumberOf<Value>::Type;
+    if constexpr (std::is_arithmetic_v<Number>) {
+      option->check([option](const std::string& text) {
+        const bool left_out = option->get_expected_min() == 0 && text.empty();
+        return left_out
+                   ? ""
+                   : why_no_number(text, std::is_unsigned_v<Number>, std::is_integral_v<Number>);
+      });
+    }
+    return option->group(name);
+  }
+};
+
+/// A flag that must be given.
+inline CLI::Option* required(CLI::Option* option) {
+  return option->required()->default_str("");
+}
+
+/// What a rig file said that the command line did not.
+struct RigSaid {
+  std::vector<std::string> arguments{};  ///< of the command line, the last first
+  std::string file{};                    ///< empty without one
+  std::vector<RigSetting> settings{};
+};
+
+/// Adds --rig to a subcommand, or to `serve` the file as its argument: settings of the file that
+/// the subcommand has, by their flags' names, apply where the command line does not set them, and
+/// are kept in `said`. Settings that only other subcommands of `program` have are skipped; parsing
+/// throws Error for one that none has. Paths are relative to the rig file.
+void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said);
+
+/// The message, after "rig.yaml: line 3: " of the setting that it names most clearly; unchanged if
+/// it names none or has its line already.
+std::string located(const RigSaid& said, const std::string& message);
 
 /// The chosen subcommand and its parsed flags.
 struct Command {
@@ -25,55 +194,37 @@ struct AddedCommand {
   Flags& flags;  ///< live as long as the subcommand
 };
 
-/// Adds a subcommand to `parent`; when it is chosen, `chosen` calls `work` with its flags.
-template <class Flags>
-AddedCommand<Flags> add_command(CLI::App& parent, Command& chosen,
-                                void (*work)(const Flags&, Output&), const std::string& name,
-                                const std::string& help) {
-  CLI::App* const command = parent.add_subcommand(name, help);
-  const auto flags = std::make_shared<Flags>();
-  command->callback([flags, work, &chosen] {
-    chosen.work = [flags, work](Output& output) { work(*flags, output); };
-  });
-  return {{*command}, *flags};
-}
+/// The program, or a subcommand of it, that subcommands are added to.
+struct Commands {
+  CLI::App& app;
+  Command& chosen;
 
-/// Each adds a subcommand to the program; when it is chosen, `chosen` has its work.
-void add_demo(CLI::App& program, Command& chosen);
-void add_patterns(CLI::App& program, Command& chosen);
-void add_simulate(CLI::App& program, Command& chosen);
-void add_calibrate(CLI::App& program, Command& chosen);
-void add_design(CLI::App& program, Command& chosen);
-void add_reconstruct(CLI::App& program, Command& chosen);
-void add_batch(CLI::App& program, Command& chosen);
-void add_assist(CLI::App& program, Command& chosen);
-void add_check(CLI::App& program, Command& chosen);
-void add_convert(CLI::App& program, Command& chosen);
-void add_unwrap(CLI::App& program, Command& chosen);
-void add_height(CLI::App& program, Command& chosen);
-void add_measure(CLI::App& program, Command& chosen);
-void add_compare(CLI::App& program, Command& chosen);
-void add_verify(CLI::App& program, Command& chosen);
-void add_project(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
-void add_live(CLI::App& program, Command& chosen);
-void add_serve(CLI::App& program, Command& chosen);
-void add_view(CLI::App& program, Command& chosen);  // with SLIPSTREAM_VIEW
-void add_reproduce(CLI::App& program, Command& chosen);
-void add_bench(CLI::App& program, Command& chosen);
-void add_gpu(CLI::App& program, Command& chosen);
-void add_record(CLI::App& program, Command& chosen);
-void add_capture(CLI::App& program, Command& chosen);
-void add_camera(CLI::App& program, Command& chosen);
+  /// Adds one; when it is chosen, `chosen` calls `work` with its flags.
+  template <class Flags>
+  AddedCommand<Flags> add(void (*work)(const Flags&, Output&), const std::string& name,
+                          const std::string& help) const {
+    CLI::App* const command = app.add_subcommand(name, help);
+    const auto flags = std::make_shared<Flags>();
+    command->callback([flags, work, &chosen = chosen] {
+      chosen.work = [flags, work](Output& output) { work(*flags, output); };
+    });
+    return {{*command}, *flags};
+  }
+  /// Adds one that has subcommands itself.
+  [[nodiscard]] Commands add_group(const std::string& name, const std::string& help) const {
+    return {*app.add_subcommand(name, help)->require_subcommand(1), chosen};
+  }
+};
 
-/// Each adds a subcommand to `slipstream camera` or `slipstream calibrate`.
-void add_camera_serve(CLI::App& camera, Command& chosen);  // with SLIPSTREAM_CAMERAS
-void add_calibrate_board(CLI::App& calibrate, Command& chosen);
-void add_calibrate_geometry(CLI::App& calibrate, Command& chosen);
-void add_calibrate_verify(CLI::App& calibrate, Command& chosen);
-void add_calibrate_ambient(CLI::App& calibrate, Command& chosen);
-void add_calibrate_colour(CLI::App& calibrate, Command& chosen);
-void add_calibrate_gamma(CLI::App& calibrate, Command& chosen);
-void add_calibrate_height(CLI::App& calibrate, Command& chosen);
-void add_calibrate_noise(CLI::App& calibrate, Command& chosen);
+/// Adds a subcommand.
+using AddCommand = void(const Commands& program);
+AddCommand add_demo, add_patterns, add_design, add_reconstruct, add_check, add_measure;
+AddCommand add_simulate, add_calibrate, add_batch, add_convert, add_unwrap, add_height, add_verify;
+AddCommand add_compare, add_assist, add_live, add_serve, add_capture, add_record, add_camera;
+AddCommand add_reproduce, add_bench, add_gpu;
+AddCommand add_project, add_view;  // with SLIPSTREAM_VIEW
+// To `slipstream calibrate`:
+AddCommand add_calibrate_board, add_calibrate_geometry, add_calibrate_verify, add_calibrate_ambient,
+    add_calibrate_colour, add_calibrate_gamma, add_calibrate_height, add_calibrate_noise;
 
 }  // namespace slipstream::app

@@ -1,24 +1,11 @@
-#include <memory>
-#include <optional>
 #include <set>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "app/commands.h"
-#include "app/scan_input.h"
-#include "slipstream/base/error.h"
+#include "app/scan_flags.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/replay_source.h"
 #include "slipstream/io/result_files.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
 #include "slipstream/publish/mcap.h"
 #include "slipstream/publish/ros_messages.h"
 
@@ -29,18 +16,19 @@ struct ConvertFlags {
   std::vector<std::string> paths;
   std::string output;
   std::string topic;
-  CloudInputFlags cloud;
+  CloudFlags cloud;
 };
 
 bool is_mcap(const std::string& path) {
   return lower_case_extension(path) == ".mcap";
 }
 
-[[noreturn]] void refuse_second(const std::string& path) {
-  throw Error(
-      fmt::format("{}: two clouds or scans would be written to it; {{name}} and {{window}} in -o "
-                  "stand for the input's name and the number in it",
-                  path));
+void require_only(bool only, const std::string& path) {
+  throw_if(
+      !only,
+      "{}: two clouds or scans would be written to it; {{name}} and {{window}} in -o stand for "
+      "the input's name and the number in it",
+      path);
 }
 
 /// Frames of several inputs in one recording; where one ends the next begins with a cycle.
@@ -49,15 +37,12 @@ class JoinedRecording {
   JoinedRecording(std::string path, std::size_t inputs) : path_(std::move(path)), inputs_(inputs) {}
 
   void begin(RecordingHeader header, const std::string& input) {
-    if (writer_ && (header.format != header_.format || header.sequence != header_.sequence ||
-                    header.scanner != header_.scanner || header.in_colour != header_.in_colour)) {
-      throw Error(
-          fmt::format("{}: of another camera, strategy or scanner than those before", input));
-    }
-    if (inputs_ > 1 && header.white.count() != 0) {
-      throw Error(fmt::format(
-          "{}: has a white picture, of which a recording holds one; convert it alone", input));
-    }
+    throw_if(
+        !(!writer_ || (header.format == header_.format && header.sequence == header_.sequence &&
+                       header.scanner == header_.scanner && header.in_colour == header_.in_colour)),
+        "{}: of another camera, strategy or scanner than those before", input);
+    throw_if(inputs_ != 1 && header.white.count() != 0,
+             "{}: has a white picture, of which a recording holds one; convert it alone", input);
     if (!writer_) writer_.emplace(path_, header);
     header_ = std::move(header);
     const auto cycle =
@@ -70,7 +55,7 @@ class JoinedRecording {
     writer_->append(frame);
   }
   std::uint64_t finish() {
-    if (!writer_ || writer_->count() == 0) throw Error("no frame came that could be written");
+    throw_if(!writer_ || writer_->count() == 0, "no frame came that could be written");
     writer_->finish();
     return writer_->count();
   }
@@ -105,7 +90,7 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
     if (message.encoding.empty() && message.topic == "scanner.yaml") {
       scanner = scanner_from(text, message.topic);
     } else if (message.encoding.empty() && message.topic == "scan.yaml") {
-      if (scan) throw Error("its strategy changes; a recording has one");
+      throw_if(scan.has_value(), "its strategy changes; a recording has one");
       scan = scan_files_from(text, message.topic, {});
     } else if (scan && message.type == image_type().name && message.topic.starts_with(frames)) {
       const auto pattern = number_in<int>(message.topic.substr(frames.size()));
@@ -124,8 +109,7 @@ void add_published(const std::string& path, JoinedRecording& recording, Output& 
     }
   });
   if (!whole) output.warn(fmt::format("{}: has no end; its chunks that are whole were read", path));
-  if (!first)
-    throw Error(fmt::format("{}: has no frames of a scan, as live scans write them", path));
+  throw_if(!first.has_value(), "{}: has no frames of a scan, as live scans write them", path);
 }
 
 /// The frames of recordings, scan folders and MCAP files that live scans have written, one behind
@@ -161,25 +145,20 @@ void convert_to_folders(const std::vector<std::string>& recordings, const std::s
         continue;
       }
       const std::string made = files_of_scan({.cloud = folder}, name).cloud;
-      if (!written.insert(made).second) refuse_second(made);
+      require_only(written.insert(made).second, made);
       Sequence shown = sequence;
       shown.marker = false;
       save_scan(made, *frames, shown, scanner, std::nullopt, recording.header().in_colour,
                 recording.header().white);
     }
   }
-  if (written.empty()) throw Error("no scan came that could be written");
+  throw_if(written.empty(), "no scan came that could be written");
   output.say("{}: {} scan folder{}", folder, written.size(), written.size() == 1 ? "" : "s");
-  output.document["scans"] = written.size();
-  output.document["files"] = written;
+  output.add("scans", written.size(), "files", written);
 }
 
-/// Between clouds whose times nobody knows.
-constexpr std::uint64_t second = 1'000'000'000;
-
-const Uncertainty* uncertainty_of(const StoredCloud& stored) {
-  return stored.uncertainty ? &*stored.uncertainty : nullptr;
-}
+/// In a second, the time between clouds of unknown times.
+constexpr std::uint64_t nanoseconds = 1'000'000'000;
 
 /// Clouds one after the other, to one MCAP file or a file each.
 class CloudFiles {
@@ -190,13 +169,13 @@ class CloudFiles {
 
   /// `time`: ns; none: a second after the one before.
   void add(const StoredCloud& stored, const ScanName& name, std::optional<std::uint64_t> time) {
-    last_ = time.value_or(count_ == 0 ? 0 : last_ + second);
+    last_ = time.value_or(count_ == 0 ? 0 : last_ + nanoseconds);
     ++count_;
     is_mcap(output_) ? add_message(stored) : add_file(stored, name);
   }
 
   void finish() {
-    if (count_ == 0) throw Error("no cloud came that could be written");
+    throw_if(count_ == 0, "no cloud came that could be written");
     if (writer_) writer_->finish();
     const std::size_t files = writer_ ? 1 : written_.size();
     words_.say("{}: {} cloud{} in {} file{}", output_, count_, count_ == 1 ? "" : "s", files,
@@ -224,7 +203,7 @@ class CloudFiles {
 
   void add_file(const StoredCloud& stored, const ScanName& name) {
     const std::string path = files_of_scan({.cloud = output_}, name).cloud;
-    if (!written_.insert(path).second) refuse_second(path);
+    require_only(written_.insert(path).second, path);
     write_cloud(path, stored.cloud, {.uncertainty = uncertainty_of(stored)});
   }
 
@@ -248,23 +227,21 @@ void convert_mcap(const std::string& path, const std::string& topic, CloudFiles&
     files.add(read_point_cloud(message.content), {path, count++}, message.time);
   });
   if (!whole) output.warn(fmt::format("{}: has no end; its chunks that are whole were read", path));
-  if (count == 0) {
-    throw Error(fmt::format("{}: no sensor_msgs/msg/PointCloud2{}{}; its topics: {}", path,
-                            topic.empty() ? "" : " on ", topic,
-                            topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", "))));
-  }
+  throw_if(count == 0, "{}: no sensor_msgs/msg/PointCloud2{}{}; its topics: {}", path,
+           topic.empty() ? "" : " on ", topic,
+           topics.empty() ? "none" : fmt::format("{}", fmt::join(topics, ", ")));
 }
 
 /// Each whole cycle; one that is not is left out.
-void convert_recording(const std::string& path, CloudInputFlags flags, CloudFiles& files,
+void convert_recording(const std::string& path, CloudFlags flags, CloudFiles& files,
                        Output& output) {
   const RecordingReader recording(path);
-  const Sequence sequence = scan_files_in(path, flags.input.changes).sequence;
+  const Sequence sequence = scan_files_in(path, flags).sequence;
   const double rate = (recording.header().in_colour ? 3 : 1) * recording.header().frame_rate;
   const double cycle = rate > 0 ? static_cast<double>(cycle_length(sequence)) / rate : 1;
   for (std::uint64_t window = 0; window < window_count(recording, sequence); ++window) {
-    flags.input.changes.window = window;
-    const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * second);
+    flags.window = window;
+    const auto time = static_cast<std::uint64_t>(static_cast<double>(window) * cycle * nanoseconds);
     std::optional<StoredCloud> stored;
     try {
       stored = organised_cloud(path, flags, output);
@@ -280,11 +257,11 @@ void convert(const ConvertFlags& flags, Output& output) {
   const std::string ending = lower_case_extension(flags.output);
   if (ending == ".slip") return convert_to_recording(flags.paths, flags.output, output);
   if (ending.empty()) {
-    return convert_to_folders(flags.paths, flags.output, flags.cloud.input.changes, output);
+    return convert_to_folders(flags.paths, flags.output, flags.cloud, output);
   }
   CloudFiles files(flags.output, output);
   const bool one_file = !is_mcap(flags.output) && flags.output.find('{') == std::string::npos;
-  if (one_file && flags.paths.size() > 1) refuse_second(flags.output);
+  require_only(!one_file || flags.paths.size() == 1, flags.output);
   for (const std::string& path : flags.paths) {
     if (is_mcap(path)) {
       convert_mcap(path, flags.topic, files, output);
@@ -301,27 +278,24 @@ void convert(const ConvertFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_convert(CLI::App& program, Command& chosen) {
+void add_convert(const Commands& program) {
   const auto [command, flags] =
-      add_command(program, chosen, convert, "convert",
+      program.add(convert, "convert",
                   "clouds and scans to clouds in other files: MCAP, PLY, PCD, XYZ; frames to "
                   "recordings and scan folders");
-  command
-      .add_file("input", flags.paths,
-                "MCAP files, clouds, recordings (each cycle) and scan folders, in their order")
-      ->required();
-  command
-      .add_output(
-          "-o,--output", flags.output,
-          ".mcap, all clouds in one; .ply, .pcd or .xyz, each in its own: {name} in it "
-          "stands for the input's name, {window} for the cloud's number; .slip, all frames in one "
-          "recording; without an ending, each cycle of recordings as a scan folder")
-      ->required();
+  required(command.add_file(
+      "input", flags.paths,
+      "MCAP files, clouds, recordings (each cycle) and scan folders, in their order"));
+  required(command.add_output(
+      "-o,--output", flags.output,
+      ".mcap, all clouds in one; .ply, .pcd or .xyz, each in its own: {name} in it "
+      "stands for the input's name, {window} for the cloud's number; .slip, all frames in one "
+      "recording; without an ending, each cycle of recordings as a scan folder"));
   command.add("--topic", flags.topic, "of MCAP files: clouds of this one alone, as /points");
-  add_cloud_input_flags(command.app, flags.cloud);
-  command.app.footer(
-      "Examples:\n  slipstream convert scan.slip -o clouds.mcap\n  slipstream convert clouds.mcap "
-      "-o clouds/{window}.pcd\n  slipstream convert clouds.mcap -o scan.slip");
+  add_cloud_flags(command.app, flags.cloud);
+  command.examples({"convert scan.slip -o clouds.mcap",
+                    "convert clouds.mcap -o clouds/{window}.pcd",
+                    "convert clouds.mcap -o scan.slip"});
 }
 
 }  // namespace slipstream::app

@@ -1,6 +1,3 @@
-#include <filesystem>
-#include <string>
-
 #include "app/commands.h"
 #include "slipstream/codes/sequence.h"
 #include "slipstream/io/result_files.h"
@@ -10,7 +7,6 @@
 #include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
 
 struct DemoFlags {
@@ -40,18 +36,17 @@ void demo(const DemoFlags& flags, Output& output) {
     output.object("files")[name] = path;
   }
   output.say("the same by hand: slipstream reconstruct {} -o cloud.ply", scan.string());
-  output.document["scan"] = scan.string();
-  output.document["points"] = point_count(cloud);
+  output.add("scan", scan.string(), "points", point_count(cloud));
 }
 
 }  // namespace
 
-void add_demo(CLI::App& program, Command& chosen) {
+void add_demo(const Commands& program) {
   const auto [command, flags] =
-      add_command(program, chosen, demo, "demo",
+      program.add(demo, "demo",
                   "a scan of the virtual world and its cloud: whether all works, and data to try");
   command.add("folder", flags.folder, "where it goes");
-  command.app.footer("Example:\n  slipstream demo && slipstream view demo/cloud.ply");
+  command.examples({"demo && slipstream view demo/cloud.ply"});
 }
 
 }  // namespace slipstream::app

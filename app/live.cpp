@@ -1,39 +1,22 @@
 #include "app/live.h"
 
-#include <array>
-#include <chrono>
-#include <cstdint>
-#include <memory>
+#include <cstdio>
 #include <mutex>
-#include <optional>
 #include <set>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-
-#include "app/commands.h"
 #include "app/process.h"
-#include "app/scan_input.h"
-#include "slipstream/base/error.h"
-#include "slipstream/check/scan_check.h"
-#include "slipstream/frames/pattern_windows.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/recording.h"
+#include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/publish/cloud_sink.h"
-#include "slipstream/publish/publisher.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/picture_report.h"
-#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/gamma.h"
 
 namespace slipstream::app {
 namespace {
 
-/// What the engine is made of: the source's scanner, corrected for the gamma that the flags choose.
-/// Where none is known the pictures alone are shown.
+/// Of the source's scanner, corrected for the gamma that the flags choose; pictures alone without a
+/// known scanner.
 EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output& output) {
   const std::string& file = opened.scanner_name;
   const Size camera = opened.frames->format().size, projector = opened.sequence.projector;
@@ -42,84 +25,19 @@ EngineSetup setup_from(const NamedSource& opened, const LiveFlags& flags, Output
                     opened.sequence, flags.settings};
   if (opened.scanner) {
     require_ambient_known(setup, file);
-  } else if (!flags.output.empty() || !flags.model.empty() || flags.live.track) {
-    throw Error(
-        fmt::format("{}: no scanner is known for {}, so there are no points; name its file "
-                    "with --scanner",
-                    !flags.output.empty()  ? flags.output
-                    : !flags.model.empty() ? flags.model
-                                           : "--track",
-                    flags.source.request.source));
   } else {
+    const std::string& wants_points = !flags.output.empty() ? flags.output : flags.model;
+    throw_if(!wants_points.empty() || flags.live.track,
+             "{}: no scanner is known for {}, so there are no points; name its file with --scanner",
+             wants_points.empty() ? "--track" : wants_points, flags.source.source);
     output.say("no scanner is known for {}: pictures without points; --scanner names its file",
-               flags.source.request.source);
+               flags.source.source);
   }
   require_valid(setup.settings.clean);
   const GammaChoice gamma = choose_gamma(flags.gamma, setup.scanner.photometry.response);
   setup.scanner.photometry.response = gamma.response;
   if (!gamma.sentence.empty()) output.say("{}", gamma.sentence);
   return setup;
-}
-
-nlohmann::json json_of(const Latency& latency) {
-  return {{"p50", latency.p50}, {"p99", latency.p99}, {"max", latency.max}};
-}
-
-nlohmann::json json_of(const ObjectTrack& track) {
-  const auto three = [](const Eigen::Vector3d& v) { return std::array{v.x(), v.y(), v.z()}; };
-  nlohmann::json told{{"found", track.found},
-                      {"looked", track.looked},
-                      {"missed", track.missed},
-                      {track.shape.radius ? "centre_mm" : "place_mm", three(track.place)},
-                      {"residual_mm", track.residuals.rms},
-                      {"points", track.residuals.points},
-                      {"velocity_mm_per_s", three(track.velocity)},
-                      {"speed_mm_per_s", track.velocity.norm()}};
-  if (!track.shape.radius) told["normal"] = three(track.normal);
-  return told;
-}
-
-nlohmann::json json_of(const ModelStatistics& model) {
-  return {{"views", model.views},   {"left_out", model.left_out}, {"missed", model.missed},
-          {"points", model.points}, {"rms_mm", model.rms},        {"view_ms", model.milliseconds}};
-}
-
-nlohmann::json json_of(const std::vector<SinkStatistics>& sinks) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const auto& [name, published, dropped, error] : sinks) {
-    list.push_back(
-        {{"name", name}, {"published", published}, {"dropped", dropped}, {"error", error}});
-  }
-  return list;
-}
-
-nlohmann::json json_of(const LiveStatistics& statistics) {
-  nlohmann::json stages = nlohmann::json::array();
-  for (const StageStatistics& stage : statistics.stages) {
-    stages.push_back({{"name", stage.name},
-                      {"done", stage.done},
-                      {"rate", stage.rate},
-                      {"waiting", stage.waiting},
-                      {"capacity", stage.capacity},
-                      {"latency_ms", json_of(stage.latency)}});
-  }
-  const LiveStatistics::Frames& frames = statistics.frames;
-  return {{"frames",
-           {{"captured", frames.captured},
-            {"lost", frames.lost},
-            {"overwritten", frames.overwritten},
-            {"repeated", frames.repeated}}},
-          {"clouds", statistics.clouds},
-          {"clouds_per_second", statistics.clouds_per_second},
-          {"windows_lost", statistics.windows_lost},
-          {"resynchronisations", statistics.resynchronisations},
-          {"cleaned", app::json_of(statistics.cleaned)},
-          {"motion", statistics.motion},
-          {"backend", statistics.backend},
-          {"seconds", statistics.seconds},
-          {"latency_ms", json_of(statistics.latency)},
-          {"screen_latency_ms", json_of(statistics.screen_latency)},
-          {"stages", std::move(stages)}};
 }
 
 void tell_news(Publisher& publisher, Output& output) {
@@ -130,13 +48,13 @@ void tell_news(Publisher& publisher, Output& output) {
 /// What has been told of the clouds.
 struct ToldNews {
   std::vector<LiveFinding> findings{};
-  bool gpu_failure = false;
+  bool fallback = false;
 };
 
 void tell_news(const LivePipeline& pipeline, ToldNews& told, Output& output) {
   tell_news(pipeline.findings(), told.findings, output);
-  if (told.gpu_failure) return;
-  told.gpu_failure = warn_of_gpu(pipeline.gpu_failure(), output);
+  if (told.fallback) return;
+  told.fallback = warn_of_fallback(pipeline.statistics().fallback_reason, output);
 }
 
 /// Tells meanwhile whatever the source and the check have to say, once.
@@ -148,23 +66,15 @@ void wait_until_over(LiveSession& session, ToldNews& news, Output& output) {
     const std::string state = session.recorder.state();
     if (state == told) continue;
     tell_service_manager("STATUS=" + state);
-    if (state.empty()) {
-      output.say("the source is well again");
-    } else {
-      output.warn(state);
-    }
+    state.empty() ? output.say("the source is well again") : output.warn(state);
     told = state;
   }
 }
 
 /// Runs the session to its end; what a stage threw comes out here.
-void run_session(LiveSession& session, [[maybe_unused]] bool headless, ToldNews& news,
-                 Output& output) {
+void run_session(LiveSession& session, ToldNews& news, Output& output) {
 #ifdef SLIPSTREAM_VIEW
-  if (!headless) {
-    show_in_window(session, output);
-    return;
-  }
+  if (!session.flags.headless) return show_in_window(session, output);
 #endif
   wait_until_over(session, news, output);
 }
@@ -179,18 +89,20 @@ void tell_pictures(const LiveSession& session, Output& output) {
   engine.maps(frames, maps);
   const PictureReport report = picture_report(engine.merged(frames), maps, session.setup.settings);
   const auto counts = count_by_validity(report.validity);
-  const double all = static_cast<double>(report.validity.pixel_count());
-  const auto count_of = [&](Validity kind) { return counts[static_cast<std::size_t>(kind)]; };
+  nlohmann::json& told = output.object("pixels");
+  const auto share_of = [&](const char* name, Validity kind) {
+    const auto count = counts[static_cast<std::size_t>(kind)];
+    told[name] = count;
+    return 100 * static_cast<double>(count) / static_cast<double>(report.validity.pixel_count());
+  };
+  const double measured = share_of("measured", Validity::valid),
+               too_dark = share_of("too_dark", Validity::too_dark),
+               saturated = share_of("saturated", Validity::saturated);
+  told["median_modulation"] = report.modulation;
   output.say(
       "pixels: {:.1f} % measured, {:.1f} % too dark, {:.1f} % saturated; median modulation "
       "{:.1f} grey levels of 255",
-      100 * static_cast<double>(count_of(Validity::valid)) / all,
-      100 * static_cast<double>(count_of(Validity::too_dark)) / all,
-      100 * static_cast<double>(count_of(Validity::saturated)) / all, report.modulation);
-  output.document["pixels"] = {{"measured", count_of(Validity::valid)},
-                               {"too_dark", count_of(Validity::too_dark)},
-                               {"saturated", count_of(Validity::saturated)},
-                               {"median_modulation", report.modulation}};
+      measured, too_dark, saturated, report.modulation);
 }
 
 void write_model(const ModelPoints& model, const std::string& file, Output& output) {
@@ -202,16 +114,15 @@ void write_model(const ModelPoints& model, const std::string& file, Output& outp
   output.object("files")["model"] = file;
 }
 
-/// What the session has measured until now.
+/// What the session has measured so far.
 nlohmann::json document_of(const LiveSession& session, const Publisher& publisher) {
-  const LiveStatistics statistics = session.pipeline.statistics();
-  nlohmann::json document = json_of(statistics);
-  if (statistics.track) document["track"] = json_of(*statistics.track);
-  if (statistics.model) document["model"] = json_of(*statistics.model);
-  document["findings"] = app::json_of(session.pipeline.findings());
-  document["sinks"] = json_of(publisher.statistics());
-  document["source"] = session.flags.source.request.source;
-  document["source_state"] = statistics.source_state;
+  nlohmann::json document = as_json(session.pipeline.statistics());
+  document["findings"] = session.pipeline.findings();
+  document["sinks"] = as_json(publisher.statistics(), [](const SinkStatistics& sink) {
+    return described("name", sink.name, "published", sink.published, "dropped", sink.dropped,
+                     "error", sink.error);
+  });
+  document["source"] = session.flags.source.source;
   return document;
 }
 
@@ -231,16 +142,13 @@ void write_results(LiveSession& session, const Publisher& publisher, Output& out
     if (!last)
       throw WorldError(fmt::format("{}: no cloud came that could be written", flags.output));
     write_cloud(flags.output, last->cloud, {.remarks = doubts(statistics.findings)});
-    output.say("cloud: {}", flags.output);
-    output.object("files")["cloud"] = flags.output;
+    output.add_file("cloud", flags.output);
   }
   if (!flags.model.empty()) write_model(session.pipeline.model(), flags.model, output);
 #ifdef SLIPSTREAM_VIEW
   draw_newest(session, flags.headless, output);
 #endif
 }
-
-}  // namespace
 
 void require_good(const LiveFlags& flags) {
   require_duration(flags.duration);
@@ -251,7 +159,7 @@ void require_good(const LiveFlags& flags) {
   std::set<std::string> sinks;
   for (const std::string& sink : flags.publish) {
     require_sink(sink);
-    if (!sinks.insert(sink).second) throw Error(fmt::format("--publish {} is given twice", sink));
+    throw_if(!sinks.insert(sink).second, "--publish {} is given twice", sink);
   }
 #ifdef SLIPSTREAM_VIEW
   require_good(flags.view);
@@ -259,6 +167,52 @@ void require_good(const LiveFlags& flags) {
   if (!flags.headless) throw Error("this build has no viewer; add --headless");
 #endif
 }
+
+void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
+  SourceFlags& source = flags.source;
+  source.virtual_scanner.idle_step = {0.5, 0, 0};
+  command.add("--source", source.source, source_forms());
+  command.add("--rate", source.rate,
+              "frames per second; 0: as fast as it goes; else the source's own");
+  command.add("--loop", source.loop, "a recording begins again at its end");
+  command.add("--duration", flags.duration, "seconds, then it ends");
+  command.add("--frames", flags.live.most_frames, "so many frames, then it ends");
+  command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
+  const auto track = [&flags](const std::string& text) {
+    flags.live.track = tracked_shape_named(text);
+  };
+  command.add_read<>(
+      "--track", track,
+      "a thing of known form that every cloud is searched for: sphere:RADIUS (mm) or plane");
+  command.add_output("--model", flags.model,
+                     "all clouds made one, of a rigid object that turns and that they show alone: "
+                     ".ply, .pcd or .xyz");
+  command.add_output("--record", flags.record, "all frames, for replay:PATH");
+  command
+      .add("--publish", flags.publish,
+           fmt::format("where clouds go besides, once for each: {}", sink_forms()))
+      ->expected(1)
+      ->take_all();
+  command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "told",
+                    "how it is known which pattern a frame shows: told (by the source), counted "
+                    "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
+  command.add_file("--scanner", source.scanner,
+                   "scanner file; where not that of the recording or of the virtual scanner");
+  command.add("--gamma", flags.gamma,
+              "the response the phase is corrected for: scanner (as its file says, if it "
+              "does), none, or a number");
+  add_backend_flag(command, flags.settings);
+  add_point_flags(command.app, flags.settings);
+  add_clean_flags(command.app, flags.settings);
+#ifdef SLIPSTREAM_VIEW
+  add_view_flags(command.app, flags.view);
+#endif
+  add_pattern_flags(command.app, source.sequence);
+  add_virtual_flags(command.app, source.virtual_scanner);
+  add_camera_flags(command.app, source.camera);
+}
+
+}  // namespace
 
 void live(const LiveFlags& flags, Output& output) {
   require_good(flags);
@@ -269,15 +223,14 @@ void live(const LiveFlags& flags, Output& output) {
   if (request.world && !flags.headless) {
     output.say("rendering what the virtual camera sees: seconds with --world ideal, else a minute");
   }
-  NamedSource opened = open_source(request);
-  if (!opened.warning.empty()) output.warn(opened.warning);
+  NamedSource opened = open(request, output);
   if (opened.sequence.marker) settings.indexing = PatternIndexing::marker;
   EngineSetup setup = setup_from(opened, flags, output);
-  const std::string scheme = scheme_of(request.source);
   // A replay may end with its first cycle; the channels of a picture in colour move with each
   // other.
-  settings.motion_when_seen = scheme != "replay" && !opened.in_colour && !request.sequence.motion &&
-                              setup.sequence.motion == 0 && takes_motion(setup.sequence);
+  settings.motion_when_seen = scheme_of(request.source) != "replay" && !opened.in_colour &&
+                              !request.sequence.motion && setup.sequence.motion == 0 &&
+                              takes_motion(setup.sequence);
   if (settings.motion_when_seen) setup.sequence.motion = 2;
 
   const RecordingHeader header{
@@ -298,25 +251,24 @@ void live(const LiveFlags& flags, Output& output) {
   LivePipeline pipeline(colours_apart(std::move(source), opened), setup, settings);
 
   const RunEnd end(flags.duration);
+  const auto is_over = [&] {
+    tell_news(publisher, output);
+    if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
+    const bool at_end = flags.headless || settings.most_frames;
+    return end.reached() || pipeline.failure() || (at_end && !pipeline.running());
+  };
   LiveSession session{.flags = flags,
                       .pipeline = pipeline,
                       .recorder = recorder,
                       .setup = setup,
-                      .is_over =
-                          [&] {
-                            tell_news(publisher, output);
-                            if (hung_up() && flags.hung_up && !flags.hung_up()) end.forget_signal();
-                            const bool at_end = flags.headless || settings.most_frames;
-                            return end.reached() || pipeline.failure() ||
-                                   (at_end && !pipeline.running());
-                          },
-                      .patterns_can_change = scheme != "virtual" && scheme != "replay",
+                      .is_over = is_over,
+                      .patterns_can_change = is_camera(request),
                       .motion_when_seen = settings.motion_when_seen,
                       .strategy = setup.sequence.strategy};
   const std::unique_ptr<Publisher, void (*)(Publisher*)> before_the_session_ends(
       &publisher, [](Publisher* ending) { ending->finish(); });
-  open_sinks(
-      session, [&] { return document_of(session, publisher); }, publisher);
+  const auto document = [&] { return document_of(session, publisher); };
+  open_sinks(session, document, publisher);
   tell_news(publisher, output);
   if (!flags.record.empty()) recorder.record_to(flags.record);
   {
@@ -327,7 +279,7 @@ void live(const LiveFlags& flags, Output& output) {
   if (flags.begun) flags.begun();
   output.document["files"] = nlohmann::json::object();
   ToldNews news;
-  run_session(session, flags.headless, news, output);
+  run_session(session, news, output);
   pipeline.stop();
   publisher.finish();
   tell_news(publisher, output);
@@ -347,58 +299,92 @@ void live(const LiveFlags& flags, Output& output) {
   if (is_recording(flags.record)) output.object("files")["recording"] = flags.record;
 }
 
-void add_live_flags(const FlagGroup& command, LiveFlags& flags) {
-  SourceRequest& request = flags.source.request;
-  flags.source.world.idle_motion = {0.5, 0, 0};
-  command.add("--source", request.source, source_forms());
-  command.add("--rate", request.rate,
-              "frames per second; 0: as fast as it goes; else the source's own");
-  command.add("--loop", request.loop, "a recording begins again at its end");
-  command.add("--duration", flags.duration, "seconds, then it ends");
-  command.add("--frames", flags.live.most_frames, "so many frames, then it ends");
-  command.add_output("-o,--output", flags.output, "the last cloud: .ply, .pcd or .xyz");
-  command.add_read<>(
-      "--track",
-      [&flags](const std::string& text) { flags.live.track = tracked_shape_named(text); },
-      "a thing of known form that every cloud is searched for: sphere:RADIUS (mm) or plane");
-  command.add_output("--model", flags.model,
-                     "all clouds made one, of a rigid object that turns and that they show alone: "
-                     ".ply, .pcd or .xyz");
-  command.add_output("--record", flags.record, "all frames, for replay:PATH");
-  command
-      .add("--publish", flags.publish,
-           fmt::format("where clouds go besides, once for each: {}", sink_forms()))
-      ->expected(1)
-      ->take_all();
-  command.add_named("--indexing", flags.live.indexing, pattern_indexing_named, "told",
-                    "how it is known which pattern a frame shows: told (by the source), counted "
-                    "(frames modulo patterns) or marker (a dark or bright frame ends each cycle)");
-  command.add_file("--scanner", request.scanner,
-                   "scanner file; where not that of the recording or of the virtual scanner");
-  command.add("--gamma", flags.gamma,
-              "the response the phase is corrected for: scanner (as its file says, if it "
-              "does), none, or a number");
-  add_backend_flag(command, flags.settings);
-  add_point_flags(command.app, flags.settings);
-  add_clean_flags(command.app, flags.settings);
-#ifdef SLIPSTREAM_VIEW
-  add_view_flags(command.app, flags.view);
-#endif
-  add_pattern_flags(command.app, request.sequence);
-  add_virtual_flags(command.app, flags.source.world);
-  add_camera_flags(command.app, request.camera);
+namespace {
+
+/// The flags as `serve` runs them.
+LiveFlags served(LiveFlags flags) {
+  flags.headless = true;
+  throw_if(
+      !(!flags.publish.empty() || !flags.record.empty()),
+      "the rig file says neither publish nor record, so no cloud would go anywhere; say where, "
+      "as publish: [web:8080]");
+  require_good(flags);
+  return flags;
 }
 
-void add_live(CLI::App& program, Command& chosen) {
+/// Each run, also of a service that was started again, writes files of its own.
+LiveFlags with_free_names(LiveFlags flags, Output& output) {
+  const auto choose = [&](std::string& name, std::size_t begin = 0) {
+    if (name.size() <= begin) return;
+    const std::string path = name.substr(begin), free = free_path(path).string();
+    if (free != path) output.say("{} is there already; {} is written", path, free);
+    name.replace(begin, path.size(), free);
+  };
+  for (std::string* name : {&flags.output, &flags.model, &flags.record}) choose(*name);
+  for (std::string& sink : flags.publish) {
+    if (constexpr std::string_view file = "mcap:"; sink.starts_with(file))
+      choose(sink, file.size());
+  }
+  return flags;
+}
+
+void serve(const LiveFlags& given, Output& output) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);  // a log is read while it is written
+  const auto again = given.again;
+  const RigSaid& rig = *given.rig;
+  LiveFlags now = served(given);
+  const auto refuse = [&](const std::exception& error) {
+    output.warn(fmt::format("{}; it goes on as before", located(rig, error.what())));
+  };
+  std::optional<LiveFlags> before;  // until a run by a new file has begun
+  while (true) {
+    std::optional<LiveFlags> next;
+    now.begun = [&] { before.reset(); };
+    now.hung_up = [&] {
+      try {
+        next = served(again());
+        output.say("starting anew");
+      } catch (const std::exception& error) {
+        refuse(error);
+      }
+      return next.has_value();
+    };
+    try {
+      live(with_free_names(now, output), output);
+      if (!next) return;
+      before = std::exchange(now, *next);
+    } catch (const std::exception& error) {  // of what shows only when all is opened
+      if (!before) throw;
+      refuse(error);
+      now = *std::exchange(before, std::nullopt);
+    }
+  }
+}
+
+}  // namespace
+
+void add_live(const Commands& program) {
   const auto [command, flags] =
-      add_command(program, chosen, live, "live",
-                  "cameras, virtual scanner or recording to clouds, as frames come");
+      program.add(live, "live", "cameras, virtual scanner or recording to clouds, as frames come");
   add_live_flags(command, flags);
   command.add("--headless", flags.headless, "no window");
-  command.app.footer(
-      "Examples:\n  slipstream live --source virtual --rate 120 --strategy pmp --steps 4\n  "
-      "slipstream live --source replay:scan.slip --headless --json\n  slipstream live --source "
-      "virtual --frames 100 --headless -o cloud.ply");
+  command.examples({"live --source virtual --rate 120 --strategy pmp --steps 4",
+                    "live --source replay:scan.slip --headless --json",
+                    "live --source virtual --frames 100 --headless -o cloud.ply"});
+}
+
+void add_serve(const Commands& program) {
+  const auto [command, flags] =
+      program.add(serve, "serve",
+                  "live without a window, as one file says, until SIGTERM; SIGHUP reads it again");
+  add_live_flags(command, flags);
+  flags.rig = &program.chosen.rig;
+  flags.again = [&app = program.app, &rig = program.chosen.rig, &read = flags, none = flags] {
+    read = none;
+    app.parse(std::vector<std::string>(rig.arguments));
+    return read;
+  };
+  command.examples({"serve rig.yaml"});
 }
 
 }  // namespace slipstream::app

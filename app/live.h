@@ -1,27 +1,29 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
-#include <functional>
-#include <mutex>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "app/rig_flag.h"
 #include "app/source_flags.h"
-#include "app/windows.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/frames/frame_source.h"
 #include "slipstream/io/recorder.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/publish/cloud_sink.h"
-#include "slipstream/publish/publisher.h"
+#include "slipstream/view/scene_renderer.h"
+#include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
 
+/// The flags of all that draws clouds.
+struct ViewFlags {
+  std::string snapshot;    ///< picture without the panel; no file if empty
+  std::string screenshot;  ///< picture with it
+  Size size{1280, 800};
+  view::ViewSettings settings{};
+  std::string save_to = ".";
+};
+
 struct LiveFlags {
   SourceFlags source;
-  LiveSettings live;  ///< as far as flags say it
+  LiveSettings live;  ///< what flags say of it
   std::optional<double> duration;
   bool headless = false;
   std::string gamma = "scanner";
@@ -31,17 +33,10 @@ struct LiveFlags {
   ViewFlags view;
   // Of serve:
   const RigSaid* rig = nullptr;      ///< what its file says
-  std::function<LiveFlags()> again;  ///< what the flags are by the file as it is now; throws Error
+  std::function<LiveFlags()> again;  ///< the flags by the file as it is now; throws Error
   std::function<void()> begun;       ///< called once sinks are open and frames are taken
-  /// At SIGHUP: whether it is to end.
-  std::function<bool()> hung_up;
+  std::function<bool()> hung_up;     ///< at SIGHUP: whether it is to end
 };
-
-/// Adds all but --headless.
-void add_live_flags(const FlagGroup& command, LiveFlags& flags);
-
-/// Throws Error for what cannot be meant, as far as that is known before anything is opened.
-void require_good(const LiveFlags& flags);
 
 /// From the source to clouds until it ends, or a signal ends it.
 void live(const LiveFlags& flags, Output& output);
@@ -86,17 +81,45 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
 /// folder in `parent` named by the time, which reconstruct reads again. `remarks` are for the
 /// cloud's header, see doubts. Without a scanner there are no points to write; frames that were
 /// merged from several exposures are not written, the scan has them. Returns the folder.
-/// Throws Error where the frames are not of the setup's strategy, WorldError where they cannot be
+/// Throws Error if the frames are not of the setup's strategy, WorldError if they cannot be
 /// written.
 std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
                                const std::string& parent, const std::vector<std::string>& remarks);
 
+// These are there with SLIPSTREAM_VIEW:
+
+/// Adds --snapshot, --screenshot, --size, --colour and --save-to.
+void add_view_flags(CLI::App& subcommand, ViewFlags& flags);
+
+/// Throws Error for a picture file of unknown ending.
+void require_good(const ViewFlags& flags);
+
 /// Shows it in a window until that is closed or the session is over; then writes the screenshot
-/// that the flags ask for. With SLIPSTREAM_VIEW, as the next.
+/// that the flags ask for.
 void show_in_window(LiveSession& session, Output& output);
 
 /// Writes the pictures that the flags ask for, drawn without a window, of the newest cloud. Throws
-/// WorldError where there is none.
+/// WorldError without one.
 void draw_newest(LiveSession& session, bool screenshot_too, Output& output);
+
+/// What `capture` opens on the desktop.
+struct DesktopWishes {
+  std::optional<int> monitor{};  ///< the projector
+  bool guides = false;           ///< a window that guides a person with a board
+  Size size{};                   ///< of that window
+};
+
+/// The projector, if it is a monitor, and the window that guides, as far as they are wished.
+struct CaptureDesktop {
+  PatternSink* projector = nullptr;
+  std::function<void(view::Guide guide)> show{};  ///< in the window that guides; empty without
+  /// Whether a window was closed. Answers the desktop meanwhile.
+  std::function<bool()> closed = [] { return false; };
+  std::function<Image<Colour>()> picture{};  ///< what that window showed last
+};
+
+/// Throws Error for a monitor that is not there or a build without windows, WorldError without a
+/// desktop.
+CaptureDesktop open_desktop(const DesktopWishes& wishes);
 
 }  // namespace slipstream::app

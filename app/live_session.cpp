@@ -1,26 +1,10 @@
-#include <algorithm>
-#include <array>
-#include <chrono>
-#include <filesystem>
-#include <memory>
 #include <numbers>
-#include <optional>
-#include <utility>
-
-#include <fmt/format.h>
 
 #include "app/live.h"
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/check/scan_check.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/pattern_windows.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/result_files.h"
-#include "slipstream/io/saved_scan.h"
-#include "slipstream/io/scanner_file.h"
-#include "slipstream/publish/cloud_sink.h"
-#include "slipstream/reconstruct/engine.h"
 
 namespace slipstream::app {
 namespace {
@@ -62,7 +46,7 @@ void for_each_live_setting(Settings& settings, const Visit& visit) {
 }
 
 /// Numbers first.
-std::vector<RunSetting> described(const ReconstructSettings& settings) {
+std::vector<RunSetting> live_settings_of(const ReconstructSettings& settings) {
   std::vector<RunSetting> all;
   for_each_live_setting(settings, [&](const Setting& setting, const auto& value) {
     const char* const name = setting.flag + 2;  // without --
@@ -187,11 +171,10 @@ struct LastSave {
 
 std::string save_newest(LiveSession& session, LastSave& last) {
   const std::lock_guard lock(last.mutex);
-  if (std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1)) {
-    throw Error("saved a moment ago");
-  }
+  throw_if(std::chrono::steady_clock::now() - last.end < std::chrono::seconds(1),
+           "saved a moment ago");
   const Pooled<LiveCloud> newest = session.pipeline.newest();
-  if (!newest) throw Error("no cloud has come that could be saved");
+  throw_if(!newest, "no cloud has come that could be saved");
   std::string folder =
       save_in_new_folder(views_of(newest->frames), setup_of(session), session.flags.view.save_to,
                          doubts(session.pipeline.statistics().findings));
@@ -230,7 +213,7 @@ std::vector<RunSetting> settings_of(LiveSession& session) {
                  .help = "what the projector shows",
                  .value = label_of(setup.sequence.strategy),
                  .choices = strategy_choices(session)});
-  for (RunSetting& setting : described(setup.settings)) all.push_back(std::move(setting));
+  for (RunSetting& setting : live_settings_of(setup.settings)) all.push_back(std::move(setting));
   const auto recording = session.recorder.recording();
   all.push_back(off_or_on("record", "all frames, into a new file", recording.has_value()));
   if (recording) all.back().state = text_of(*recording);
@@ -286,12 +269,11 @@ void open_sinks(LiveSession& session, const std::function<nlohmann::json()>& doc
 std::string save_in_new_folder(const FrameViews& frames, const EngineSetup& setup,
                                const std::string& parent, const std::vector<std::string>& remarks) {
   Sequence sequence = setup.sequence;
-  if (frames.count() != frame_count(sequence)) {
-    throw Error("the frames shown are not of the strategy looked for");
-  }
+  throw_if(frames.count() != frame_count(sequence),
+           "the frames shown are not of the strategy looked for");
   sequence.projector = setup.scanner.projector.size;
   sequence.marker = false;
-  const std::filesystem::path folder = path_named_by_time(parent, "scan", "");
+  const fs::path folder = path_named_by_time(parent, "scan", "");
   if (!has_geometry(setup.scanner)) {
     save_scan(folder, frames, sequence, std::nullopt);
     return folder.string();

@@ -1,27 +1,14 @@
 #include <algorithm>
-#include <cstdio>
-#include <exception>
-#include <filesystem>
-#include <iterator>
 #include <new>
-#include <optional>
 #include <span>
 #include <sstream>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <tbb/global_control.h>
 
-#include "app/commands.h"
-#include "app/flag_group.h"
 #include "app/process.h"
-#include "app/rig_flag.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/did_you_mean.h"
 #include "slipstream/base/error.h"
 
 namespace slipstream::app {
@@ -72,20 +59,6 @@ int fail(Output& output, int code, std::string_view message) noexcept {
   return code;
 }
 
-std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {
-  std::vector<std::string> names;
-  for (const CLI::App* const command : commands) names.push_back(command->get_name());
-  return names;
-}
-
-std::vector<std::string> flags_of(const CLI::App& command) {
-  std::vector<std::string> flags;
-  for (const CLI::Option* const option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) flags.push_back("--" + name);
-  }
-  return flags;
-}
-
 const CLI::App& chosen_command(const CLI::App& program) {
   const CLI::App* command = &program;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
@@ -94,27 +67,30 @@ const CLI::App& chosen_command(const CLI::App& program) {
 
 /// Why the arguments cannot be read, of words that are not known first, and which was meant.
 std::string refusal(const CLI::App& program, const CLI::ParseError& error) {
-  const CLI::App* const command = &chosen_command(program);
+  const CLI::App& command = chosen_command(program);
   const std::vector<std::string> words = program.remaining(true);
-  const auto all = [](const CLI::App*) { return true; };
-  const auto flag = std::find_if(words.begin(), words.end(),
-                                 [](const std::string& word) { return word.starts_with("-"); });
-  const auto commands = command->get_subcommands(all);
-  if (!commands.empty() && !words.empty() && !words.front().starts_with("-")) {
+  const auto is_flag = [](const std::string& word) { return word.starts_with("-"); };
+  const auto flag = std::find_if(words.begin(), words.end(), is_flag);
+  std::vector<std::string> known;
+  for (const CLI::App* const sub : command.get_subcommands([](auto*) { return true; })) {
+    known.push_back(sub->get_name());
+  }
+  if (!known.empty() && !words.empty() && !is_flag(words.front())) {
     return fmt::format("there is no command '{}'{}{}", words.front(),
-                       did_you_mean(words.front(), names_of(commands)), in_whole_program);
+                       did_you_mean(words.front(), known), in_whole_program);
   }
   if (flag == words.end()) return error.what();
+  known.clear();
+  for (const CLI::Option* const option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  }
   const std::string name = flag->substr(0, flag->find('='));
-  return fmt::format("{} has no {}{}", command->get_name(), name,
-                     did_you_mean(name, flags_of(*command)));
+  return fmt::format("{} has no {}{}", command.get_name(), name, did_you_mean(name, known));
 }
 
 /// Returns the exit code.
 int run(const std::function<void(Output&)>& work, const SharedFlags& shared, Output& output) {
-  if (shared.threads < 0) {
-    throw Error(fmt::format("--threads {} is out of range; 0 (all cores) or more", shared.threads));
-  }
+  require_in_range(shared.threads >= 0, "--threads", shared.threads, "0 (all cores) or more");
   std::optional<tbb::global_control> limit;
   if (shared.threads > 0) {
     limit.emplace(tbb::global_control::max_allowed_parallelism,
@@ -127,7 +103,7 @@ int run(const std::function<void(Output&)>& work, const SharedFlags& shared, Out
 
 struct ProgramCommand {
   std::string_view name;
-  void (*add)(CLI::App& program, Command& chosen);
+  AddCommand* add;
 };
 
 /// In the order of --help.
@@ -155,16 +131,14 @@ constexpr ProgramCommand program_commands[] = {
 /// that is none, or a rig file is read, which may hold settings of any.
 void add_commands(CLI::App& program, Command& chosen, std::span<char* const> arguments) {
   const std::string_view first = arguments.size() > 1 ? arguments[1] : "";
-  const bool has_rig =
-      first == "serve" || std::any_of(arguments.begin(), arguments.end(), [](const char* argument) {
-        return std::string_view(argument).starts_with("--rig");
-      });
+  const auto is_rig = [](std::string_view argument) { return argument.starts_with("--rig"); };
+  const bool has_rig = first == "serve" || std::any_of(arguments.begin(), arguments.end(), is_rig);
   const auto is_first = [&](const ProgramCommand& command) { return command.name == first; };
   const bool alone =
       !has_rig && std::any_of(std::begin(program_commands), std::end(program_commands), is_first);
   for (const ProgramCommand& command : program_commands) {
     if (alone && !is_first(command)) continue;
-    command.add(program, chosen);
+    command.add({program, chosen});
   }
 }
 

@@ -1,8 +1,6 @@
 #include "app/manifest.h"
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream::app {
@@ -10,9 +8,8 @@ namespace fs = std::filesystem;
 
 Manifest manifest_from(std::string_view text, const std::string& name) {
   const std::string_view begin = "{\"";
-  if (text.substr(0, begin.size()) != begin.substr(0, text.size())) {
-    throw Error(fmt::format("{}: is no manifest of slipstream", name));
-  }
+  throw_if(text.substr(0, begin.size()) != begin.substr(0, text.size()),
+           "{}: is no manifest of slipstream", name);
   Manifest manifest;
   for (std::size_t end = 0; (end = text.find('\n', manifest.whole_bytes)) != text.npos;) {
     nlohmann::json entry = nlohmann::json::parse(

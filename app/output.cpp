@@ -1,11 +1,27 @@
 #include "app/output.h"
 
-#include <string>
-#include <utility>
-
-#include <unistd.h>
+#include <algorithm>
 
 #include "slipstream/base/error.h"
+
+namespace slipstream {
+
+void to_json(nlohmann::json& json, const Finding& finding) {
+  json = {{"what", finding.what},
+          {"evidence", nlohmann::json::object()},
+          {"likely", finding.likely},
+          {"try", finding.advice},
+          {"refused", finding.gravity == Gravity::wrong}};
+  for (const auto& [name, value] : finding.evidence) json["evidence"][name] = value;
+}
+
+void to_json(nlohmann::json& json, const LiveFinding& finding) {
+  json = finding.finding;
+  json["begin"] = finding.begin;
+  json["end"] = app::as_json(finding.end);
+}
+
+}  // namespace slipstream
 
 namespace slipstream::app {
 namespace {
@@ -56,9 +72,6 @@ void Output::write_line(std::FILE* stream, std::string_view line) {
   std::fwrite(shown.data(), 1, shown.size(), stream);
 }
 
-Progress::Progress(std::string label, std::int64_t total)
-    : label_(std::move(label)), total_(total), terminal_(::isatty(STDERR_FILENO) == 1) {}
-
 void Progress::finish() {
   if (drawn_) std::fputs("\r\033[K", stderr);
   drawn_ = false;
@@ -84,6 +97,38 @@ void Progress::draw() const {
              filled, "", width - filled, done_, total_, rate,
              static_cast<double>(total_ - done_) / rate);
   std::fflush(stderr);
+}
+
+void refuse_or_warn(const CheckedScan& checked, const std::string& scan, bool anyway,
+                    Output& output) {
+  if (!anyway && any_wrong(checked.findings)) {
+    output.document["findings"] = gravest_first(checked.findings);
+    require_right(checked, scan);
+  }
+  for (const Finding& finding : checked.findings) {
+    output.warn(fmt::format("{}: {}", scan, text_of(finding)));
+  }
+  for (const std::string& repair : checked.repairs) output.say("{}: {}", scan, repair);
+}
+
+void tell_news(const std::vector<LiveFinding>& findings, std::vector<LiveFinding>& told,
+               Output& output) {
+  for (const LiveFinding& now : findings) {
+    const auto before = std::find_if(told.begin(), told.end(), [&](const LiveFinding& other) {
+      return other.begin == now.begin && other.finding.what == now.finding.what;
+    });
+    if (before == told.end()) output.warn(fmt::format("frames: {}", text_of(now.finding)));
+    if (now.end && (before == told.end() || !before->end)) {
+      output.say("frames: {}: this has ended, {} frames after it began", now.finding.what,
+                 *now.end - now.begin);
+    }
+  }
+  told = findings;
+}
+
+bool warn_of_fallback(const std::string& failure, Output& output) {
+  if (!failure.empty()) output.warn(failure);
+  return !failure.empty();
 }
 
 }  // namespace slipstream::app

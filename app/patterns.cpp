@@ -1,21 +1,124 @@
-#include <filesystem>
-#include <optional>
-#include <string>
+#include <cmath>
 
-#include <fmt/format.h>
-
-#include "app/commands.h"
-#include "app/output.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/error.h"
 #include "slipstream/codes/design.h"
+#include "slipstream/codes/layout.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/io/pattern_pictures.h"
-#include "slipstream/io/scanner_file.h"
+#include "slipstream/io/plot.h"
 #include "slipstream/response/correction.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
+
+struct DesignFlags {
+  DesignGoal goal;
+  std::optional<int> frames;
+  std::optional<double> coordinate_noise;
+  std::optional<double> phase_speed;
+  std::optional<double> ambient;
+  std::optional<double> noise_variance;
+  std::optional<std::string> scanner;
+  std::string plot;
+};
+
+/// Light and noise: the flags', else the scanner file's.
+DesignGoal goal_from(const DesignFlags& flags) {
+  DesignGoal goal = flags.goal;
+  PhotometricCalibration known;
+  if (flags.scanner) known = read_photometric_calibration(*flags.scanner);
+  const auto noise = flags.noise_variance ? flags.noise_variance : known.noise_variance;
+  throw_if(!noise.has_value(),
+           "no noise variance; give --noise-variance, or a scanner file that holds it");
+  goal.noise_variance = *noise;
+  goal.ambient = flags.ambient.value_or(known.ambient.value_or(0));
+  return goal;
+}
+
+Plot plot_of(const DesignGoal& goal, const std::vector<Design>& designs) {
+  PlotLine noise{fmt::format("PCMP, {} % unwrapped", 100 * goal.success)};
+  PlotLine unit{"PMP of unit frequency"};
+  for (const Design& design : designs) {
+    noise.add(design.strategy.f_h(), design.coordinate_sigma);
+    unit.add(
+        design.strategy.f_h(),
+        std::sqrt(coordinate_variance(
+            phase_variance(goal.steps, goal.alpha, design.light.alpha_p, goal.noise_variance), 1)));
+  }
+  return LinePlot{fmt::format("Noise of the coordinate, {} steps", goal.steps),
+                  "f_h",
+                  "standard deviation of y",
+                  PlotScale::logarithmic,
+                  {std::move(noise), std::move(unit)}};
+}
+
+/// Strategies of every kind, side by side.
+void compare_designs(const DesignFlags& flags, const DesignGoal& goal, Output& output) {
+  StrategyGoal wanted{.coordinate_sigma = flags.coordinate_noise,
+                      .alpha = goal.alpha,
+                      .noise_variance = goal.noise_variance,
+                      .success = goal.success,
+                      .most_periods = goal.most_periods};
+  wanted.frames = flags.frames.value_or(24);
+  const std::vector<StrategyDesign> designs = strategy_designs(wanted);
+  throw_if(designs.empty(),
+           "no strategy of at most {} frames and {} periods does that; allow more of either, or "
+           "more noise",
+           wanted.frames, wanted.most_periods);
+  output.say("frames | noise of y | right orders | strategy");
+  for (const auto& [strategy, success, sigma] : designs) {
+    output.say("{:6} | {:10.3g} | {:10.4f} % | {}", frame_count(strategy), sigma, 100 * success,
+               label_of(strategy));
+    output.list("strategies")
+        .push_back(described("strategy", label_of(strategy), "frames", frame_count(strategy),
+                             "success", success, "coordinate_sigma", sigma));
+  }
+}
+
+/// What frames beyond a cycle do where things move.
+void tell_motion(int steps, double speed, Output& output) {
+  require_valid(Sinusoid{steps, 1}, "--steps");
+  require_in_range(std::abs(speed) <= 1.5, "--phase-speed", speed, "-1.5 to 1.5 rad");
+  const Layout cycle{.frames = steps, .bands = {phase_shifted_band(steps, 0, steps, 1)}};
+  const double noise = component_noise(cycle.bands.front());
+  output.say("motion | frames | ripple, rad | noise over that of a cycle");
+  for (const int extra : {0, 1, 2, 3, 4, 6, 8}) {
+    const double ripple = motion_ripple(cycle, extra, speed);
+    const double ratio =
+        std::sqrt(component_noise(motion_window(cycle, extra).bands.front()) / noise);
+    output.say("{:6} | {:6} | {:11.3g} | {:.2f}", extra, steps + extra, ripple, ratio);
+    output.list("motion").push_back(
+        described("motion", extra, "frames", steps + extra, "ripple_rad", ripple, "noise", ratio));
+  }
+}
+
+void design(const DesignFlags& flags, Output& output) {
+  if (flags.phase_speed) return tell_motion(flags.goal.steps, *flags.phase_speed, output);
+  const DesignGoal goal = goal_from(flags);
+  if (flags.frames || flags.coordinate_noise) return compare_designs(flags, goal, output);
+  const Design best = best_design(goal);
+  const auto& [strategy, light, success, sigma] = best;
+  output.say("pcmp, {} steps: f_h = {}, c_1 = {:.2f}, alpha_p = {}, beta_p = {}", strategy.steps,
+             strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
+  output.say(
+      "at alpha = {}: standard deviation of y {:.3g}, {:.1f} times less than {}-step pmp of "
+      "unit frequency; {:.2f} % of the pixels unwrapped each by itself",
+      goal.alpha, sigma, strategy.c1() * strategy.f_h(), strategy.steps, 100 * success);
+  output.say(
+      "slipstream patterns FOLDER --strategy pcmp --steps {} --high {} --share {:.2f} "
+      "--alpha-p {} --beta-p {}",
+      strategy.steps, strategy.f_h(), strategy.c1(), light.alpha_p, light.beta_p);
+  output.document =
+      described("steps", strategy.steps, "high", strategy.f_h(), "share", strategy.c1(), "alpha_p",
+                light.alpha_p, "beta_p", light.beta_p, "success", success, "coordinate_sigma",
+                sigma, "gain", strategy.c1() * strategy.f_h());
+  if (!flags.plot.empty()) {
+    write_plot(flags.plot, plot_of(goal, designs_by_frequency(goal)));
+    output.document["plot"] = flags.plot;
+    output.say("plot: {}", flags.plot);
+  }
+}
 
 struct PatternsFlags {
   std::string folder;
@@ -31,9 +134,8 @@ constexpr Size usual_projector{1920, 1080};
 
 /// Pictures of one grey level each, from 0 to 255, for `calibrate gamma --uniform`.
 void write_uniform(const PatternsFlags& flags, Output& output) {
-  if (flags.uniform < 4 || flags.uniform > 256) {
-    throw Error(fmt::format("--uniform {} is out of range; 4 to 256 pictures", flags.uniform));
-  }
+  require_in_range(flags.uniform >= 4 && flags.uniform <= 256, "--uniform", flags.uniform,
+                   "4 to 256 pictures");
   const Size projector = flags.scan.projector.value_or(usual_projector);
   for (const fs::path& file : write_uniform_pictures(flags.folder, projector, flags.uniform)) {
     output.list("patterns").push_back(file.string());
@@ -67,8 +169,7 @@ void write_patterns(const PatternsFlags& flags, Output& output) {
              sequence.strategy.name(), text_of(sequence.projector), folder.string());
   output.say(
       "project them in that order, put the camera's pictures beside scan.yaml under the same "
-      "names,");
-  output.say("and run: slipstream reconstruct THAT_FOLDER --scanner SCANNER.yaml -o cloud.ply");
+      "names,\nand run: slipstream reconstruct THAT_FOLDER --scanner SCANNER.yaml -o cloud.ply");
 }
 
 void write_asked(const PatternsFlags& flags, Output& output) {
@@ -77,41 +178,62 @@ void write_asked(const PatternsFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_patterns(CLI::App& program, Command& chosen) {
-  const auto [command, flags] =
-      add_command(program, chosen, write_asked, "patterns",
-                  "write a strategy's patterns as images for any projector");
-  command.add("folder", flags.folder, "where the pictures and scan.yaml go")->required();
-  add_pattern_flags(command.app, flags.scan);
-  add_marker_flag(command.app, flags.scan);
+void add_patterns(const Commands& program) {
+  const auto [command, flags] = program.add(
+      write_asked, "patterns", "write a strategy's patterns as images for any projector");
+  required(command.add("folder", flags.folder, "where the pictures and scan.yaml go"));
+  add_pattern_flags(command.app, flags.scan, true);
   command.app.get_option("--projector")->default_str(text_of(usual_projector));
-  CLI::Option* const bits = command.add("--pattern-bits", flags.bits,
-                                        "of the pictures, as the projector takes them: 8 to 16");
-  CLI::Option* const precompensate =
-      command.add("--precompensate", flags.precompensate,
-                  "a gamma, or a scanner file that holds one: its inverse is applied to the "
-                  "pictures, so that the projector's light is as meant");
-  for (CLI::Option* const grey : {bits, precompensate}) {
-    grey->excludes(command.app.get_option("--binary"));
-  }
-  CLI::Option* const in_colour =
-      command.add("--colour", flags.in_colour,
-                  "three patterns to a picture, its red, green and blue; and the pictures for "
-                  "calibrate colour");
-  in_colour->excludes(bits)->excludes(command.app.get_option("--binary"));
-  CLI::Option* const sheet = command.add("--sheet", flags.sheet,
-                                         "also one picture of all patterns, a strip of each: .png");
+  command.add("--pattern-bits", flags.bits,
+              "of the pictures, as the projector takes them: 8 to 16");
+  command.add(
+      "--precompensate", flags.precompensate,
+      "a gamma, or a scanner file that holds one: its inverse is applied to the pictures, so "
+      "that the projector's light is as meant");
+  command.add(
+      "--colour", flags.in_colour,
+      "three patterns to a picture, its red, green and blue; and the pictures for calibrate "
+      "colour");
+  command.add("--sheet", flags.sheet, "also one picture of all patterns, a strip of each: .png");
   command
       .add("--uniform", flags.uniform,
            "so many uniform pictures from black to white instead, to measure gamma with")
-      ->default_str("")
-      ->excludes(bits)
-      ->excludes(command.app.get_option("--binary"))
-      ->excludes(precompensate)
-      ->excludes(sheet);
-  command.app.footer(
-      "Example:\n  slipstream patterns patterns --strategy dual-frequency --steps 3 --high 16 "
-      "--low 1 --axis x --projector 1824x1140");
+      ->default_str("");
+  command.exclude("--binary", {"--pattern-bits", "--precompensate", "--colour", "--uniform"});
+  command.exclude("--pattern-bits", {"--colour", "--uniform"});
+  command.exclude("--uniform", {"--precompensate", "--sheet"});
+  command.examples(
+      {"patterns patterns --strategy dual-frequency --steps 3 --high 16 --low 1 --axis x "
+       "--projector 1824x1140"});
+}
+
+void add_design(const Commands& program) {
+  const auto [command, flags] =
+      program.add(design, "design", "patterns of least noise for a given light, noise and surface");
+  command.add("--frames", flags.frames, "compare strategies of every kind with at most so many");
+  command.add("--coordinate-noise", flags.coordinate_noise,
+              "compare those of fewest frames that reach it: standard deviation of y, fields");
+  command.add("--steps", flags.goal.steps, "of pcmp, 3 or more; with --phase-speed of pmp");
+  command.add("--least-reflectivity", flags.goal.alpha, "the least that is to be measured");
+  command.add("--ambient", flags.ambient, "grey levels of 255, where not that of the scanner file")
+      ->default_str("0");
+  command.add("--noise-variance", flags.noise_variance, "sigma_w^2, grey levels^2 of 255");
+  command.add_file("--scanner", flags.scanner, "scanner file that says both");
+  command.add("--success", flags.goal.success,
+              "share of the pixels to be unwrapped rightly each by itself");
+  command.add("--most-periods", flags.goal.most_periods, "largest f_h to be considered");
+  command.add_output("--plot", flags.plot, "noise over f_h: .png");
+  command.add("--phase-speed", flags.phase_speed,
+              "things that move: rad that the phase of --steps moves from frame to frame");
+  for (const char* compares : {"--frames", "--coordinate-noise"}) {
+    command.exclude(compares, {"--steps", "--plot"});
+  }
+  command.exclude("--phase-speed",
+                  {"--frames", "--coordinate-noise", "--least-reflectivity", "--ambient",
+                   "--noise-variance", "--scanner", "--success", "--most-periods", "--plot"});
+  command.examples(
+      {"design --steps 4 --noise-variance 1.55 --ambient -7 --least-reflectivity 0.3 --plot "
+       "design.png"});
 }
 
 }  // namespace slipstream::app

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -133,8 +132,8 @@ bool hung_up() {
 }
 
 void require_duration(const std::optional<double>& duration) {
-  if (!duration || (*duration > 0 && std::isfinite(*duration))) return;
-  throw Error(fmt::format("--duration {} is out of range; above 0 s", *duration));
+  const double seconds = duration.value_or(1);
+  require_in_range(seconds > 0 && std::isfinite(seconds), "--duration", seconds, "above 0 s");
 }
 
 bool RunEnd::reached() const {

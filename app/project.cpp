@@ -1,20 +1,6 @@
-#include <cstddef>
-#include <cstdint>
-#include <cstdio>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "app/commands.h"
 #include "app/process.h"
 #include "app/scan_flags.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_set.h"
 #include "slipstream/devices/monitor.h"
-#include "slipstream/io/file.h"
 
 namespace slipstream::app {
 namespace {
@@ -32,44 +18,34 @@ struct ProjectFlags {
   bool in_colour = false;
 };
 
-nlohmann::json json_of(const Monitor& monitor, int number) {
-  return {{"monitor", number},
-          {"name", monitor.name},
-          {"width", monitor.size.width},
-          {"height", monitor.size.height},
-          {"left", monitor.left},
-          {"top", monitor.top},
-          {"refresh_hz", monitor.refresh_hz}};
-}
-
 void list_monitors(const std::vector<Monitor>& monitors, Output& output) {
   output.document["monitors"] = nlohmann::json::array();
   int number = 0;
   for (const Monitor& monitor : monitors) {
     output.say("{}: {}, {} at {} Hz, its corner at {},{}", number, monitor.name,
                text_of(monitor.size), monitor.refresh_hz, monitor.left, monitor.top);
-    output.list("monitors").push_back(json_of(monitor, number++));
+    output.list("monitors")
+        .push_back(described("monitor", number++, "name", monitor.name, "width", monitor.size.width,
+                             "height", monitor.size.height, "left", monitor.left, "top",
+                             monitor.top, "refresh_hz", monitor.refresh_hz));
   }
   if (monitors.empty()) output.say("no monitor is connected");
 }
 
 const Monitor& monitor_at(const std::vector<Monitor>& monitors, int number) {
-  if (number < 0 || static_cast<std::size_t>(number) >= monitors.size()) {
-    throw Error(fmt::format("--monitor {} is not there; {} connected, numbered from 0, see --list",
-                            number, monitors.size()));
-  }
-  return monitors[static_cast<std::size_t>(number)];
+  const auto place = static_cast<std::size_t>(number);  // below 0: a large one
+  throw_if(place >= monitors.size(),
+           "--monitor {} is not there; {} connected, numbered from 0, see --list", number,
+           monitors.size());
+  return monitors[place];
 }
 
 /// What is shown, of the monitor's size.
 Sequence sequence_on(const ProjectFlags& flags, const Monitor& monitor) {
   Sequence sequence = default_sequence(monitor.size, flags.scan);
-  const Size projector = sequence.projector;
-  if (projector != monitor.size) {
-    throw Error(
-        fmt::format("--projector {} is not the size of monitor {}, {}; set the monitor to it",
-                    text_of(projector), flags.monitor, text_of(monitor.size)));
-  }
+  throw_if(sequence.projector != monitor.size,
+           "--projector {} is not the size of monitor {}, {}; set the monitor to it",
+           text_of(sequence.projector), flags.monitor, text_of(monitor.size));
   sequence = cycle_of(std::move(sequence));
   if (flags.in_colour) require_in_colour(sequence, "--colour");
   return sequence;
@@ -101,31 +77,24 @@ void tell(const monitor::ProjectionReport& report, const monitor::MonitorSink& p
     output.warn("the driver does not wait for the monitor's refresh; patterns went by the clock");
   }
   if (!projector.state().empty()) output.warn(projector.state());
-  output.document = {{"patterns", report.shown},
-                     {"late", report.late},
-                     {"seconds", report.seconds},
-                     {"patterns_per_second", rate},
-                     {"hold", hold},
-                     {"refresh_hz", projector.refresh_hz()},
-                     {"waits_for_refresh", report.waits_for_refresh},
-                     {"gamma_table", projector.has_gamma_table()}};
+  output.document = described("patterns", report.shown, "late", report.late, "seconds",
+                              report.seconds, "patterns_per_second", rate, "hold", hold,
+                              "refresh_hz", projector.refresh_hz(), "waits_for_refresh",
+                              report.waits_for_refresh, "gamma_table", projector.has_gamma_table());
 }
 
 void project_scan(const ProjectFlags& flags, Output& output) {
   require_duration(flags.duration);
   const opengl::WindowSystem system;
   const std::vector<Monitor> monitors = system.monitors();
-  if (flags.list) {
-    list_monitors(monitors, output);
-    return;
-  }
+  if (flags.list) return list_monitors(monitors, output);
   const Monitor& monitor = monitor_at(monitors, flags.monitor);
   const int hold = monitor::refreshes_for(flags.rate, flags.hold, monitor.refresh_hz);
   const Sequence sequence = sequence_on(flags, monitor);
   monitor::MonitorSink projector(system, flags.monitor);
   const std::size_t count = load_patterns(projector, sequence, flags.in_colour);
 
-  monitor::SwapLog log;
+  std::string log = "swap,pattern,seconds\n";
   const RunEnd end(flags.duration);
   output.say("showing {} patterns; Ctrl-C or Esc ends it", count);
   std::fflush(stdout);
@@ -134,24 +103,23 @@ void project_scan(const ProjectFlags& flags, Output& output) {
       .hold = hold,
       .on_swap =
           [&](const monitor::PatternSwap& swap) {
-            if (!flags.log.empty()) log.add(swap);
+            if (flags.log.empty()) return;
+            log += fmt::format("{},{},{:.6f}\n", swap.sequence, swap.pattern, swap.seconds);
           },
       .ends = [&] { return projector.closed() || end.reached(); }};
   const monitor::ProjectionReport report = monitor::project_patterns(projector, count, settings);
   tell(report, projector, hold, output);
   if (!flags.log.empty()) {
-    write_file(flags.log, log.text());
-    output.say("log: {}", flags.log);
-    output.document["files"] = {{"log", flags.log}};
+    write_file(flags.log, log);
+    output.add_file("log", flags.log);
   }
 }
 
 }  // namespace
 
-void add_project(CLI::App& program, Command& chosen) {
-  const auto [command, flags] =
-      add_command(program, chosen, project_scan, "project",
-                  "show a strategy's patterns on a projector that is a monitor");
+void add_project(const Commands& program) {
+  const auto [command, flags] = program.add(
+      project_scan, "project", "show a strategy's patterns on a projector that is a monitor");
   command.add("--list", flags.list, "say which monitors there are, and end");
   command.add("--monitor", flags.monitor, "its number in --list");
   command.add("--rate", flags.rate,
@@ -159,16 +127,13 @@ void add_project(CLI::App& program, Command& chosen) {
   command.add("--hold", flags.hold, "refreshes that each pattern stays for")->default_str("1");
   command.add("--duration", flags.duration, "seconds, then it ends");
   command.add_output("--log", flags.log, "which pattern was shown when: .csv");
-  add_pattern_flags(command.app, flags.scan);
-  add_marker_flag(command.app, flags.scan);
+  add_pattern_flags(command.app, flags.scan, true);
   command.add("--colour", flags.in_colour,
               "three patterns to a picture, its red, green and blue, which count as one");
-  command.app.footer(
-      "Examples:\n  slipstream project --list\n  slipstream project --monitor 1 --strategy pmp "
-      "--steps 4 --rate 30\n  slipstream project --monitor 1 --colour --strategy de-bruijn\nEvery "
-      "pixel of the monitor shows its own grey level, with the "
-      "monitor's "
-      "gamma table off. Esc or Ctrl-C ends it.");
+  command.examples({"project --list", "project --monitor 1 --strategy pmp --steps 4 --rate 30",
+                    "project --monitor 1 --colour --strategy de-bruijn"},
+                   "Every pixel of the monitor shows its own grey level, with the monitor's gamma "
+                   "table off. Esc or Ctrl-C ends it.");
 }
 
 }  // namespace slipstream::app

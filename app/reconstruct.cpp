@@ -1,33 +1,18 @@
-#include <algorithm>
-#include <array>
 #include <deque>
-#include <filesystem>
 #include <future>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "app/commands.h"
-#include "app/findings.h"
 #include "app/manifest.h"
-#include "app/output.h"
 #include "app/process.h"
 #include "app/reconstruct_flags.h"
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/normals.h"
+#include "slipstream/cloud/surface.h"
 #include "slipstream/decode/frame_motion.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/reconstruct/epipolar_check.h"
+#include "slipstream/reconstruct/epipolar.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
 
 /// One scan's results, as they are told.
@@ -64,11 +49,10 @@ struct ManifestLog {
 };
 
 nlohmann::json json_of(const GammaChoice& choice) {
-  nlohmann::json document{{"source", choice.source}};
-  if (choice.gamma) document["gamma"] = *choice.gamma;
+  nlohmann::json document = described("source", choice.source, "gamma", choice.gamma);
   if (choice.blind) {
-    document["standard_error"] = choice.blind->standard_error;
-    document["pixels"] = choice.blind->pixels;
+    describe(document, "standard_error", choice.blind->standard_error, "pixels",
+             choice.blind->pixels);
     if (!choice.blind->accepted()) document["refused"] = reason_of(choice.blind->refusal);
   }
   return document;
@@ -89,32 +73,23 @@ std::array<ScanTime, 6> times_of(const ReconstructedScan& scan) {
 }
 
 nlohmann::json document_of(const ReconstructedScan& scan) {
-  nlohmann::json files = nlohmann::json::object(), seconds;
-  for (const auto& [name, path] : scan.files.named()) files[name] = path;
+  nlohmann::json seconds;
   for (const ScanTime& time : times_of(scan)) seconds[time.name] = time.seconds;
-  nlohmann::json told = {{"scan", scan.name.path},
-                         {"points", scan.counts[0]},
-                         {"pixels", scan.cloud.validity.pixel_count()},
-                         {"counts", app::json_of(scan.counts)},
-                         {"backend", scan.backend},
-                         {"least_modulation", scan.least_modulation},
-                         {"gamma", json_of(scan.sound.gamma)},
-                         {"files", std::move(files)},
-                         {"warnings", scan.warnings},
-                         {"findings", app::json_of(scan.sound.checked.findings)},
-                         {"repairs", scan.sound.checked.repairs},
-                         {"seconds", std::move(seconds)}};
-  if (scan.name.window) told["window"] = *scan.name.window;
+  std::optional<nlohmann::json> epipolar;
+  if (scan.epipolar) {
+    epipolar = described("median_px", scan.epipolar->median, "median_length_px",
+                         scan.epipolar->median_length, "median_sigma_px",
+                         scan.epipolar->median_sigma, "doubted", scan.epipolar->doubted);
+  }
+  nlohmann::json told = described(
+      "scan", scan.name.path, "window", scan.name.window, "points", scan.counts[0], "pixels",
+      scan.cloud.validity.pixel_count(), "counts", scan.counts, "backend", scan.backend,
+      "least_modulation", scan.least_modulation, "gamma", json_of(scan.sound.gamma), "files",
+      scan.files.named(), "median_sigma_z_mm", scan.median_sigma, "rms_mm", scan.rms, "epipolar",
+      epipolar, "warnings", scan.warnings, "findings", scan.sound.checked.findings, "repairs",
+      scan.sound.checked.repairs, "seconds", seconds);
   // Only what --anyway went on with is wrong and was reconstructed.
   if (any_wrong(scan.sound.checked.findings)) told["doubted"] = true;
-  if (scan.median_sigma) told["median_sigma_z_mm"] = *scan.median_sigma;
-  if (scan.rms) told["rms_mm"] = *scan.rms;
-  if (scan.epipolar) {
-    told["epipolar"] = {{"median_px", scan.epipolar->median},
-                        {"median_length_px", scan.epipolar->median_length},
-                        {"median_sigma_px", scan.epipolar->median_sigma},
-                        {"doubted", scan.epipolar->doubted}};
-  }
   return told;
 }
 
@@ -152,14 +127,10 @@ void tell(const ReconstructedScan& scan, Output& output) {
 void require_uncertainty_possible(const ReconstructFlags& flags, const EngineSetup& setup,
                                   bool two_cameras) {
   if (!flags.uncertainty) return;
-  if (two_cameras) {
-    throw Error("--uncertainty is of one camera and the projector; add --one-camera");
-  }
-  if (!setup.scanner.photometry.noise_variance) {
-    throw Error(
-        "the scanner file has no noise variance in it, which --uncertainty needs; measure it "
-        "with slipstream calibrate noise, or give --noise-variance");
-  }
+  throw_if(two_cameras, "--uncertainty is of one camera and the projector; add --one-camera");
+  throw_if(!setup.scanner.photometry.noise_variance.has_value(),
+           "the scanner file has no noise variance in it, which --uncertainty needs; measure it "
+           "with slipstream calibrate noise, or give --noise-variance");
 }
 
 void match_cameras(const ReconstructFlags& flags, const Scan& scan, const EngineSetup& setup,
@@ -223,15 +194,10 @@ void write_files(const ReconstructFlags& flags, const ReconstructedScan& scan) {
   std::optional<Normals> normals;
   if (flags.normals && !scan.files.cloud.empty()) normals = smoothed_normals(scan.cloud);
   std::optional<Uncertainty> uncertainty = scan.uncertainty;
-  const auto sparse = [&](Image<float>& image) { image = subsampled(image, flags.subsample); };
-  if (normals) {
-    for (Image<float>* image : {&normals->x, &normals->y, &normals->z}) sparse(*image);
-  }
+  const auto thin = [&](auto&... images) { ((images = subsampled(images, flags.subsample)), ...); };
+  if (normals) thin(normals->x, normals->y, normals->z);
   if (uncertainty) {
-    for (Image<float>* image :
-         {&uncertainty->coordinate, &uncertainty->x, &uncertainty->y, &uncertainty->z}) {
-      sparse(*image);
-    }
+    thin(uncertainty->coordinate, uncertainty->x, uncertainty->y, uncertainty->z);
   }
   std::optional<Cloud> coarse;
   if (flags.subsample > 1) coarse = subsampled(scan.cloud, flags.subsample);
@@ -260,11 +226,11 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
   result.entry = entry_for(name, flags.settings);
   Stopwatch watch;
   try {
-    ScanInputFlags input = flags.cloud.input;
-    input.changes.window = name.window;
-    input.changes.recording = opened.at(name.path);
+    ScanFlags input = flags.cloud;
+    input.window = name.window;
+    input.recording = opened.at(name.path);
     if (before != nullptr) {
-      const ScanFiles files = scan_files_in(name.path, input.changes);
+      const ScanFiles files = scan_files_in(name.path, input);
       result.entry["input"] = fmt::format("{:08x}", checksum_of(files));
       const auto outputs = files_of_scan(flags.files, name).written();
       result.done_before = why_not_done(*before, name, result.entry, outputs).empty();
@@ -286,7 +252,7 @@ LoadedScan loaded_scan(const ScanName& name, const ReconstructFlags& flags, cons
 /// What one scan leaves to the next.
 struct Reused {
   std::optional<Engine> engine;
-  bool gpu_failure_told = false;
+  bool fallback_told = false;
   std::vector<Cloud> clouds;
 };
 
@@ -306,14 +272,12 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
       });
   Stopwatch watch;
   const EngineSetup& setup = result.sound.setup;
-  require_uncertainty_possible(flags, setup, !scan.further_cameras.empty());
   const bool two_cameras = !scan.further_cameras.empty();
-  if (!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty())) {
-    throw Error("--epipolar is of one camera and patterns along both axes: --axis both");
-  }
-  if (!flags.files.motion.empty() && (two_cameras || !measures_motion(setup))) {
-    throw Error("--motion-map is of one camera and frames beyond a cycle: --motion 2");
-  }
+  require_uncertainty_possible(flags, setup, two_cameras);
+  throw_if(!flags.files.epipolar.empty() && (two_cameras || scan.other_axis.empty()),
+           "--epipolar is of one camera and patterns along both axes: --axis both");
+  throw_if(!flags.files.motion.empty() && (two_cameras || !measures_motion(setup)),
+           "--motion-map is of one camera and frames beyond a cycle: --motion 2");
   result.least_modulation =
       two_cameras ? flags.cloud.settings.minimum_modulation : least_modulation(setup);
   if (result.least_modulation > flags.cloud.settings.minimum_modulation) {
@@ -330,8 +294,8 @@ void reconstruct_scan(Scan& scan, ReconstructedScan& result, const ReconstructFl
   }
   memory.get();
   two_cameras ? match_cameras(flags, scan, setup, result) : compute(flags, scan, *engine, result);
-  if (engine && !reused.gpu_failure_told) {
-    reused.gpu_failure_told = warn_of_gpu(engine->gpu_failure(), output);
+  if (engine && !reused.fallback_told) {
+    reused.fallback_told = warn_of_fallback(engine->fallback_reason(), output);
   }
   if (result.epipolar && result.epipolar->contradicts())
     add_finding(contradiction(*result.epipolar), result);
@@ -374,7 +338,7 @@ std::string line_of(const ReconstructedScan& scan) {
   for (const ScanTime& time : times_of(scan)) seconds += time.seconds;
   entry["seconds"] = seconds;
   if (!scan.failure.empty()) entry["error"] = scan.failure;
-  if (scan.failure.empty()) entry["counts"] = app::json_of(scan.counts);
+  if (scan.failure.empty()) entry["counts"] = as_json(scan.counts);
   return app::line_of(entry);
 }
 
@@ -389,7 +353,7 @@ void tell(const ReconstructedScan& scan, bool only_one, Output& output) {
     output.document.update(scan.words.document);  // the findings that it was refused for
     throw Error(scan.failure);
   }
-  nlohmann::json failed{{"scan", text_of(scan.name)}, {"error", scan.failure}};
+  nlohmann::json failed = described("scan", text_of(scan.name), "error", scan.failure);
   failed.update(scan.words.document);
   output.list("scans").push_back(std::move(failed));
   output.tell_failure(scan.failure);
@@ -408,7 +372,7 @@ void reconstruct_in_turn(const ReconstructFlags& flags, ManifestLog* log, Output
   std::deque<std::future<LoadedScan>> loading;
   std::deque<std::future<ReconstructedScan>> writing;
   Reused reused;
-  Progress progress("scans", static_cast<int>(count));
+  Progress progress("scans", count);
   const auto next_of = [](auto& waiting) {
     auto next = waiting.front().get();
     waiting.pop_front();
@@ -457,9 +421,8 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   require_valid(flags);
   keep_memory();
   output.document["scans"] = nlohmann::json::array();
-  if (!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest)) {
-    throw Error(fmt::format("{}: is there already; --resume goes on with it", flags.manifest));
-  }
+  throw_if(!flags.resume && !flags.manifest.empty() && fs::exists(flags.manifest),
+           "{}: is there already; --resume goes on with it", flags.manifest);
   std::optional<ManifestLog> log;
   if (!flags.manifest.empty()) log.emplace(flags.manifest, output);
   reconstruct_in_turn(flags, log ? &*log : nullptr, output);
@@ -468,9 +431,9 @@ void reconstruct_scans(ReconstructFlags flags, Output& output) {
   }
 }
 
-void add_reconstruct(CLI::App& program, Command& chosen) {
-  const auto [command, flags] = add_command(program, chosen, reconstruct, "reconstruct",
-                                            "scans to cloud, depth, phase, preview");
+void add_reconstruct(const Commands& program) {
+  const auto [command, flags] =
+      program.add(reconstruct, "reconstruct", "scans to cloud, depth, phase, preview");
   add_scans_flags(command, flags);
   command.add_output("--manifest", flags.manifest,
                      "what was done, as it is done, a line of JSON for each scan");
@@ -479,13 +442,12 @@ void add_reconstruct(CLI::App& program, Command& chosen) {
            "leave out what the manifest says is done, if input, settings and outputs are as then")
       ->needs("--manifest");
   add_reconstruct_flags(command.app, flags);
-  command.app.footer(
-      "Examples:\n  slipstream reconstruct scan -o cloud.ply --depth depth.tiff --preview "
-      "preview.png\n  slipstream reconstruct frames --strategy dual-frequency --steps 3 --high 16 "
-      "--low 1 --axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply\nSeveral scans: "
-      "{name} in a path stands for each scan's name, as in -o clouds/{name}.ply\n"
-      "Whole recordings: slipstream reconstruct scan.slip --windows : -o "
-      "clouds/{name}-{window}.ply");
+  command.examples({"reconstruct scan -o cloud.ply --depth depth.tiff --preview preview.png",
+                    "reconstruct frames --strategy dual-frequency --steps 3 --high 16 --low 1 "
+                    "--axis x --projector 1824x1140 --scanner scanner.yaml -o cloud.ply"},
+                   "Several scans: {name} in a path stands for each scan's name, as in -o "
+                   "clouds/{name}.ply\nWhole recordings: slipstream reconstruct scan.slip "
+                   "--windows : -o clouds/{name}-{window}.ply");
 }
 
 }  // namespace slipstream::app

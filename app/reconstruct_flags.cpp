@@ -1,18 +1,11 @@
 #include "app/reconstruct_flags.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <set>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
 
 void add_output_flags(CLI::App& command, ReconstructFlags& flags) {
@@ -50,7 +43,7 @@ std::vector<ListedScans> scans_in_list(const fs::path& list) {
 void set_end(ListedScans& listed, const ScanChanges& changes) {
   const std::string& path = listed.path;
   if (!is_recording(path)) {
-    if (fs::exists(path)) throw Error(fmt::format("{}: windows are of recordings", path));
+    throw_if(fs::exists(path), "{}: windows are of recordings", path);
     return listed.windows.reset();  // who reads it says why, and goes on
   }
   std::uint64_t count = 0;
@@ -59,20 +52,18 @@ void set_end(ListedScans& listed, const ScanChanges& changes) {
   } catch (const Error&) {
     return listed.windows.reset();
   }
-  if (listed.windows->first >= count) {
-    throw Error(fmt::format("{}: {} windows; none is in {}:", path, count, listed.windows->first));
-  }
+  throw_if(listed.windows->first >= count, "{}: {} windows; none is in {}:", path, count,
+           listed.windows->first);
   listed.windows->end = std::min(listed.windows->end, count);
 }
 
 }  // namespace
 
 void add_scans_flags(const FlagGroup& command, ReconstructFlags& flags) {
-  command
-      .add_file("scans", flags.paths,
-                "scan folders (pictures, and scan.yaml or flags), recordings, or lists of them: "
-                ".txt")
-      ->required();
+  required(command.add_file(
+      "scans", flags.paths,
+      "scan folders (pictures, and scan.yaml or flags), recordings, or lists of them: "
+      ".txt"));
   command.add("--windows", flags.windows,
               "recordings: windows A:B of their frames, B not among them; : for all");
 }
@@ -91,11 +82,11 @@ void add_reconstruct_flags(CLI::App& subcommand, ReconstructFlags& flags) {
   command.add("--match-window", flags.match.window,
               "two cameras: half the width of the window whose plane gives the depth, pixels");
   add_output_flags(subcommand, flags);
-  add_cloud_input_flags(subcommand, flags.cloud);
+  add_cloud_flags(subcommand, flags.cloud);
 }
 
 std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
-  if (flags.every < 1) throw Error("--every 0 is out of range; 1 or more");
+  throw_if(flags.every < 1, "--every 0 is out of range; 1 or more");
   std::vector<ListedScans> scans;
   for (const std::string& path : flags.paths) {
     if (lower_case_extension(path) != ".txt") {
@@ -112,7 +103,7 @@ std::vector<ListedScans> listed_scans(const ReconstructFlags& flags) {
     }
     const bool known =
         listed.cost > 0 && listed.windows && listed.windows->end != WindowRange::last;
-    if (listed.windows && !known) set_end(listed, flags.cloud.input.changes);
+    if (listed.windows && !known) set_end(listed, flags.cloud);
   }
   return scans;
 }
@@ -137,9 +128,8 @@ std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments want
 
 void require_valid(const ReconstructFlags& flags) {
   require_valid(flags.cloud.settings.clean);
-  if (flags.subsample != 1 && flags.subsample != 2 && flags.subsample != 4) {
-    throw Error(fmt::format("--subsample {} is out of range; 1, 2 or 4", flags.subsample));
-  }
+  const int every = flags.subsample;
+  require_in_range(every == 1 || every == 2 || every == 4, "--subsample", every, "1, 2 or 4");
 }
 
 }  // namespace slipstream::app

@@ -7,10 +7,10 @@
 
 #include <CLI/App.hpp>
 
-#include "app/flag_group.h"
+#include "app/commands.h"
 #include "app/output.h"
-#include "app/scan_input.h"
-#include "slipstream/io/scan_list.h"
+#include "app/scan_flags.h"
+#include "slipstream/io/result_files.h"
 #include "slipstream/reconstruct/phase_matcher.h"
 
 namespace slipstream::app {
@@ -19,14 +19,14 @@ struct ReconstructFlags {
   std::vector<std::string> paths;
   std::optional<std::string> windows;
   std::uint64_t every = 1;
-  CloudInputFlags cloud;
+  CloudFlags cloud;
   bool one_camera = false;
   PhaseMatchSettings match;
   int subsample = 1;
   bool normals = false;
   bool uncertainty = false;
   ResultFiles files;
-  std::string manifest;  ///< file; none where empty
+  std::string manifest;  ///< file; none if empty
   bool resume = false;
   std::vector<ScanName> scans;        ///< of the paths, what is asked for
   std::vector<std::string> settings;  ///< Arguments::settings of the command
@@ -50,7 +50,7 @@ enum class Arguments {
   settings  ///< that decide what outputs hold, beside files that are read
 };
 /// Of its flags those of add_reconstruct_flags that were given, also by a rig file, as arguments:
-/// "--subsample=2", with paths that are absolute.
+/// "--subsample=2", with absolute paths.
 std::vector<std::string> arguments_of(const CLI::App& subcommand, Arguments wanted);
 
 /// Throws Error for values that cannot be.

@@ -1,15 +1,10 @@
 #include "app/scan_flags.h"
 
-#include <algorithm>
-#include <vector>
+#include <limits>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "app/process.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/base/size.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/io/file.h"
 
 namespace slipstream::app {
 namespace {
@@ -22,10 +17,8 @@ std::string flag_of(std::string setting) {
 
 std::vector<double> exposures_from(const std::string& text) {
   std::vector<double> exposures = numbers_in<double>(text, ',');
-  if (exposures.empty()) {
-    throw Error(
-        fmt::format("--exposures {} are no numbers with commas between, as 1,4,16 are", text));
-  }
+  throw_if(exposures.empty(), "--exposures {} are no numbers with commas between, as 1,4,16 are",
+           text);
   return exposures;
 }
 
@@ -65,10 +58,7 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
   group.add("--stripe", changes.stripe_pixels, "--stripes as the width of one in projector pixels");
   group.add("--axis", changes.axes,
             "x: the pattern varies along projector columns; y: rows; both: first x, then y");
-  group.add_read<>(
-      "--projector",
-      [&changes](const std::string& text) { changes.projector = size_from(text, "--projector"); },
-      "projector pixels, as 1824x1140");
+  group.add("--projector", changes.projector, "projector pixels, as 1824x1140");
   group.add("--alpha-p", changes.alpha_p, "amplitude of the patterns, grey levels of 255");
   group.add("--beta-p", changes.beta_p, "darkest grey level of the patterns");
   group.add_read<>(
@@ -81,25 +71,67 @@ void add_sequence_flags(const FlagGroup& group, SequenceChanges& changes) {
       "2 or 4 where things move");
 }
 
+void set_box(std::optional<PointBox>& box, const std::vector<double>& numbers) {
+  throw_if(numbers.size() != 6, "--box takes 6 numbers, mm, not {}: -50,-50,600,50,50,800",
+           numbers.size());
+  box.emplace();
+  std::copy_n(numbers.begin(), 3, box->least.begin());
+  std::copy_n(numbers.begin() + 3, 3, box->largest.begin());
+}
+
+void set_outline(std::vector<PictureCorner>& outline, const std::vector<double>& numbers) {
+  throw_if(numbers.size() % 2 != 0 || numbers.size() == 2,
+           "--outline takes column and row of two corners or more, not {} numbers: 100,80,500,400",
+           numbers.size());
+  outline.clear();
+  for (std::size_t i = 0; i < numbers.size(); i += 2) {
+    outline.push_back({numbers[i], numbers[i + 1]});
+  }
+}
+
+/// Puts into the scan the response that its phases are corrected for, both in the check and in the
+/// cloud. Two cameras under one projector match whatever phase it shows.
+GammaChoice gamma_of(Scan& scan, const ScanFlags& flags) {
+  GammaChoice choice = choose_response(scan, flags.gamma);
+  if (scan.further_cameras.empty()) return choice;
+  return {.source = "two cameras", .sentence = "two cameras, free of gamma"};
+}
+
+StoredCloud cloud_of_scan(const std::string& path, const CloudFlags& flags, Output& output) {
+  require_valid(flags.settings.clean);
+  Scan scan = load(path, flags, false, output);
+  const SoundScan sound = sound_scan(scan, path, flags, output);
+  nlohmann::json& findings = output.list("findings");
+  for (const Finding& finding : sound.checked.findings) findings.push_back(finding);
+  Engine engine(sound.setup);
+  StoredCloud result;
+  result.organised = true;
+  Maps maps;
+  engine.cloud_and_maps(scan.frames, result.cloud, maps);
+  if (engine.setup().scanner.photometry.noise_variance) {
+    result.uncertainty = engine.uncertainty(result.cloud, maps, scan.frames);
+  }
+  return result;
+}
+
 }  // namespace
 
-void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes) {
+void add_pattern_flags(CLI::App& subcommand, SequenceChanges& changes, bool with_marker) {
   const FlagGroup group{subcommand, "What the patterns are"};
   add_sequence_flags(group, changes);
   group.add("--binary", changes.binary,
             "in pixels that are dark or bright alone, whose mean is the pattern: for a DMD that "
             "shows a bit at a time");
+  if (with_marker) {
+    group.add(
+        "--marker", changes.marker,
+        "a dark frame ends each cycle, so that a camera that begins anywhere finds its place");
+  }
   const Sequence usual = default_sequence({1024, 1024}, {});
   subcommand.get_option("--strategy")->default_str(usual.strategy.name());
   subcommand.get_option("--axis")->default_str(std::string(name_of(usual.axis)));
   subcommand.get_option("--alpha-p")->default_str(fmt::format("{:g}", usual.light.alpha_p));
   subcommand.get_option("--beta-p")->default_str(fmt::format("{:g}", usual.light.beta_p));
-}
-
-void add_marker_flag(CLI::App& subcommand, SequenceChanges& changes) {
-  const FlagGroup group{subcommand, "What the patterns are"};
-  group.add("--marker", changes.marker,
-            "a dark frame ends each cycle, so that a camera that begins anywhere finds its place");
 }
 
 void add_scan_flags(CLI::App& subcommand, ScanChanges& changes) {
@@ -117,19 +149,116 @@ bool is_pattern_switch(const std::string& word) {
   });
 }
 
-void add_size_flag(const FlagGroup& group, Size& size, const std::string& help) {
-  const auto read = [&size](const std::string& text) { size = size_from(text, "--size"); };
-  group.add_read<>("--size", read, help)->default_str(text_of(size));
+void add_anyway_flag(CLI::App& subcommand, bool& anyway) {
+  FlagGroup{subcommand}.add("--anyway", anyway,
+                            "go on where the check refuses the scan, and mark the results");
 }
 
-Size size_from(const std::string& text, const std::string& flag) {
-  if (const std::optional<Size> size = size_of_text(text)) {
-    const auto side = [](int pixels) { return static_cast<std::uint64_t>(pixels); };
-    if (side(size->width) * side(size->height) <= largest_picture) return *size;
-    throw Error(fmt::format("{} {}: at most {} pixels", flag, text, largest_picture));
+void add_scan_input_flags(CLI::App& subcommand, ScanFlags& flags) {
+  const FlagGroup options{subcommand};
+  options.add_file("--scanner", flags.scanner, "scanner file; where not that of the scan");
+  options.add("--ambient", flags.photometry.ambient,
+              "ambient light, grey levels of 255, where not that of the scanner file");
+  options.add("--noise-variance", flags.photometry.noise_variance,
+              "sigma_w^2, grey levels^2 of 255, where not that of the scanner file");
+  options.add("--gamma", flags.gamma,
+              "the response the phase is corrected for: scanner (as its file says, if it does), "
+              "blind (from the frames), none, or a number");
+  options.add("--camera-bits", flags.bits, "of the camera, where 16-bit files hold fewer");
+  add_scan_flags(subcommand, flags);
+}
+
+void add_backend_flag(const FlagGroup& group, ReconstructSettings& settings) {
+  const auto read = [&settings](const std::string& name) { set_backend(settings, name); };
+  group.add_read<>("--backend", read, backend_forms)->default_str("fused");
+}
+
+void add_point_flags(CLI::App& subcommand, ReconstructSettings& settings) {
+  FlagGroup{subcommand, "Which pixels become points"}.add_settings(settings,
+                                                                   [](const Setting&, auto&) {});
+}
+
+void add_clean_flags(CLI::App& subcommand, ReconstructSettings& settings) {
+  const FlagGroup group{subcommand, "Which points stay, and how"};
+  const auto take_raw = [&settings] {
+    settings.clean = CleanSettings::none();
+    settings.nearest = settings.nearest.value_or(0);
+    settings.farthest = settings.farthest.value_or(std::numeric_limits<double>::infinity());
+  };
+  subcommand  // first, so that flags set what it has cleared
+      .add_flag_callback("--raw", take_raw, "leave all points in: no filter but those asked for")
+      ->group(group.name);
+  group.add_settings(settings.clean, [&group](const Setting& setting, auto& value) {
+    const auto read = [&value](const std::vector<double>& numbers) {
+      if constexpr (std::is_same_v<decltype(value), std::optional<PointBox>&>) {
+        set_box(value, numbers);
+      } else {
+        set_outline(value, numbers);
+      }
+    };
+    group.add_read<std::vector<double>>(setting.flag, read, setting.help)->delimiter(',');
+  });
+  subcommand.get_option("--min-component")->default_str("");  // its help says it
+}
+
+void add_cloud_flags(CLI::App& subcommand, CloudFlags& flags) {
+  add_anyway_flag(subcommand, flags.anyway);
+  add_point_flags(subcommand, flags.settings);
+  add_clean_flags(subcommand, flags.settings);
+  add_scan_input_flags(subcommand, flags);
+}
+
+std::shared_ptr<const RecordingReader> OpenedRecording::at(const std::string& path) {
+  const std::lock_guard lock(mutex_);
+  if (reader_ != nullptr && path == path_) return reader_;
+  reader_ = is_recording(path) ? std::make_shared<const RecordingReader>(path) : nullptr;
+  path_ = path;
+  return reader_;
+}
+
+Scan load_checkable(const std::string& path, const ScanFlags& flags, bool all_cameras,
+                    Output& output) {
+  Scan scan = all_cameras ? load_scan(path, flags) : load_scan(scan_files_in(path, flags));
+  if (scan.scanner) {
+    PhotometricCalibration& known = scan.scanner->photometry;
+    if (flags.photometry.ambient) known.ambient = flags.photometry.ambient;
+    if (flags.photometry.noise_variance) known.noise_variance = flags.photometry.noise_variance;
   }
-  throw Error(fmt::format("{} '{}' is not a size; give width x height in pixels, as 1824x1140",
-                          flag, text));
+  output.warn(scan.warnings);
+  for (const Scan& further : scan.further_cameras) output.warn(further.warnings);
+  return scan;
+}
+
+Scan load(const std::string& path, const ScanFlags& flags, bool all_cameras, Output& output) {
+  Scan scan = load_checkable(path, flags, all_cameras, output);
+  throw_if(!scan.scanner.has_value(),
+           "{}: no scanner is known for it; name its file with --scanner or in scan.yaml", path);
+  return scan;
+}
+
+SoundScan sound_scan(Scan& scan, const std::string& name, const CloudFlags& flags, Output& output) {
+  Stopwatch watch;
+  SoundScan sound;
+  sound.gamma = gamma_of(scan, flags);
+  sound.setup = setup_for(scan, flags.settings);
+  sound.choosing = watch.lap();
+  scan.further_cameras.empty() ? require_reconstructible(sound.setup) : require_valid(sound.setup);
+  sound.checked = check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation});
+  refuse_or_warn(sound.checked, name, flags.anyway, output);
+  if (!sound.checked.repairs.empty()) sound.gamma = gamma_of(scan, flags);  // may be another
+  sound.setup.scanner.photometry.response = sound.gamma.response;
+  sound.checking = watch.lap();
+  return sound;
+}
+
+StoredCloud organised_cloud(const std::string& path, const CloudFlags& flags, Output& output) {
+  if (!is_cloud_file(path)) return cloud_of_scan(path, flags, output);
+  StoredCloud stored = read_cloud(path);
+  throw_if(!stored.organised,
+           "{}: its points are not in the order of pixels, by which they are named; measure the "
+           "scan, or an organised .pcd",
+           path);
+  return stored;
 }
 
 }  // namespace slipstream::app

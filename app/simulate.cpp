@@ -1,26 +1,11 @@
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <fmt/format.h>
-
 #include "app/board_flags.h"
-#include "app/commands.h"
 #include "app/process.h"
-#include "app/scan_flags.h"
 #include "app/source_flags.h"
-#include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/simulate/boards.h"
+#include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_files.h"
-#include "slipstream/simulate/virtual_scanner.h"
-#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
 namespace {
 
 struct SimulateFlags {
@@ -72,10 +57,8 @@ void simulate_boards(const SimulateFlags& flags, const VirtualWorld& world,
   output.say("took a {} of {}x{}, {:g} mm apart, in {} poses of {}; they are in {}",
              name_of(board.kind), board.columns, board.rows, board.spacing, count,
              text_of(scanner.camera.size), folder.string());
-  output.document = {{"folder", folder.string()},
-                     {"poses", names},
-                     {"width", scanner.camera.size.width},
-                     {"height", scanner.camera.size.height}};
+  output.document = described("folder", folder.string(), "poses", names, "width",
+                              scanner.camera.size.width, "height", scanner.camera.size.height);
 }
 
 void simulate(const SimulateFlags& flags, Output& output) {
@@ -83,14 +66,13 @@ void simulate(const SimulateFlags& flags, Output& output) {
   const Sequence sequence = sequence_for(flags.scan, world.scanner);
   if (flags.unquantised) world.photometry.bits.reset();
   if (flags.boards) {
-    if (flags.second_camera) throw Error("--second-camera is of a scene; --boards takes none");
+    throw_if(flags.second_camera, "--second-camera is of a scene; --boards takes none");
     return simulate_boards(flags, world, sequence, output);
   }
 
   if (flags.primaries) return write_primaries(flags, world, output);
-  if (flags.second_camera && lower_case_extension(flags.folder) == ".slip") {
-    throw Error("--second-camera takes a folder; a recording holds the frames of one");
-  }
+  throw_if(!(!flags.second_camera || lower_case_extension(flags.folder) != ".slip"),
+           "--second-camera takes a folder; a recording holds the frames of one");
   Stopwatch watch;
   if (flags.in_colour) world.scanner.photometry.colour_mixture = usual_mixture;
   const VirtualScan virtual_scan =
@@ -113,12 +95,10 @@ void simulate(const SimulateFlags& flags, Output& output) {
 
   output.say("took {} frames of {} ({}) in {:.2f} s; the scan is in {}",
              virtual_scan.frames.count(), text_of(world.scanner.camera.size),
-             flags.devices.mesh.value_or(flags.devices.scene), seconds, folder.string());
-  output.document = {{"scan", folder.string()},
-                     {"frames", virtual_scan.frames.count()},
-                     {"width", world.scanner.camera.size.width},
-                     {"height", world.scanner.camera.size.height},
-                     {"render_s", seconds}};
+             flags.devices.mesh.value_or(flags.devices.scene).string(), seconds, folder.string());
+  output.document = described("scan", folder.string(), "frames", virtual_scan.frames.count(),
+                              "width", world.scanner.camera.size.width, "height",
+                              world.scanner.camera.size.height, "render_s", seconds);
 }
 
 /// Adds --boards, which excludes the flags of a scene and --axis, and the flags of the board, which
@@ -128,10 +108,8 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
       "--boards", flags.boards,
       "instead of a scene: a calibration board in so many poses, scanned along x and y");
   boards->group("Board");
-  for (const char* of_scene : {"--scene", "--mesh", "--mesh-size", "--reflectivity", "--move",
-                               "--turn", "--vibrate", "--breathe", "--axis"}) {
-    boards->excludes(simulate.get_option(of_scene));
-  }
+  FlagGroup{simulate}.exclude("--boards", {"--scene", "--mesh", "--mesh-size", "--reflectivity",
+                                           "--move", "--turn", "--vibrate", "--breathe", "--axis"});
   add_board_flags(simulate, flags.board);
   for (CLI::Option* option : simulate.get_options()) {
     if (option->get_group() == "Board" && option != boards) option->needs(boards);
@@ -140,43 +118,34 @@ void add_boards_flags(CLI::App& simulate, SimulateFlags& flags) {
 
 void add_simulate_flags(CLI::App& command, SimulateFlags& flags) {
   const FlagGroup group{command, "Devices"};
-  group.add_file("--scanner", flags.devices.scanner,
+  group.add_file("--scanner", flags.devices.scanner_file,
                  "scanner file to imitate; an example where not given");
-  CLI::Option* const unquantised = group.add("--unquantised", flags.unquantised,
-                                             "64-bit float frames, neither rounded nor clipped");
-  CLI::Option* const second =
-      group.add("--second-camera", flags.second_camera,
-                "a second camera beyond the projector sees the scan too, into second/");
-  CLI::Option* const in_colour =
-      group.add("--colour", flags.in_colour,
-                "camera and projector in colour: three frames are one picture's channels, which "
-                "see a fifth of each other's light");
-  in_colour->excludes(second)->excludes(unquantised);
-  group
-      .add("--primaries", flags.primaries,
-           "instead, pictures of the scene in colour under black, red, green and blue")
-      ->excludes(in_colour);
+  group.add("--unquantised", flags.unquantised, "64-bit float frames, neither rounded nor clipped");
+  group.add("--second-camera", flags.second_camera,
+            "a second camera beyond the projector sees the scan too, into second/");
+  group.add("--colour", flags.in_colour,
+            "camera and projector in colour: three frames are one picture's channels, which see a "
+            "fifth of each other's light");
+  group.add("--primaries", flags.primaries,
+            "instead, pictures of the scene in colour under black, red, green and blue");
+  group.exclude("--colour", {"--second-camera", "--unquantised", "--primaries"});
   group.add("--paint", flags.paint,
             "in colour: surfaces of all hues, which take at most that share of a channel's light");
 }
 
 }  // namespace
 
-void add_simulate(CLI::App& program, Command& chosen) {
+void add_simulate(const Commands& program) {
   const auto [command, flags] =
-      add_command(program, chosen, simulate, "simulate",
-                  "let the virtual scanner take a scan (with ground truth)");
-  command
-      .add("folder", flags.folder,
-           "where the scan goes: a folder, or a recording where it ends in .slip")
-      ->required();
+      program.add(simulate, "simulate", "let the virtual scanner take a scan (with ground truth)");
+  required(command.add("folder", flags.folder,
+                       "where the scan goes: a folder, or a recording where it ends in .slip"));
   add_virtual_flags(command.app, flags.devices);
   add_simulate_flags(command.app, flags);
   add_pattern_flags(command.app, flags.scan);
   add_boards_flags(command.app, flags);
-  command.app.footer(
-      "Example:\n  slipstream simulate scan --scene statue --strategy dual-frequency --steps 3 "
-      "--high 16 --low 1");
+  command.examples(
+      {"simulate scan --scene statue --strategy dual-frequency --steps 3 --high 16 --low 1"});
 }
 
 }  // namespace slipstream::app

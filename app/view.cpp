@@ -1,34 +1,129 @@
-#include <algorithm>
-#include <filesystem>
-#include <optional>
-#include <string>
+// All that needs windows, for builds with SLIPSTREAM_VIEW.
 #include <system_error>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-
-#include "app/commands.h"
-#include "app/findings.h"
 #include "app/live.h"
-#include "app/scan_input.h"
-#include "app/windows.h"
-#include "slipstream/base/error.h"
-#include "slipstream/io/cloud_file.h"
-#include "slipstream/io/file.h"
+#include "slipstream/devices/monitor.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/response/gamma_choice.h"
-#include "slipstream/view/view_source.h"
+#include "slipstream/response/gamma.h"
 #include "slipstream/view/viewer.h"
 
 namespace slipstream::app {
-namespace fs = std::filesystem;
+namespace {
+
+void draw(const view::ViewSource& source, const ViewFlags& flags, view::Surround surround,
+          const char* name, const std::string& path, Output& output) {
+  if (path.empty()) return;
+  if (!source.newest()) {
+    throw WorldError(fmt::format("{}: no cloud came that could be drawn", path));
+  }
+  write_image(path, view::render_screen(source, flags.settings, flags.size, surround));
+  output.add_file(name, path);
+}
+
+/// Draws --snapshot, and --screenshot if wanted, without a window, as far as they are given. Throws
+/// WorldError without a cloud.
+void write_pictures(const view::ViewSource& source, const ViewFlags& flags, bool screenshot_too,
+                    Output& output) {
+  draw(source, flags, view::Surround::nothing, "snapshot", flags.snapshot, output);
+  if (!screenshot_too) return;
+  draw(source, flags, view::Surround::panel, "screenshot", flags.screenshot, output);
+}
+
+/// Borrows the session.
+view::ViewSource view_source_of(LiveSession& session) {
+  const std::string& name = session.flags.source.source;
+  view::ViewSource source =
+      view::live_source(session.pipeline, setup_of(session), session.patterns_can_change);
+  source.title = fmt::format("slipstream live: {}", name);
+  source.waits_for = fmt::format("waiting for the first {} frames of {}",
+                                 cycle_length(source.setup->sequence), name);
+  source.camera = session.recorder.controls();
+  source.camera_region = fmt::format("{} pixels; --region at the start changes that",
+                                     text_of(session.recorder.format().size));
+  source.change = [&session](const EngineSetup& setup) { change_setup(session, setup); };
+  source.changed = [&session, seen = session.changes.load()]() mutable {
+    const std::uint64_t changes = session.changes;
+    const bool same = std::exchange(seen, changes) == changes;
+    return same ? std::nullopt : std::optional(setup_of(session));
+  };
+  source.save = [&session](const view::ShownCloud& cloud, const EngineSetup& setup) {
+    return save_in_new_folder(cloud.frames, setup, session.flags.view.save_to,
+                              doubts(session.pipeline.statistics().findings));
+  };
+  source.record = [&session](bool on) { change_setting(session, "record", on ? "on" : "off"); };
+  source.recording = [&session] {
+    const auto recording = session.recorder.recording();
+    return recording ? text_of(*recording) : std::string();
+  };
+  return source;
+}
+
+}  // namespace
+
+void add_view_flags(CLI::App& subcommand, ViewFlags& flags) {
+  const FlagGroup group{subcommand, "What is drawn"};
+  group.add_output("--snapshot", flags.snapshot,
+                   "the cloud as a picture, drawn without a window: .png, .tiff or .bmp");
+  group.add_output("--screenshot", flags.screenshot,
+                   "likewise with the panel and the camera's pictures beside it");
+  group.add("--size", flags.size, "of window and pictures, pixels");
+  group.add_named("--colour", flags.settings.colour, view::point_colour_named,
+                  view::point_colour_names().front(),
+                  fmt::format("of the points: {}", fmt::join(view::point_colour_names(), ", ")));
+  group.add("--save-to", flags.save_to, "where the viewer's Save makes a folder for each scan");
+}
+
+void require_good(const ViewFlags& flags) {
+  for (const std::string& path : {flags.snapshot, flags.screenshot}) {
+    if (!path.empty()) require_colour_ending(path);
+  }
+}
+
+void show_in_window(LiveSession& session, Output& output) {
+  const ViewFlags& flags = session.flags.view;
+  const auto last =
+      view::run_viewer(view_source_of(session), {.view = flags.settings,
+                                                 .size = flags.size,
+                                                 .ends = session.is_over,
+                                                 .keep_last = !flags.screenshot.empty()});
+  if (!last) return;
+  write_image(flags.screenshot, *last);
+  output.add_file("screenshot", flags.screenshot);
+}
+
+void draw_newest(LiveSession& session, bool screenshot_too, Output& output) {
+  write_pictures(view_source_of(session), session.flags.view, screenshot_too, output);
+}
+
+CaptureDesktop open_desktop(const DesktopWishes& wishes) {
+  if (!wishes.monitor && !wishes.guides) return {};
+  struct Windows {
+    opengl::WindowSystem system;
+    std::optional<monitor::MonitorSink> projector;
+    std::optional<view::GuideWindow> guide;
+  };
+  const auto windows = std::make_shared<Windows>();
+  auto& [system, projector, guide] = *windows;
+  CaptureDesktop desktop;
+  if (wishes.monitor) desktop.projector = &projector.emplace(system, *wishes.monitor);
+  desktop.closed = [windows] {
+    return (windows->guide && windows->guide->closed()) ||
+           (windows->projector && windows->projector->closed());
+  };
+  if (!wishes.guides) return desktop;
+  guide.emplace(system, "slipstream capture", wishes.size);
+  desktop.show = [windows](view::Guide shown) { windows->guide->show(std::move(shown)); };
+  desktop.picture = [windows] { return windows->guide->picture(); };
+  return desktop;
+}
+
 namespace {
 
 struct ViewPathFlags {
   std::string path;
-  CloudInputFlags cloud;
+  CloudFlags cloud;
   std::vector<const CLI::Option*> of_scans;  ///< flags that are of scans alone
   const CLI::App* command = nullptr;
   ViewFlags view;
@@ -36,9 +131,9 @@ struct ViewPathFlags {
 };
 
 view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
-  const CloudInputFlags& asked = flags.cloud;
+  const CloudFlags& asked = flags.cloud;
   require_valid(asked.settings.clean);
-  Scan scan = load(flags.path, asked.input, false, output);
+  Scan scan = load(flags.path, asked, false, output);
   const SoundScan sound = sound_scan(scan, flags.path, asked, output);
   const EngineSetup& setup = sound.setup;
   const auto given = sound.gamma.response;
@@ -46,10 +141,9 @@ view::ViewSource source_of_scan(const ViewPathFlags& flags, Output& output) {
       choose_gamma("blind", given, setup.sequence.strategy.layout(), scan.frames).response;
   view::ViewSource source = view::still_source(std::move(scan.frames), setup);
   source.findings = sound.checked.findings;
-  source.gammas = {
-      {fmt::format("of the {}", asked.input.gamma == "scanner" ? "scanner" : "flag"), given},
-      {"none", std::nullopt},
-      {"from the frames", blind}};
+  source.gammas = {{fmt::format("of the {}", asked.gamma == "scanner" ? "scanner" : "flag"), given},
+                   {"none", std::nullopt},
+                   {"from the frames", blind}};
   source.save = [parent = flags.view.save_to, remarks = doubts(sound.checked.findings)](
                     const view::ShownCloud& cloud, const EngineSetup& used) {
     return save_in_new_folder(cloud.frames, used, parent, remarks);
@@ -96,20 +190,17 @@ view::ViewSource source_of_nothing() {
 
 /// A page instead of a window: the frames over and over, as live does it.
 void serve_page(const ViewPathFlags& flags, Output& output) {
-  if (!is_scan(flags.path)) {
-    throw Error(
-        fmt::format("--web shows scan folders and recordings, which '{}' is not", flags.path));
-  }
-  const ScanInputFlags& input = flags.cloud.input;
+  throw_if(!is_scan(flags.path), "--web shows scan folders and recordings, which '{}' is not",
+           flags.path);
   LiveFlags replay;
   replay.headless = true;
-  replay.gamma = input.gamma;
+  replay.gamma = flags.cloud.gamma;
   replay.settings.clean = flags.cloud.settings.clean;
-  replay.source.request = {.source = "replay:" + flags.path,
-                           .loop = true,
-                           .sequence = input.changes.sequence,
-                           .scanner = input.changes.scanner};
-  if (fs::is_directory(flags.path)) replay.source.request.rate = 60;  // it has no times of its own
+  replay.source.source = "replay:" + flags.path;
+  replay.source.loop = true;
+  replay.source.sequence = flags.cloud.sequence;
+  replay.source.scanner = flags.cloud.scanner;
+  if (fs::is_directory(flags.path)) replay.source.rate = 60;  // it has no times of its own
   replay.publish = {"web:" + flags.web};
   replay.view = flags.view;
   live(replay, output);
@@ -121,12 +212,12 @@ void view_path(const ViewPathFlags& flags, Output& output) {
   const bool scan = is_scan(flags.path);
   const bool of_rig = flags.command->count("--rig") > 0;  // which says more than a cloud needs
   for (const CLI::Option* option : flags.of_scans) {
-    if (scan || of_rig || option->count() == 0 || !fs::exists(flags.path)) continue;
-    throw Error(fmt::format("{}: {} is of scans", flags.path, option->get_name()));
+    throw_if(!(scan || of_rig || option->count() == 0 || !fs::exists(flags.path)),
+             "{}: {} is of scans", flags.path, option->get_name());
   }
   view::ViewSource source = flags.path.empty() ? source_of_nothing() : source_of(flags, output);
-  output.document = {{"path", flags.path}, {"files", nlohmann::json::object()}};
-  if (scan) output.document["findings"] = app::json_of(source.findings);
+  output.document = described("path", flags.path, "files", nlohmann::json::object());
+  if (scan) output.document["findings"] = source.findings;
   write_pictures(source, flags.view, true, output);
   if (!output.document["files"].empty()) return;
   const fs::path beside = fs::absolute(flags.path / fs::path()).parent_path().parent_path();
@@ -146,9 +237,9 @@ void view_path(const ViewPathFlags& flags, Output& output) {
 
 }  // namespace
 
-void add_view(CLI::App& program, Command& chosen) {
-  const auto [command, flags] = add_command(
-      program, chosen, view_path, "view", "look at a cloud or a scan, in a window or as a picture");
+void add_view(const Commands& program) {
+  const auto [command, flags] =
+      program.add(view_path, "view", "look at a cloud or a scan, in a window or as a picture");
   command.add_file(
       "path", flags.path,
       "a scan folder, a recording, or a cloud or mesh: .ply .pcd .xyz .stl .obj .glb; chosen "
@@ -157,16 +248,16 @@ void add_view(CLI::App& program, Command& chosen) {
               "a page at this [ADDRESS:]PORT in place of a window, as live --publish web: has it");
   add_view_flags(command.app, flags.view);
   const std::size_t before = command.app.get_options().size();
-  add_scan_input_flags(command.app, flags.cloud.input);
+  add_scan_input_flags(command.app, flags.cloud);
   add_clean_flags(command.app, flags.cloud.settings);
   add_anyway_flag(command.app, flags.cloud.anyway);
   const std::vector<CLI::Option*> options = command.app.get_options();
   flags.command = &command.app;
   flags.of_scans.assign(options.begin() + static_cast<std::ptrdiff_t>(before), options.end());
-  command.app.footer(
-      "Examples:\n  slipstream view scan\n  slipstream view cloud.ply --colour depth --snapshot "
-      "cloud.png --size 1920x1080\nDrag to turn, with the right button to move, wheel to zoom; "
-      "Tab hides the panel, Esc closes.");
+  command.examples(
+      {"view scan", "view cloud.ply --colour depth --snapshot cloud.png --size 1920x1080"},
+      "Drag to turn, with the right button to move, wheel to zoom; Tab hides the panel, Esc "
+      "closes.");
 }
 
 }  // namespace slipstream::app

@@ -78,6 +78,17 @@ function(slipstream_room room)
   target_compile_features(${target} ${scope} cxx_std_20)
   target_include_directories(${target} ${scope} $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
                                                 $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(hwy::hwy IN_LIST arg_HIDES)
+    # Vector targets that are not compiled. SSSE3 is older than any machine worth it, AVX3_DL has
+    # nothing more that is used here, and vectors of a length unknown to the compiler (SVE, RVV)
+    # cannot be members of a class. Sanitized builds have AVX2 and what any machine has: the other
+    # targets come from the same source, and they take long to compile.
+    set(unused_targets HWY_SSSE3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV)
+    if(CMAKE_CXX_FLAGS MATCHES "SLIPSTREAM_TWO_VECTOR_TARGETS")
+      string(APPEND unused_targets "|HWY_SSE4|HWY_AVX3")
+    endif()
+    target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(${unused_targets})")
+  endif()
   list(TRANSFORM arg_USES PREPEND slipstream_ OUTPUT_VARIABLE used_targets)
   target_link_libraries(${target} ${scope} ${used_targets} ${arg_LINKS})
 
@@ -152,7 +163,8 @@ function(slipstream_shaders room)
     if(SLIPSTREAM_GPU)
       add_custom_command(OUTPUT ${words}
         COMMAND ${GLSLC} -O --target-env=vulkan1.1 -mfmt=c -o ${words} ${folder}/${shader}.comp
-        DEPENDS ${folder}/${shader}.comp ${folder}/stages.glsl)
+        DEPENDS ${folder}/${shader}.comp ${folder}/stages.glsl ${folder}/gpu_stages.h
+                ${folder}/../fused/stage_numbers.h)
     else()
       file(CONFIGURE OUTPUT ${words} CONTENT "{0}")  # for no device
     endif()

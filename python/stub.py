@@ -95,8 +95,8 @@ def typed(text, given):
 
 def parts(text):
     """Split at the commas outside brackets."""
-    return [part.strip() for part in re.findall(r"(?:[^,\[\](]|\[(?:[^\[\]]|\[[^\]]*\])*\]|\([^)]*\))+",
-                                                text)]
+    part = r"(?:[^,\[\](]|\[(?:[^\[\]]|\[[^\]]*\])*\]|\([^)]*\))+"
+    return [found.strip() for found in re.findall(part, text)]
 
 
 def argument(name, kind, default):
@@ -156,7 +156,8 @@ def members(owner, bound, keywords):
             yield "@property"
             yield f"def {name}(self) -> {kind}: ..."
             if member.fset:
-                taken = typed(re.search(r", arg\d: (.*)\) -> ", member.fset.__doc__)[1], given=False)
+                setter = re.search(r", arg\d: (.*)\) -> ", member.fset.__doc__)
+                taken = typed(setter[1], given=False)
                 yield f"@{name}.setter"
                 yield f"def {name}(self, {name}: {taken}) -> None: ..."
         elif re.match(rf"{name}\(", doc):

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "slipstream/codes/strategy.h"
+#include "slipstream/codes/registry.h"
 
 namespace slipstream {
 

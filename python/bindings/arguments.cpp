@@ -1,10 +1,10 @@
+
 #include <limits>
 
-#include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/base/did_you_mean.h"
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/decode/cue_evidence.h"
 #include "slipstream/frames/frame_set.h"
 
@@ -18,27 +18,24 @@ FrameViews views_of(const std::vector<py::object>& frames, int bits) {
   for (const py::object& of : frames) {
     if (!py::isinstance<py::array_t<Pixel>>(of)) throw Error("frames: arrays of different types");
     const auto frame = py::reinterpret_borrow<py::array>(of);
-    if ((frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0) {
-      throw Error(
-          "frames: the pixels of a row do not lie side by side; numpy.ascontiguousarray makes a "
-          "copy whose do");
-    }
+    throw_if((frame.strides(1) != pixel && frame.shape(1) > 1) || frame.strides(0) % pixel != 0,
+             "frames: the pixels of a row do not lie side by side; numpy.ascontiguousarray makes a "
+             "copy whose do");
     const Size size{static_cast<int>(frame.shape(1)), static_cast<int>(frame.shape(0))};
     views.emplace_back(static_cast<const Pixel*>(frame.data()), size, frame.strides(0) / pixel);
   }
   if constexpr (sizeof(Pixel) == 2) {
     return {views, bits};
   } else {
-    if (bits != 8) throw Error(fmt::format("frames: not of 16-bit pixels, but of {} bits", bits));
+    throw_if(bits != 8, "frames: not of 16-bit pixels, but of {} bits", bits);
     return {views};
   }
 }
 
 std::vector<py::object> arrays_in(const py::object& frames) {
   std::vector<py::object> arrays;
-  if (py::isinstance<py::array>(frames) && frames.attr("ndim").cast<int>() != 3) {
-    throw Error("frames: one array is frames x rows x columns");
-  }
+  throw_if(py::isinstance<py::array>(frames) && frames.attr("ndim").cast<int>() != 3,
+           "frames: one array is frames x rows x columns");
   for (const py::handle frame : frames) {
     const py::array array = py::array::ensure(frame);
     if (!array) throw py::error_already_set();
@@ -68,15 +65,22 @@ void take_described(Keywords& keywords, Settings& settings) {
   });
 }
 
+/// A name too long, links in a ring: bad input, which the next translator tells.
+void translate(std::exception_ptr failure) {
+  try {
+    if (failure) std::rethrow_exception(failure);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw Error(error.path1().string() + ": " + error.code().message());
+  }
+}
+
 }  // namespace
 
 Image<float> image_from(const ArrayOf<float>& array) {
   if (array.ndim() != 2) throw Error("an array of rows x columns is wanted");
   Image<float> image({static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))});
-  for (int row = 0; row < image.height(); ++row) {
-    for (int column = 0; column < image.width(); ++column)
-      image(column, row) = array.at(row, column);
-  }
+  for_each_pixel_in_order(image.size(),
+                          [&](int column, int row) { image(column, row) = array.at(row, column); });
   return image;
 }
 
@@ -135,3 +139,24 @@ void take(Keywords& keywords, ReconstructSettings& settings) {
 }
 
 }  // namespace slipstream::python
+
+PYBIND11_MODULE(_slipstream, module) {
+  using namespace slipstream::python;
+  py::register_exception<slipstream::Error>(module, "Error", PyExc_ValueError).attr("__doc__") =
+      "Bad input; one line says what is wrong and what would be right.";
+  py::register_exception<slipstream::WorldError>(module, "WorldError", PyExc_OSError)
+      .attr("__doc__") = "A failure of the world: disk full, folder not writable, camera gone.";
+  py::register_exception_translator(translate);
+  py::class_<tbb::global_control>(module, "_ThreadLimit").def(py::init([](std::size_t most) {
+    if (most == 0) throw slipstream::Error("threads: 1 or more");
+    return new tbb::global_control(tbb::global_control::max_allowed_parallelism, most);
+  }));
+  bind_scanners(module);
+  bind_scans(module);
+  bind_clouds(module);
+  bind_engine(module);
+  bind_virtual_world(module);
+  bind_calibration(module);
+  bind_live(module);
+  module.attr("__version__") = SLIPSTREAM_VERSION;
+}

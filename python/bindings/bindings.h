@@ -1,12 +1,10 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -14,11 +12,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
+#include <tbb/concurrent_queue.h>
 
-#include "slipstream/base/image.h"
+#include "slipstream/base/error.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/reconstruct/reconstruct_settings.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/virtual_world.h"
 
 namespace pybind11::detail {
@@ -68,6 +66,20 @@ void add(Bound& bound, const char* name, Member member, const More&... more) {
     bound.def_property_readonly(name, member);
   }
   if constexpr (sizeof...(more) > 0) add(bound, more...);
+}
+
+/// A member of a member, for `add`.
+template <class Owner, class Outer, class Inner>
+auto within(Outer Owner::*outer, Inner Outer::*inner) {
+  return [=](const Owner& of) -> Inner { return (of.*outer).*inner; };
+}
+
+/// Pairs of a name and a value as a dict.
+template <class Pairs>
+py::dict dict_of(const Pairs& pairs) {
+  py::dict named;
+  for (const auto& [name, value] : pairs) named[py::str(name)] = value;
+  return named;
 }
 
 /// Several results by their names, as a types.SimpleNamespace.
@@ -214,5 +226,49 @@ Settings settings_from(const py::kwargs& given) {
 /// `reflectivity`, `response`, `bits`, `seed`, `rays`, and how it moves from frame to frame:
 /// `step`, mm, and `turn`, degrees about the upright axis.
 VirtualWorld world_from(Keywords& keywords);
+
+/// A cloud in Python's hands; its arrays show it and nothing writes to it any more.
+class HeldCloud {
+ public:
+  using Points = Image<std::array<float, 3>>;
+
+  /// X, Y, Z of each pixel side by side: made when first asked for. From any thread.
+  const Points& points();
+  /// To be written anew.
+  Cloud& fresh() {
+    has_points_ = false;
+    remarks.clear();
+    return cloud;
+  }
+
+  Cloud cloud{};
+  std::vector<std::string> remarks{};  ///< of what is wrong with it: for the header of its file
+
+ private:
+  std::mutex mutex_;
+  bool has_points_ = false;
+  Points points_;
+};
+
+/// Values that come back with the last share in them, 16 at most, and are given out again, in any
+/// thread: memory that is fresh from the system costs about as much as a cloud.
+template <class Value>
+class Reused {
+ public:
+  Reused() { free_->set_capacity(16); }
+
+  /// One that came back, as its last holder left it, or else a new one made of those arguments.
+  template <class... Arguments>
+  std::shared_ptr<Value> take(const Arguments&... arguments) {
+    std::unique_ptr<Value> value;
+    if (!free_->try_pop(value)) value = std::make_unique<Value>(arguments...);
+    return {value.release(),
+            [free = free_](Value* of) { free->try_push(std::unique_ptr<Value>(of)); }};
+  }
+
+ private:
+  using Free = tbb::concurrent_bounded_queue<std::unique_ptr<Value>>;
+  std::shared_ptr<Free> free_ = std::make_shared<Free>();
+};
 
 }  // namespace slipstream::python

@@ -2,13 +2,14 @@
 #include <limits>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/base/error.h"
 #include "slipstream/calibrate/report.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/phase_decoder.h"
+#include "slipstream/io/board_scans.h"
+#include "slipstream/io/image_file.h"
 #include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/gamma_calibration.h"
+#include "slipstream/response/gamma.h"
 #include "slipstream/response/noise_calibration.h"
 
 namespace slipstream::python {
@@ -125,14 +126,12 @@ py::object calibrated(const fs::path& folder, const std::optional<fs::path>& rep
   CalibrationReport report{found, captures.unused, board};
   report.findings = captures.findings;
   report.findings.insert(report.findings.end(), found.findings.begin(), found.findings.end());
-  if (report_folder) write_calibration_report(*report_folder, report);
+  if (report_folder) write_page(*report_folder, calibration_report(report));
   py::list poses;
   for (const CalibratedPose& pose : found.poses) poses.append(pose.name);
-  py::dict unused;
-  for (const UnusedPose& pose : captures.unused) unused[py::str(pose.name)] = pose.why;
   const auto [camera, projector, stereo] = found.rms;
   return results(
-      "scanner"_a = found.state.scanner, "poses"_a = poses, "unused"_a = unused,
+      "scanner"_a = found.state.scanner, "poses"_a = poses, "unused"_a = dict_of(captures.unused),
       "rms"_a = py::dict("camera"_a = camera, "projector"_a = projector, "stereo"_a = stereo),
       "findings"_a = report.findings, "text"_a = text_of(report));
 }

@@ -1,9 +1,7 @@
 #include <cmath>
 
-#include "python/bindings/engines.h"
-#include "slipstream/base/error.h"
+#include "python/bindings/bindings.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/cloud/normals.h"
 #include "slipstream/cloud/surface.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/image_file.h"

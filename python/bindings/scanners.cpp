@@ -107,11 +107,10 @@ Scanner scanner_from(const py::kwargs& given) {
 
 template <auto Device>
 void add_lens(py::class_<Scanner>& scanner, const std::string& device) {
-  add(
-      scanner, (device + "_matrix").c_str(),
-      [](const Scanner& of) { return (of.*Device).intrinsic; }, (device + "_distortion").c_str(),
-      [](const Scanner& of) { return (of.*Device).distortion.coefficients; },
-      (device + "_size").c_str(), [](const Scanner& of) { return (of.*Device).size; });
+  const auto distortion = [](const Scanner& of) { return (of.*Device).distortion.coefficients; };
+  add(scanner, (device + "_matrix").c_str(), within(Device, &Lens::intrinsic),
+      (device + "_distortion").c_str(), distortion, (device + "_size").c_str(),
+      within(Device, &Lens::size));
 }
 
 template <auto Member>
@@ -147,10 +146,9 @@ void bind_strategies(py::module_& module) {
   add(sequence, "strategy", &Sequence::strategy, "axis", &axes_of, "projector",
       &Sequence::projector, "marker", &Sequence::marker, "exposures", &Sequence::exposures,
       "binary", &Sequence::binary, "motion", &Sequence::motion, "frames",
-      py::overload_cast<const Sequence&>(&frame_count));
-  add(
-      sequence, "alpha_p", [](const Sequence& of) { return of.light.alpha_p; }, "beta_p",
-      [](const Sequence& of) { return of.light.beta_p; });
+      py::overload_cast<const Sequence&>(&frame_count), "alpha_p",
+      within(&Sequence::light, &PatternLight::alpha_p), "beta_p",
+      within(&Sequence::light, &PatternLight::beta_p));
   sequence.def("patterns", &patterns_of, "bits"_a = 8,
                "The pictures to project, frames x rows x columns: uint8, uint16 of more bits.");
   sequence.def(

@@ -2,14 +2,11 @@
 #include <numbers>
 
 #include "python/bindings/bindings.h"
-#include "slipstream/base/error.h"
-#include "slipstream/geometry/scan.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
-#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/gamma.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_files.h"
-#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream::python {
 namespace {
@@ -84,13 +81,10 @@ py::object frame_at(const py::object& self, int n) {
 
 void bind_findings(py::module_& module) {
   py::class_<Finding> finding(module, "Finding", "Something that does not fit, as data.");
-  add(finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
-      "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; });
-  add(finding, "evidence", [](const Finding& of) {
-    py::dict evidence;
-    for (const auto& [name, value] : of.evidence) evidence[py::str(name)] = value;
-    return evidence;
-  });
+  add(
+      finding, "what", &Finding::what, "likely", &Finding::likely, "advice", &Finding::advice,
+      "wrong", [](const Finding& of) { return of.gravity == Gravity::wrong; }, "evidence",
+      [](const Finding& of) { return dict_of(of.evidence); });
   finding.def("__str__", [](const Finding& of) { return text_of(of); });
   module.def("check", &findings_of, "scan"_a, py::kw_only(), "minimum_modulation"_a = 15.,
              "moving"_a = false, "gamma"_a = "scanner", Unlocked(),
@@ -133,23 +127,6 @@ py::object simulated(Sequence sequence, const std::optional<fs::path>& path,
   return results("scan"_a = std::move(scan), "depth"_a = array_from(std::move(taken.depth)),
                  "coordinate"_a = array_from(std::move(taken.coordinate)),
                  "reflectivity"_a = array_from(std::move(taken.reflectivity)));
-}
-
-Photometry photometry_from(Keywords& keywords) {
-  std::string world = "bench";
-  std::optional<double> ambient, noise_variance;
-  std::optional<MeasuredResponse> response;
-  keywords.take("world", world, "ambient", ambient, "noise_variance", noise_variance, "response",
-                response);
-  Photometry photometry = photometry_named(world);
-  keywords.take("bits", photometry.bits, "seed", photometry.seed, "rays", photometry.rays);
-  photometry.ambient = ambient.value_or(photometry.ambient);
-  if (response) photometry.response = response->response;
-  if (noise_variance) {
-    photometry.noise_variance = *noise_variance;
-    photometry.physics.full_well = photometry.physics.row_noise = 0;
-  }
-  return photometry;
 }
 
 }  // namespace
@@ -216,40 +193,33 @@ void bind_scans(py::module_& module) {
       "Raw frames in one file. recording[n] has pixels (to read), bits, sequence (the device's "
       "count), pattern_index and device_time (s), or is None where the frame is damaged; going "
       "over it leaves those out. What is not known of it is None. Where it is in_colour three "
-      "frames "
-      "are the channels of a picture, as they were taken.");
+      "frames are the channels of a picture, as they were taken.");
   recording.def(py::init<const fs::path&>(), "path"_a, Unlocked());
   recording.def("__len__", &RecordingReader::count).def("__getitem__", &recorded_frame);
-  add(
-      recording, "finished", &RecordingReader::finished, "sequence",
-      [](const RecordingReader& of) { return of.header().sequence; }, "scanner",
-      [](const RecordingReader& of) { return of.header().scanner; }, "frame_rate",
-      [](const RecordingReader& of) { return of.header().frame_rate; }, "in_colour",
-      [](const RecordingReader& of) { return of.header().in_colour; });
+  const auto in_header = [](auto member) {
+    return [member](const RecordingReader& of) { return of.header().*member; };
+  };
+  add(recording, "finished", &RecordingReader::finished, "sequence",
+      in_header(&RecordingHeader::sequence), "scanner", in_header(&RecordingHeader::scanner),
+      "frame_rate", in_header(&RecordingHeader::frame_rate), "in_colour",
+      in_header(&RecordingHeader::in_colour));
 }
 
 VirtualWorld world_from(Keywords& keywords) {
-  std::string scene = "statue";
-  std::optional<Scanner> scanner;
-  std::optional<fs::path> mesh;
-  std::optional<double> reflectivity;
-  Size camera{640, 480};
+  WorldSettings of;
+  std::optional<MeasuredResponse> response;
   std::array<double, 3> step{};
   double turn = 0;
-  keywords.take("scene", scene, "mesh", mesh, "scanner", scanner, "camera", camera, "reflectivity",
-                reflectivity, "step", step, "turn", turn);
-  VirtualWorld world{.scanner = scanner ? *scanner : example_scanner(camera),
-                     .photometry = photometry_from(keywords)};
-  world.scene =
-      mesh ? scene_with_mesh(read_mesh(*mesh), world.scanner) : scene_named(scene, world.scanner);
-  const Motion motion{.step = Eigen::Vector3d(step.data()),
-                      .turn = {0, turn * std::numbers::pi / 180, 0},
-                      .centre = working_volume(world.scanner).centre};
-  for (Body& body : world.scene) {
-    if (reflectivity) body.texture = uniform_texture(*reflectivity);
-    if (!body.fixed) body.motion = motion;
-  }
-  return world;
+  keywords.take("scene", of.scene, "mesh", of.mesh, "scanner", of.scanner, "camera", of.camera,
+                "reflectivity", of.reflectivity, "step", step, "turn", turn, "world", of.world,
+                "ambient", of.ambient, "noise_variance", of.noise_variance, "response", response);
+  int rays = photometry_named(of.world).rays;
+  keywords.take("bits", of.bits, "seed", of.seed, "rays", rays);
+  of.rays = rays;
+  if (response) of.response = response->response;
+  of.motion.step = Eigen::Vector3d(step.data());
+  of.motion.turn.y() = turn * std::numbers::pi / 180;
+  return virtual_world(of);
 }
 
 void bind_virtual_world(py::module_& module) {

@@ -16,28 +16,26 @@
 #include <slipstream/io/saved_scan.h>
 #include <slipstream/live/live_pipeline.h>
 #include <slipstream/publish/cloud_sink.h>
-#include <slipstream/publish/publisher.h>
 #include <slipstream/publish/ros_messages.h>
 #include <std_srvs/srv/trigger.hpp>
 
 namespace slipstream_ros {
+using namespace slipstream;
 namespace {
 
 /// Clouds as messages of a node, which are CDR already.
-class NodeSink final : public slipstream::DisjointCloudSink {
+class NodeSink final : public DisjointCloudSink {
  public:
-  NodeSink(rclcpp_lifecycle::LifecycleNode& node, slipstream::Lens camera)
-      : run_{.camera = std::move(camera)} {
-    for (const auto& topic : {slipstream::camera_info_topic(), slipstream::image_topic(),
-                              slipstream::depth_topic(), slipstream::points_topic()}) {
+  NodeSink(rclcpp_lifecycle::LifecycleNode& node, Lens camera) : run_{.camera = std::move(camera)} {
+    for (const auto& topic : {camera_info_topic(), image_topic(), depth_topic(), points_topic()}) {
       topics_.emplace_back(topic, rclcpp::create_generic_publisher(
                                       node.get_node_topics_interface(), "~/" + topic.name,
                                       topic.type.name, rclcpp::SensorDataQoS()));
     }
   }
 
-  void put(const slipstream::Pooled<slipstream::LiveCloud>& cloud, bool alone) override {
-    const slipstream::PublishedCloud published{*cloud, run_, alone};
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
+    const PublishedCloud published{*cloud, run_, alone};
     for (const auto& [topic, publisher] : topics_) {
       if (publisher->get_subscription_count() == 0) continue;
       topic.write(published, message_);
@@ -50,9 +48,9 @@ class NodeSink final : public slipstream::DisjointCloudSink {
   }
 
  private:
-  const slipstream::PublishedRun run_;
-  std::vector<std::pair<slipstream::CloudTopic, rclcpp::GenericPublisher::SharedPtr>> topics_;
-  slipstream::RosMessage message_;
+  const PublishedRun run_;
+  std::vector<std::pair<CloudTopic, rclcpp::GenericPublisher::SharedPtr>> topics_;
+  RosMessage message_;
 };
 
 }  // namespace
@@ -103,31 +101,29 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
   [[nodiscard]] std::string text(const char* name) const { return get_parameter(name).as_string(); }
 
   void configure() {
-    slipstream::SourceRequest request;
+    SourceRequest request;
     request.source = text("source");
     request.loop = get_parameter("loop").as_bool();
     if (const std::string file = text("scanner"); !file.empty()) request.scanner = file;
     if (const std::string label = text("strategy"); !label.empty()) {
-      request.sequence.known.emplace().strategy = slipstream::strategy_labelled(label);
+      request.sequence.known.emplace().strategy = strategy_labelled(label);
     }
     const double exposure = get_parameter("exposure").as_double();
     if (exposure > 0) request.camera.exposure = exposure / 1000;
-    slipstream::NamedSource source = slipstream::open_source(request);
+    NamedSource source = open_source(request);
     if (!source.warning.empty()) RCLCPP_WARN(get_logger(), "%s", source.warning.c_str());
-    if (!source.scanner) throw slipstream::Error("no scanner is known: set the parameter scanner");
-    const slipstream::EngineSetup setup{
-        slipstream::completed(*source.scanner, source.scanner_name, source.frames->format().size,
-                              source.sequence.projector),
-        source.sequence};
-    slipstream::require_ambient_known(setup, source.scanner_name);
+    if (!source.scanner) throw Error("no scanner is known: set the parameter scanner");
+    const EngineSetup setup{completed(*source.scanner, source.scanner_name,
+                                      source.frames->format().size, source.sequence.projector),
+                            source.sequence};
+    require_ambient_known(setup, source.scanner_name);
 
-    publisher_ = std::make_unique<slipstream::Publisher>();
+    publisher_ = std::make_unique<Publisher>();
     publisher_->add("ROS", std::make_unique<NodeSink>(*this, setup.scanner.camera));
-    slipstream::LiveSettings settings;
-    settings.held_clouds += slipstream::Publisher::held_clouds;
+    LiveSettings settings;
+    settings.held_clouds += Publisher::held_clouds;
     settings.on_cloud = [this](const auto& cloud) { publisher_->publish(cloud); };
-    pipeline_ =
-        std::make_unique<slipstream::LivePipeline>(std::move(source.frames), setup, settings);
+    pipeline_ = std::make_unique<LivePipeline>(std::move(source.frames), setup, settings);
     capture_ = service("capture", &ScannerNode::capture);
     check_ = service("check", &ScannerNode::check);
   }
@@ -141,14 +137,13 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
   }
 
   rclcpp::Service<Trigger>::SharedPtr service(const std::string& name,
-                                              std::string (ScannerNode::*answer)(bool&)) {
+                                              std::string (ScannerNode::*answer)()) {
     return create_service<Trigger>("~/" + name,
                                    [this, answer](const std::shared_ptr<Trigger::Request>,
                                                   std::shared_ptr<Trigger::Response> response) {
                                      try {
-                                       bool success = true;
-                                       response->message = (this->*answer)(success);
-                                       response->success = success;
+                                       response->message = (this->*answer)();
+                                       response->success = true;
                                      } catch (const std::exception& error) {
                                        response->success = false;
                                        response->message = error.what();
@@ -157,24 +152,24 @@ class ScannerNode final : public rclcpp_lifecycle::LifecycleNode {
   }
 
   /// Writes the newest cloud; returns where.
-  std::string capture(bool&) {
+  std::string capture() {
     const auto newest = pipeline_->newest();
-    if (!newest) throw slipstream::Error("no cloud has come that could be saved");
-    const auto file = slipstream::path_named_by_time(text("save_to"), "cloud", ".ply");
-    slipstream::write_cloud(file, newest->cloud);
+    if (!newest) throw Error("no cloud has come that could be saved");
+    const auto file = path_named_by_time(text("save_to"), "cloud", ".ply");
+    write_cloud(file, newest->cloud);
     return file.string();
   }
 
-  std::string check(bool& success) {
-    const slipstream::LiveStatistics now = pipeline_->statistics();
+  std::string check() {
+    const LiveStatistics now = pipeline_->statistics();
     std::string amiss = now.source_state;
     for (const auto& finding : now.findings) amiss += (amiss.empty() ? "" : "; ") + finding.what;
-    success = amiss.empty();
-    return success ? "nothing is amiss" : amiss;
+    if (!amiss.empty()) throw Error(amiss);
+    return "nothing is amiss";
   }
 
-  std::unique_ptr<slipstream::Publisher> publisher_;
-  std::unique_ptr<slipstream::LivePipeline> pipeline_;
+  std::unique_ptr<Publisher> publisher_;
+  std::unique_ptr<LivePipeline> pipeline_;
   rclcpp::Service<Trigger>::SharedPtr capture_, check_;
 };
 

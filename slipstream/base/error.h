@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -32,5 +33,25 @@ class WorldError : public std::runtime_error {
 
 /// Throws Error, "name value is out of range; range", unless the value `holds`.
 void require_in_range(bool holds, std::string_view name, double value, std::string_view range);
+
+/// The least number of characters to insert, remove or replace that turns one into the other.
+std::size_t edit_distance(std::string_view from, std::string_view to);
+
+/// "; did you mean pmp?" for the end of a message: the known name nearest to an unknown one. Empty
+/// if none is near.
+template <class Names>
+std::string did_you_mean(std::string_view name, const Names& known) {
+  std::string_view nearest;
+  std::size_t least = name.size() / 3 + 2;  // more edits than a typo has
+  for (const auto& candidate : known) {
+    const std::string_view other = candidate;
+    const bool begun = name.size() >= 3 && other.starts_with(name);
+    const std::size_t distance = begun ? 1 : edit_distance(name, other);
+    if (distance >= least || distance >= other.size()) continue;
+    least = distance;
+    nearest = other;
+  }
+  return nearest.empty() ? "" : "; did you mean " + std::string(nearest) + "?";
+}
 
 }  // namespace slipstream

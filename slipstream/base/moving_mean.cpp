@@ -1,13 +1,5 @@
-#include "slipstream/base/moving_mean.h"
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <utility>
-#include <vector>
-
-#include "slipstream/base/disabled_targets-inl.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/statistics.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/base/moving_mean.cpp"

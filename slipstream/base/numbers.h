@@ -15,37 +15,55 @@
 #include <type_traits>
 #include <vector>
 
+#include "slipstream/base/size.h"
+
 namespace slipstream {
 
 inline constexpr double two_pi = 2 * std::numbers::pi;    ///< a whole turn, in radians
 inline constexpr double degree = std::numbers::pi / 180;  ///< radians
 inline constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// The numbers that a text as "2,0,1" says, with that mark between each and the next; empty for any
-/// other text.
-template <class Number>
-std::vector<Number> numbers_in(std::string_view text, char mark) {
-  std::vector<Number> numbers;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  while (true) {
-    Number number{};
-    const auto [after, failure] = std::from_chars(at, end, number);
-    if (failure != std::errc()) return {};
-    numbers.push_back(number);
-    if (after == end) return numbers;
-    if (*after != mark) return {};
-    at = after + 1;
-  }
-}
-
-/// The number that a text says; none for any other text.
+/// The number that a text says; nullopt for any other text.
 template <class Number>
 std::optional<Number> number_in(std::string_view text) {
   Number number{};
   const char* const end = text.data() + text.size();
   const auto [after, failure] = std::from_chars(text.data(), end, number);
   return failure == std::errc() && after == end ? std::optional(number) : std::nullopt;
+}
+
+/// The numbers of a text such as "2,0,1", with that mark between them; empty for any other text.
+template <class Number>
+std::vector<Number> numbers_in(std::string_view text, char mark) {
+  std::vector<Number> numbers;
+  while (true) {
+    const std::size_t end = std::min(text.find(mark), text.size());
+    const auto number = number_in<Number>(text.substr(0, end));
+    if (!number) return {};
+    numbers.push_back(*number);
+    if (end == text.size()) return numbers;
+    text.remove_prefix(end + 1);
+  }
+}
+
+/// The size that "1824x1140" says, of 1 to 65536 pixels each way; nullopt for any other text.
+inline std::optional<Size> size_of_text(std::string_view text) {
+  const std::vector<int> sides = numbers_in<int>(text, 'x');
+  const bool good = sides.size() == 2 && std::min(sides[0], sides[1]) >= 1 &&
+                    std::max(sides[0], sides[1]) <= 65536;
+  return good ? std::optional(Size{sides[0], sides[1]}) : std::nullopt;
+}
+
+/// The rectangle that "640x480+16+8" says, width x height + x + y, or "640x480", which begins at
+/// 0, 0; nullopt for any other text.
+inline std::optional<Rectangle> rectangle_of_text(std::string_view text) {
+  const std::size_t plus = std::min(text.find('+'), text.size());
+  const std::optional<Size> size = size_of_text(text.substr(0, plus));
+  if (!size || plus == text.size())
+    return size ? std::optional(Rectangle{0, 0, *size}) : std::nullopt;
+  const std::vector<int> place = numbers_in<int>(text.substr(plus + 1), '+');
+  if (place.size() != 2 || place[0] < 0 || place[1] < 0) return std::nullopt;
+  return Rectangle{place[0], place[1], *size};
 }
 
 static_assert(std::endian::native == std::endian::little);

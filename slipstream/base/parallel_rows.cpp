@@ -1,5 +1,15 @@
 #include "slipstream/base/parallel_rows.h"
 
+#include <cstdint>
+
+#ifdef __linux__
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
+
 #if defined(__SANITIZE_THREAD__)
 
 #include <algorithm>
@@ -63,5 +73,27 @@ void for_each_row(int height, const std::function<void(int row)>& body) {
 }
 
 #endif
+
+void let_others_go_first() {
+#ifdef __linux__
+  static_cast<void>(::setpriority(PRIO_PROCESS, 0, ::getpriority(PRIO_PROCESS, 0) + 10));
+#endif
+}
+
+void go_when_woken() {
+#ifdef __linux__
+  const sched_param first{.sched_priority = 1};
+  if (::pthread_setschedparam(::pthread_self(), SCHED_RR, &first) == 0) return;
+  struct {  // the system's sched_attr, whose header does not go with the library's
+    std::uint32_t size = 48, policy = SCHED_OTHER;
+    std::uint64_t flags = 0;
+    std::int32_t nice = ::getpriority(PRIO_PROCESS, 0);
+    std::uint32_t priority = 0;
+    std::uint64_t slice = 100'000, deadline = 0, period = 0;  // ns, the least
+  } share;
+  static_assert(sizeof share == 48);
+  static_cast<void>(::syscall(SYS_sched_setattr, 0, &share, 0));
+#endif
+}
 
 }  // namespace slipstream

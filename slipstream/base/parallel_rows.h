@@ -21,4 +21,13 @@ void for_each_pixel(Size size, const Body& body) {
 /// On how many threads at most for_each_row would call now.
 int parallel_threads();
 
+/// The calling thread gets what time the others of the program leave. Called once. Nothing is
+/// changed outside Linux, where this would be of the whole program.
+void let_others_go_first();
+
+/// The calling thread works for a moment at a time and is to begin at once when it wakes up: it
+/// goes before all that computes where the system allows it (`ulimit -r`), else, from Linux 6.12
+/// on, before what has had its share.
+void go_when_woken();
+
 }  // namespace slipstream

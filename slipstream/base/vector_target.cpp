@@ -4,9 +4,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include "slipstream/base/disabled_targets-inl.h"
-// After the list of targets that it is to leave out.
 #include <hwy/targets.h>
 
 #include "slipstream/base/error.h"

@@ -1,13 +1,9 @@
 #include "slipstream/calibrate/board_capture.h"
 
 #include <algorithm>
-#include <string_view>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/calibrate/board_corners.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/check/scan_check.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/decoder.h"
@@ -18,16 +14,13 @@ namespace {
 
 /// Throws Error where frames of that strategy alone do not give the projector coordinate.
 void require_coordinate(const Strategy& strategy) {
-  if (!has_coordinate(strategy)) {
-    throw Error(
-        fmt::format("{} with these settings gives no projector coordinate; use one period, or a "
-                    "strategy that unwraps",
-                    strategy.name()));
-  }
-  if (needs_ambient_light(strategy.layout())) {
-    throw Error(fmt::format("{} of {} steps needs the ambient light; scan boards with {}",
-                            strategy.name(), frame_count(strategy), default_strategy().name()));
-  }
+  throw_if(!has_coordinate(strategy),
+           "{} with these settings gives no projector coordinate; use one period, or a "
+           "strategy that unwraps",
+           strategy.name());
+  throw_if(needs_ambient_light(strategy.layout()),
+           "{} of {} steps needs the ambient light; scan boards with {}", strategy.name(),
+           frame_count(strategy), default_strategy().name());
 }
 
 /// Adds what the frames of a pose along an axis say of how they were taken, and puts those in order
@@ -35,9 +28,8 @@ void require_coordinate(const Strategy& strategy) {
 void check_and_repair(Scan& scan, const std::string& pose, const BoardCaptureSettings& settings,
                       std::vector<Finding>& findings) {
   const int wanted = frame_count(scan.sequence.strategy);
-  if (scan.frames.count() != wanted) {
-    throw Error(fmt::format("{} frames, but a scan takes {}", scan.frames.count(), wanted));
-  }
+  throw_if(scan.frames.count() != wanted, "{} frames, but a scan takes {}", scan.frames.count(),
+           wanted);
   // Darker pixels would be judged by their noise.
   const double least = std::max(10.0, 2 * settings.minimum_modulation);
   ScanFindings found =
@@ -74,14 +66,10 @@ ReadScan read(const Scan& scan, const BoardCorners& board, const BoardCaptureSet
 }
 
 void require_valid(const BoardCaptureSettings& settings) {
-  if (!(settings.minimum_modulation >= 0 && settings.minimum_modulation <= 255)) {
-    throw Error(fmt::format("least modulation {} is out of range; 0 to 255 grey levels",
-                            settings.minimum_modulation));
-  }
-  if (!(settings.neighbourhood > 0 && settings.neighbourhood <= 10)) {
-    throw Error(fmt::format("neighbourhood {} is out of range; above 0, at most 10",
-                            settings.neighbourhood));
-  }
+  const auto [least, neighbourhood, response] = settings;
+  require_in_range(least >= 0 && least <= 255, "least modulation", least, "0 to 255 grey levels");
+  require_in_range(neighbourhood > 0 && neighbourhood <= 10, "neighbourhood", neighbourhood,
+                   "above 0, at most 10");
 }
 
 std::string why_none(const CalibrationBoard& board, const FringeFreePictures& pictures) {
@@ -111,6 +99,43 @@ const char* why_unlit(const CaptureSigns& signs) {
   return "too dark, or outside the projector's light";
 }
 
+void require_same(Size& known, Size size, const std::string& pose, const char* what) {
+  if (known == Size{}) known = size;
+  if (size == known) return;
+  throw Error(
+      fmt::format("{}: {} {}, but in the poses before {}; likely frames of two cameras are mixed: "
+                  "all poses must be of one camera and projector",
+                  pose, what, text_of(size), text_of(known)));
+}
+
+Scan scan_of(const BoardScans& pose, Axis axis, PoseCaptures& captures) {
+  Scan scan = pose.along(axis);
+  captures.warnings.insert(captures.warnings.end(), scan.warnings.begin(), scan.warnings.end());
+  throw_if(scan.sequence.projector == Size{}, "{}: no projector size; give it with --projector",
+           pose.name);
+  require_same(captures.camera, scan.frames.size(), pose.name, "frames of");
+  require_same(captures.projector, scan.sequence.projector, pose.name, "patterns for");
+  return scan;
+}
+
+/// Finds the board in one more pose and adds what it gave; returns that in words.
+std::string add_pose(PoseCaptures& captures, const BoardScans& scans, const CalibrationBoard& board,
+                     const BoardCaptureSettings& settings) {
+  Scan x = scan_of(scans, Axis::x, captures), y = scan_of(scans, Axis::y, captures);
+  try {
+    BoardCapture found = board_capture(scans.name, board, std::move(x), std::move(y), settings);
+    captures.findings.insert(captures.findings.end(), found.findings.begin(), found.findings.end());
+    if (found.view) {
+      captures.views.push_back(std::move(*found.view));
+      return found.told;
+    }
+    captures.unused.push_back({scans.name, found.told});
+    return fmt::format("left out: {}", found.told);
+  } catch (const Error& error) {
+    throw Error(fmt::format("{}: {}", scans.name, error.what()));
+  }
+}
+
 }  // namespace
 
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board, Scan along_x,
@@ -120,10 +145,9 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   const Size projector = along_x.sequence.projector;
   require_coordinate(along_x.sequence.strategy);
   require_coordinate(along_y.sequence.strategy);
-  if (projector == Size{} || along_y.sequence.projector != projector) {
-    throw Error(fmt::format("the scans say projectors of {} and {}; both are one, and known",
-                            text_of(projector), text_of(along_y.sequence.projector)));
-  }
+  throw_if(projector == Size{} || along_y.sequence.projector != projector,
+           "the scans say projectors of {} and {}; both are one, and known", text_of(projector),
+           text_of(along_y.sequence.projector));
   const FringeFreePictures pictures = fringe_free_pictures(along_x.frames, along_y.frames);
   std::optional<BoardCorners> found = find_board(board, pictures);
   if (!found) {
@@ -131,9 +155,7 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   }
   std::vector<Finding> findings;
   for (Scan* const scan : {&along_x, &along_y}) check_and_repair(*scan, name, settings, findings);
-  const auto wrong = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
-    return finding.gravity == Gravity::wrong;
-  });
+  const auto wrong = std::ranges::find(findings, Gravity::wrong, &Finding::gravity);
   if (wrong != findings.end()) {
     std::string told = fmt::format("likely {}", wrong->likely);
     return {std::nullopt, std::move(told), std::move(findings)};
@@ -161,6 +183,37 @@ BoardCapture board_capture(const std::string& name, const CalibrationBoard& boar
   std::string told = fmt::format("{} corners ({}), {} with a projector coordinate",
                                  view.places.size(), found->detector, lit);
   return {std::move(view), std::move(told), std::move(findings)};
+}
+
+void require_enough_poses(const PoseCaptures& captures, const std::string& folder) {
+  if (captures.views.size() >= fewest_poses) return;
+  const std::string first_reason =
+      captures.unused.empty()
+          ? ""
+          : fmt::format(" ({}: {})", captures.unused[0].name, captures.unused[0].why);
+  throw Error(fmt::format("{}: {} of {} poses can be used{}; at least {} are needed", folder,
+                          captures.views.size(), captures.views.size() + captures.unused.size(),
+                          first_reason, fewest_poses));
+}
+
+PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardScans>& poses,
+                           const std::vector<std::string>& excluded, const CalibrationBoard& board,
+                           const BoardCaptureSettings& settings,
+                           const std::function<void(const std::string& words)>& told) {
+  for (const std::string& name : excluded) {
+    throw_if(std::ranges::count(poses, name, &BoardScans::name) == 0,
+             "--exclude {}: there is no such pose in {}", name, folder);
+  }
+  PoseCaptures captures;
+  for (const BoardScans& pose : poses) {
+    if (std::ranges::count(excluded, pose.name) == 0) {
+      told(fmt::format("{}: {}", pose.name, add_pose(captures, pose, board, settings)));
+    } else {
+      captures.unused.push_back({pose.name, "excluded"});
+      told("");
+    }
+  }
+  return captures;
 }
 
 }  // namespace slipstream

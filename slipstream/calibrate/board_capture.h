@@ -1,15 +1,10 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
+#include <functional>
 
 #include "slipstream/calibrate/board_corners.h"
 #include "slipstream/calibrate/board_view.h"
-#include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/check/finding.h"
 #include "slipstream/codes/response.h"
-#include "slipstream/geometry/scan.h"
 
 namespace slipstream {
 
@@ -33,5 +28,33 @@ struct BoardCapture {
 /// light for it, the board is larger than said, or a setting is out of range.
 BoardCapture board_capture(const std::string& name, const CalibrationBoard& board, Scan along_x,
                            Scan along_y, const BoardCaptureSettings& settings = {});
+
+/// A pose that took no part.
+struct UnusedPose {
+  std::string name;
+  std::string why;
+};
+
+/// What all poses of a board together gave.
+struct PoseCaptures {
+  BoardViews views{};
+  std::vector<UnusedPose> unused{};
+  Size camera{};
+  Size projector{};
+  std::vector<std::string> warnings{};  ///< of reading the frames
+  std::vector<Finding> findings{};      ///< of the poses' frames
+};
+
+/// Finds the board in all poses but the `excluded`, by name. `told` is called after each with what
+/// it gave in words, with nothing where it was excluded. Throws Error, naming the pose, where its
+/// frames cannot be read, do not serve, or are of another camera or projector than those before,
+/// and for an excluded name that no pose in the folder has.
+PoseCaptures capture_poses(const std::string& folder, const std::vector<BoardScans>& poses,
+                           const std::vector<std::string>& excluded, const CalibrationBoard& board,
+                           const BoardCaptureSettings& settings,
+                           const std::function<void(const std::string& words)>& told);
+
+/// Throws Error, naming the folder, where fewer poses can be used than a calibration needs.
+void require_enough_poses(const PoseCaptures& captures, const std::string& folder);
 
 }  // namespace slipstream

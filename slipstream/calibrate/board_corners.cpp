@@ -5,18 +5,15 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/features2d.hpp>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/calibrate/opencv.h"
-#include "slipstream/io/mat.h"
 
 namespace slipstream {
 namespace {
@@ -28,14 +25,12 @@ void add_frames(const FrameViews& frames, FringeFreePictures& pictures, int tota
   const auto scale = static_cast<float>(255 / frames.full_scale());
   frames.visit([&](const auto& images) {
     for (const auto& image : images) {
-      for (int row = 0; row < image.height(); ++row) {
-        for (int column = 0; column < image.width(); ++column) {
-          const float grey = scale * static_cast<float>(image(column, row));
-          pictures.mean(column, row) += grey / static_cast<float>(total);
-          float& brightest = pictures.brightest(column, row);
-          brightest = std::max(brightest, grey);
-        }
-      }
+      for_each_pixel_in_order(image.size(), [&](int column, int row) {
+        const float grey = scale * static_cast<float>(image(column, row));
+        pictures.mean(column, row) += grey / static_cast<float>(total);
+        float& brightest = pictures.brightest(column, row);
+        brightest = std::max(brightest, grey);
+      });
     }
   });
 }
@@ -250,7 +245,7 @@ Eigen::Vector2d seen_circle_centre(const Eigen::Matrix3d& homography, const Eige
 
 /// The centre of a tilted circle's picture is not the picture of its centre: takes away how far.
 void correct_circle_centres(const CalibrationBoard& board, BoardCorners& found) {
-  const std::vector<Eigen::Vector3d> places = printed_places(board);
+  const BoardPlaces places = printed_places(board);
   std::vector<cv::Point2d> on_board, in_picture;
   for (std::size_t i = 0; i < found.pixels.size(); ++i) {
     const Eigen::Vector3d& place = places[static_cast<std::size_t>(found.places[i])];
@@ -323,11 +318,10 @@ std::optional<BoardCorners> find_charuco(const CalibrationBoard& board, const cv
 }  // namespace
 
 FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameViews& along_y) {
-  if (along_x.size() != along_y.size()) {
-    throw Error(fmt::format("the frames along x are {}x{}, those along y {}x{}; both must agree",
-                            along_x.size().width, along_x.size().height, along_y.size().width,
-                            along_y.size().height));
-  }
+  throw_if(along_x.size() != along_y.size(),
+           "the frames along x are {}x{}, those along y {}x{}; both must agree",
+           along_x.size().width, along_x.size().height, along_y.size().width,
+           along_y.size().height);
   FringeFreePictures pictures{Image<float>(along_x.size()), Image<float>(along_x.size())};
   const int total = along_x.count() + along_y.count();
   add_frames(along_x, pictures, total);

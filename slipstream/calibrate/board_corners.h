@@ -1,12 +1,7 @@
 #pragma once
 
-#include <optional>
 #include <string>
-#include <vector>
 
-#include <Eigen/Core>
-
-#include "slipstream/base/image.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/decode/maps.h"
 #include "slipstream/frames/frame_set.h"
@@ -25,7 +20,7 @@ FringeFreePictures fringe_free_pictures(const FrameViews& along_x, const FrameVi
 /// Corners of a board in a picture.
 struct BoardCorners {
   std::vector<int> places;  ///< which of printed_places each is
-  std::vector<Eigen::Vector2d> pixels;
+  PixelPlaces pixels;
   std::string detector;  ///< what found them, as reported
 };
 
@@ -64,11 +59,10 @@ struct ProjectorCorner {
 /// camera to projector fitted, robustly, to the reliable pixels within a radius of each corner
 /// (Moreno and Taubin 2012, "Simple, accurate, and robust projector-camera calibration"). The
 /// radius is `share` of the distance to the next corner. NaN where too few pixels are reliable.
-std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map,
-                                               const std::vector<Eigen::Vector2d>& corners,
+std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map, const PixelPlaces& corners,
                                                double share);
 
 /// From a corner to the nearest other, pixels.
-double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i);
+double distance_to_next(const PixelPlaces& corners, std::size_t i);
 
 }  // namespace slipstream

@@ -6,8 +6,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <optional>
-#include <utility>
 
 #include <Eigen/QR>
 
@@ -58,8 +56,8 @@ std::optional<double> softness(const Image<float>& picture, const Eigen::Vector2
 using std::numbers::pi;
 using Complex = std::complex<double>;
 
-/// Pixels of a board and what the frames show there, grey levels of 8 bits: a row for each pixel, a
-/// column for each frame.
+/// Pixels of a board and what the frames show there, grey levels of 8 bits: a row for each
+/// pixel, a column for each frame.
 struct Samples {
   double saturated = 0;     ///< share of the board's pixels, which are left out
   Eigen::MatrixX2d pixels;  ///< from the board's middle, in its largest half side
@@ -70,8 +68,7 @@ constexpr int wanted_samples = 3000;  // by which a ripple of a hundredth of a r
 constexpr Eigen::Index fewest_samples = 200;
 
 /// Pixels evenly spread about each corner, as far as half way to the next.
-std::vector<std::pair<int, int>> pixels_about(const std::vector<Eigen::Vector2d>& corners,
-                                              Size size) {
+std::vector<std::pair<int, int>> pixels_about(const PixelPlaces& corners, Size size) {
   const int side = static_cast<int>(
       std::ceil(std::sqrt(wanted_samples / std::max(1.0, static_cast<double>(corners.size())))));
   std::vector<std::pair<int, int>> pixels;
@@ -109,8 +106,7 @@ Eigen::MatrixXd light_at(const FrameViews& frames, const std::vector<std::pair<i
 
 /// The bright ones of the pixels, where what is dark of the print does not blur into them, without
 /// those that are saturated.
-Samples samples_of(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
-                   double minimum_modulation) {
+Samples samples_of(const Scan& scan, const PixelPlaces& corners, double minimum_modulation) {
   constexpr double bright_share = 0.6, bright_quantile = 0.8;
   const auto pixels = pixels_about(corners, scan.frames.size());
   const Eigen::MatrixXd light = light_at(scan.frames, pixels);
@@ -247,8 +243,7 @@ bool is_soft(const EdgeSoftness& edges) {
 }
 
 EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,
-                           const std::vector<int>& places,
-                           const std::vector<Eigen::Vector2d>& corners) {
+                           const std::vector<int>& places, const PixelPlaces& corners) {
   std::map<int, Eigen::Vector2d> seen;
   for (std::size_t i = 0; i < places.size(); ++i) seen.emplace(places[i], corners[i]);
   std::vector<double> widths, spacings;
@@ -274,8 +269,8 @@ EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& 
   return {width, width / median(std::move(spacings))};
 }
 
-FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
-                         double minimum_modulation, const PhaseCorrections& corrections) {
+FringeSigns fringe_signs(const Scan& scan, const PixelPlaces& corners, double minimum_modulation,
+                         const PhaseCorrections& corrections) {
   const Layout& layout = scan.sequence.strategy.layout();
   const Samples samples = samples_of(scan, corners, minimum_modulation);
   FringeSigns signs{.saturated = samples.saturated};
@@ -301,7 +296,7 @@ bool has_ripple(const FringeSigns& signs) {
   return signs.ripple > std::max(least, deviations * signs.ripple_deviation);
 }
 
-Image<std::uint8_t> coverage_map(const std::vector<BoardView>& views, Device device, Size size) {
+Image<std::uint8_t> coverage_map(const BoardViews& views, Device device, Size size) {
   constexpr int columns = 100;
   const double cells_per_pixel = static_cast<double>(columns) / size.width;
   const int rows = std::max(1, static_cast<int>(std::lround(size.height * cells_per_pixel)));
@@ -317,9 +312,7 @@ Image<std::uint8_t> coverage_map(const std::vector<BoardView>& views, Device dev
 }
 
 double covered_share(const Image<std::uint8_t>& coverage) {
-  const auto covered =
-      std::count_if(coverage.begin(), coverage.end(), [](std::uint8_t count) { return count > 0; });
-  return static_cast<double>(covered) / static_cast<double>(coverage.pixel_count());
+  return cv::countNonZero(mat_of(coverage)) / static_cast<double>(coverage.pixel_count());
 }
 
 }  // namespace slipstream

@@ -1,13 +1,7 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <string>
-#include <vector>
 
-#include <Eigen/Core>
-
-#include "slipstream/base/image.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/geometry/scan.h"
@@ -31,8 +25,8 @@ struct FringeSigns {
 
 /// `corners`: of the board, pixels. Phases are corrected by what `corrections` has for their N.
 /// Nothing is measured where too few pixels are bright. The frames must be the layout's.
-FringeSigns fringe_signs(const Scan& scan, const std::vector<Eigen::Vector2d>& corners,
-                         double minimum_modulation, const PhaseCorrections& corrections);
+FringeSigns fringe_signs(const Scan& scan, const PixelPlaces& corners, double minimum_modulation,
+                         const PhaseCorrections& corrections);
 
 /// Whether a ripple is one: larger than noise and than what does no harm.
 bool has_ripple(const FringeSigns& signs);
@@ -52,8 +46,7 @@ bool is_soft(const EdgeSoftness& edges);
 /// `places` and `corners`: which places of the board are where in the picture. Zero where no two
 /// neighbours are seen.
 EdgeSoftness edge_softness(const Image<float>& picture, const CalibrationBoard& board,
-                           const std::vector<int>& places,
-                           const std::vector<Eigen::Vector2d>& corners);
+                           const std::vector<int>& places, const PixelPlaces& corners);
 
 /// All of it of one pose.
 struct CaptureSigns {
@@ -64,10 +57,10 @@ struct CaptureSigns {
 
 /// One pose of the board: where camera and projector see its corners.
 struct BoardView {
-  std::string name;                        ///< of the pose's folder
-  std::vector<int> places;                 ///< which corner of the board each is
-  std::vector<Eigen::Vector2d> camera;     ///< pixels
-  std::vector<Eigen::Vector2d> projector;  ///< pixels; NaN where it could not be told
+  std::string name;         ///< of the pose's folder
+  std::vector<int> places;  ///< which corner of the board each is
+  PixelPlaces camera;       ///< pixels
+  PixelPlaces projector;    ///< pixels; NaN where it could not be told
   /// d projector / d camera: a corner that the camera sees a little off was looked for in the
   /// projector's picture a little off too, by as much as this makes of it. Empty, or zero, where
   /// the projector pixels are independent of the camera's.
@@ -75,10 +68,12 @@ struct BoardView {
   CaptureSigns signs{};  ///< how its frames were taken; nothing where there were none
 };
 
+using BoardViews = std::vector<BoardView>;
+
 enum class Device { camera, projector };
 
 /// Where that device sees the corners.
-inline const std::vector<Eigen::Vector2d>& corners_of(const BoardView& view, Device device) {
+inline const PixelPlaces& corners_of(const BoardView& view, Device device) {
   return device == Device::camera ? view.camera : view.projector;
 }
 
@@ -96,7 +91,7 @@ inline int lit_corners(const BoardView& view) {
 
 /// How many boards cover each of the cells into which a device's picture is divided, 100 of
 /// them across. Only the hull of a board's corners counts.
-Image<std::uint8_t> coverage_map(const std::vector<BoardView>& views, Device device, Size size);
+Image<std::uint8_t> coverage_map(const BoardViews& views, Device device, Size size);
 
 /// Share of the cells that some board covers.
 double covered_share(const Image<std::uint8_t>& coverage);

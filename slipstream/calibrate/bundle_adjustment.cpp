@@ -2,11 +2,9 @@
 #include "slipstream/calibrate/bundle_adjustment.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <utility>
 
 #include <Eigen/Cholesky>
 #include <ceres/crs_matrix.h>
@@ -18,8 +16,8 @@
 #include <ceres/solver.h>
 #include <glog/logging.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/calibrate/pixel_derivatives.h"
 
 namespace slipstream {
@@ -70,27 +68,32 @@ RigNumbers numbers_of(const Scanner& scanner) {
   return numbers;
 }
 
-LensDeviation lens_deviation(const Eigen::Matrix<double, lens_size, 1>& each) {
-  LensDeviation deviation{each.head<2>(), each.segment<2>(2), {}};
-  std::copy_n(each.data() + 4, untilted_coefficient_count, deviation.coefficients.begin());
+/// Calls `use` with each number of a deviation and that number of a row in its order.
+template <class Deviation, class Row, class Use>
+void with_row(Deviation& deviation, Row& row, const Use& use) {
+  auto* next = row.data();
+  const auto each = [&](auto& values) {
+    for (auto& value : values) use(value, *next++);
+  };
+  for (auto* lens : {&deviation.camera, &deviation.projector}) {
+    each(lens->focal);
+    each(lens->principal_point);
+    each(lens->coefficients);
+  }
+  each(deviation.rotation);
+  each(deviation.translation);
+}
+
+BundleDeviation deviation_of(const RigNumbers& row) {
+  BundleDeviation deviation;
+  with_row(deviation, row, [](double& value, double number) { value = number; });
   return deviation;
 }
 
-BundleDeviation deviation_of(const RigNumbers& each) {
-  return {lens_deviation(each.head<lens_size>()),
-          lens_deviation(each.segment<lens_size>(lens_size)), each.segment<3>(2 * lens_size),
-          each.tail<3>()};
-}
-
 RigNumbers numbers_of(const BundleDeviation& deviation) {
-  RigNumbers numbers;
-  const auto& [camera, projector, rotation, translation] = deviation;
-  const auto map = [](const auto& k) {
-    return Eigen::Map<const Eigen::Vector<double, untilted_coefficient_count>>(k.data());
-  };
-  numbers << camera.focal, camera.principal_point, map(camera.coefficients), projector.focal,
-      projector.principal_point, map(projector.coefficients), rotation, translation;
-  return numbers;
+  RigNumbers row;
+  with_row(deviation, row, [](double value, double& number) { number = value; });
+  return row;
 }
 
 template <int Columns>
@@ -213,7 +216,7 @@ struct Parameters {
   LensNumbers camera, projector;
   PoseNumbers rig;
   std::vector<PoseNumbers> poses;
-  std::vector<Eigen::Vector3d> places;
+  BoardPlaces places;
 };
 
 /// While any lives, Ceres logs nothing: a step that fails is tried again smaller, and a library
@@ -267,9 +270,8 @@ constexpr double huber_reach = 3;  // standard deviations
 
 class BundleProblem {
  public:
-  BundleProblem(const std::vector<BoardView>& views, const BundleState& state,
-                const std::vector<Eigen::Vector3d>& printed, const BundleSettings& settings,
-                const PixelDeviations& deviations)
+  BundleProblem(const BoardViews& views, const BundleState& state, const BoardPlaces& printed,
+                const BundleSettings& settings, const PixelDeviations& deviations)
       : parameters_(state) {
     for (std::size_t v = 0; v < views.size(); ++v) add_view(views[v], v, deviations);
     settle_lens(parameters_.camera, settings.hold_camera, settings.camera_coefficients);
@@ -287,9 +289,8 @@ class BundleProblem {
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem_, &summary);
-    if (!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost)) {
-      throw Error("bundle adjustment found no solution; the corners contradict one another");
-    }
+    throw_if(!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost),
+             "bundle adjustment found no solution; the corners contradict one another");
   }
 
   [[nodiscard]] const Parameters& parameters() const { return parameters_; }
@@ -358,8 +359,7 @@ class BundleProblem {
     problem_.SetManifold(lens.data(), manifolds_.back().get());
   }
 
-  void settle_places(const std::vector<Eigen::Vector3d>& printed,
-                     const std::optional<double>& deviation) {
+  void settle_places(const BoardPlaces& printed, const std::optional<double>& deviation) {
     for (std::size_t i = 0; i < printed.size(); ++i) {
       double* place = parameters_.places[i].data();
       if (!problem_.HasParameterBlock(place)) continue;
@@ -398,8 +398,7 @@ void forget_held_coefficients(Scanner& scanner, const BundleSettings& settings) 
   forget(scanner.projector, settings.projector_coefficients);
 }
 
-BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
-                            const std::vector<Eigen::Vector3d>& printed,
+BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation) {
   const QuietCeres quiet;
   const int rounds = settings.pixel_deviations ? 1 : 3;
@@ -410,11 +409,10 @@ BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState sta
     problem.solve(settings.pixel_deviations ? 1e-7 : 1e-9);  // the start was adjusted or not
     problem.parameters().write_to(state);
     deviations = pixel_deviations(views, state);
-    if (round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation)) {
-      throw Error(
-          "the poses do not determine the calibration; likely too few tilts of the board: tilt it "
-          "differently in each");
-    }
+    throw_if(
+        round + 1 == rounds && deviation != nullptr && !problem.estimate(*deviation),
+        "the poses do not determine the calibration; likely too few tilts of the board: tilt it "
+        "differently in each");
   }
   return state;
 }

@@ -2,12 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <functional>
-#include <optional>
-#include <vector>
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 #include "slipstream/calibrate/board_view.h"
@@ -19,7 +15,7 @@ namespace slipstream {
 struct BundleState {
   Scanner scanner;
   std::vector<Eigen::Isometry3d> poses;  ///< board's frame to the camera's, one for each view
-  std::vector<Eigen::Vector3d> places;   ///< the board's corners in its own frame, mm
+  BoardPlaces places;                    ///< the board's corners in its own frame, mm
 };
 
 /// Standard deviations of the components of the distances between corners as seen and as predicted,
@@ -69,8 +65,7 @@ struct BundleDeviation {
 /// those of `views`; `printed` is where the board's corners should be. `deviation`, where not null,
 /// receives the standard deviations for corners that err independently. Throws Error when it does
 /// not converge to finite numbers, or `deviation` is asked for and the poses do not determine it.
-BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState start,
-                            const std::vector<Eigen::Vector3d>& printed,
+BundleState bundle_adjusted(const BoardViews& views, BundleState start, const BoardPlaces& printed,
                             const BundleSettings& settings, BundleDeviation* deviation = nullptr);
 
 /// The larger of `deviation`, for which all corners err independently, and of the jackknife: m
@@ -79,26 +74,26 @@ BundleState bundle_adjusted(const std::vector<BoardView>& views, BundleState sta
 /// common, but not what all poses do, such as the print's scale.
 BundleDeviation widened(const BundleDeviation& deviation, const std::vector<Scanner>& without_one);
 
-PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state);
+PixelDeviations pixel_deviations(const BoardViews& views, const BundleState& state);
 
 /// Mean over the corners of all views of the squared distances in both devices, in squares of the
 /// standard deviations, as bundle_adjusted sees them: 4 where these are right.
-double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
+double mean_squared_error(const BoardViews& views, const BundleState& state,
                           const PixelDeviations& deviations);
 
 /// Some of the poses, and the state of those.
 struct SomePoses {
-  std::vector<BoardView> views;
+  BoardViews views;
   BundleState state;
 };
 /// Those of whose index `takes` says so.
-SomePoses some_poses(const std::vector<BoardView>& views, const BundleState& state,
+SomePoses some_poses(const BoardViews& views, const BundleState& state,
                      const std::function<bool(std::size_t pose)>& takes);
 
 /// Seen minus predicted, pixels, for each corner of a view that is pose `v` of the state; NaN where
 /// the device does not see it.
-std::vector<Eigen::Vector2d> residuals(const BoardView& view, const BundleState& state,
-                                       std::size_t v, Device device);
+PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size_t v,
+                      Device device);
 
 /// Sum of squares, and of how many.
 struct Squares {
@@ -148,6 +143,6 @@ struct BoardQuality {
 
 /// Nothing where less than four corners are lit.
 std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
-                                          const std::vector<Eigen::Vector3d>& printed);
+                                          const BoardPlaces& printed);
 
 }  // namespace slipstream

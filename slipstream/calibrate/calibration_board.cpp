@@ -2,21 +2,14 @@
 
 #include <array>
 #include <cmath>
-#include <utility>
 
-#include <Eigen/Core>
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<BoardKind, std::string_view>, 3> kinds{
-    {{BoardKind::chessboard, "chessboard"},
-     {BoardKind::circles, "circles"},
-     {BoardKind::charuco, "charuco"}}};
+constexpr std::array<std::string_view, 3> kinds{"chessboard", "circles", "charuco"};  // in order
 
 constexpr int white = 255;
 
@@ -70,57 +63,47 @@ Eigen::Array2d said_lengths(const CalibrationBoard& board) {
 }  // namespace
 
 std::string_view name_of(BoardKind kind) {
-  for (const auto& [known, name] : kinds) {
-    if (known == kind) return name;
-  }
-  return "?";
+  return kinds.at(static_cast<std::size_t>(kind));
 }
 
 BoardKind board_kind_named(std::string_view name) {
-  for (const auto& [kind, known] : kinds) {
-    if (known == name) return kind;
-  }
+  const auto found = std::ranges::find(kinds, name);
+  if (found != kinds.end()) return static_cast<BoardKind>(found - kinds.begin());
   throw Error(fmt::format("board '{}' is not known; it is chessboard, circles or charuco", name));
 }
 
 void require_valid(const CalibrationBoard& board) {
   constexpr int most = 200;
   const int fewest = board.kind == BoardKind::charuco ? 2 : 3;
-  if (board.columns < fewest || board.rows < fewest || board.columns > most || board.rows > most) {
-    throw Error(fmt::format("board of {}x{} corners is out of range; {} to {} each way",
-                            board.columns, board.rows, fewest, most));
-  }
-  if (!(board.spacing > 0 && std::isfinite(board.spacing))) {
-    throw Error(fmt::format("spacing {} mm is out of range; more than 0", board.spacing));
-  }
-  if (board.row_spacing && !(*board.row_spacing > 0 && std::isfinite(*board.row_spacing))) {
-    throw Error(
-        fmt::format("spacing of rows {} mm is out of range; more than 0", *board.row_spacing));
-  }
-  if (!(board.circle_diameter > 0.1 && board.circle_diameter < 1.4)) {
-    throw Error(fmt::format("circle diameter {} spacings is out of range; 0.1 to 1.4",
-                            board.circle_diameter));
-  }
-  if (!(board.marker_side > 0.2 && board.marker_side < 1)) {
-    throw Error(fmt::format("marker side {} squares is out of range; 0.2 to 1", board.marker_side));
-  }
-  if (board.marker_bits < 4 || board.marker_bits > 7) {
-    throw Error(fmt::format("marker bits {} is out of range; 4 to 7", board.marker_bits));
-  }
-  const int markers = (board.columns + 1) * (board.rows + 1) / 2;
-  if (board.kind == BoardKind::charuco && markers > charuco_dictionary_size) {
-    throw Error(fmt::format("a ChArUco board of {}x{} corners needs {} markers; there are {}",
-                            board.columns, board.rows, markers, charuco_dictionary_size));
-  }
+  const auto& [kind, columns, rows, spacing, row_spacing, diameter, side, bits] = board;
+  throw_if(columns < fewest || rows < fewest || columns > most || rows > most,
+           "board of {}x{} corners is out of range; {} to {} each way", columns, rows, fewest,
+           most);
+  const auto require = [](bool holds, const std::string& what, const char* range) {
+    throw_if(!holds, "{} is out of range; {}", what, range);
+  };
+  require(spacing > 0 && std::isfinite(spacing), fmt::format("spacing {} mm", spacing),
+          "more than 0");
+  const double down = row_spacing.value_or(spacing);
+  require(down > 0 && std::isfinite(down), fmt::format("spacing of rows {} mm", down),
+          "more than 0");
+  require(diameter > 0.1 && diameter < 1.4, fmt::format("circle diameter {} spacings", diameter),
+          "0.1 to 1.4");
+  require(side > 0.2 && side < 1, fmt::format("marker side {} squares", side), "0.2 to 1");
+  require(bits >= 4 && bits <= 7, fmt::format("marker bits {}", bits), "4 to 7");
+  const int markers = (columns + 1) * (rows + 1) / 2;
+  throw_if(kind == BoardKind::charuco && markers > charuco_dictionary_size,
+           "a ChArUco board of {}x{} corners needs {} markers; there are {}", columns, rows,
+           markers, charuco_dictionary_size);
 }
 
 int place_count(const CalibrationBoard& board) {
   return board.columns * board.rows;
 }
 
-std::vector<Eigen::Vector3d> printed_places(const CalibrationBoard& board) {
+BoardPlaces printed_places(const CalibrationBoard& board) {
   const double down = board.row_spacing.value_or(board.spacing);
-  std::vector<Eigen::Vector3d> places;
+  BoardPlaces places;
   for (int row = 0; row < board.rows; ++row) {
     for (int column = 0; column < board.columns; ++column) {
       const int x = board.kind == BoardKind::circles ? 2 * column + row % 2 : column;
@@ -132,29 +115,21 @@ std::vector<Eigen::Vector3d> printed_places(const CalibrationBoard& board) {
 
 Image<std::uint8_t> draw_board(const CalibrationBoard& board, int pixels_per_spacing) {
   require_valid(board);
-  if (pixels_per_spacing < 8 || pixels_per_spacing > 1000) {
-    throw Error(fmt::format("{} pixels for each spacing of the board is out of range; 8 to 1000",
-                            pixels_per_spacing));
-  }
+  throw_if(pixels_per_spacing < 8 || pixels_per_spacing > 1000,
+           "{} pixels for each spacing of the board is out of range; 8 to 1000",
+           pixels_per_spacing);
   if (board.row_spacing) throw Error("a board that is drawn has one spacing, not two");
-  switch (board.kind) {
-    case BoardKind::circles:
-      return image_from<std::uint8_t>(drawn_circles(board, pixels_per_spacing));
-    case BoardKind::charuco:
-      return image_from<std::uint8_t>(drawn_charuco(board, pixels_per_spacing));
-    case BoardKind::chessboard:
-      break;
-  }
-  return image_from<std::uint8_t>(drawn_chessboard(board, pixels_per_spacing));
+  constexpr std::array draw{drawn_chessboard, drawn_circles, drawn_charuco};  // in order of kinds
+  return image_from<std::uint8_t>(
+      draw.at(static_cast<std::size_t>(board.kind))(board, pixels_per_spacing));
 }
 
 std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
                                        const MeasuredPrint& measured) {
   const Eigen::Array2d is(measured.along_row, measured.along_column);
-  if (!((is > 0).all() && is.isFinite().all())) {
-    throw Error(fmt::format("measured {:g}x{:g} mm is out of range; both lengths are above 0",
-                            measured.along_row, measured.along_column));
-  }
+  throw_if(!((is > 0).all() && is.isFinite().all()),
+           "measured {:g}x{:g} mm is out of range; both lengths are above 0", measured.along_row,
+           measured.along_column);
   const Eigen::Array2d said = said_lengths(board), scale = is / said;
   if (((is - said).abs() <= ruler_error).all()) return {};
   const double row_spacing = board.row_spacing.value_or(board.spacing);
@@ -166,18 +141,19 @@ std::vector<Finding> findings_of_ruler(const CalibrationBoard& board,
   // One scale fits both lengths to what the ruler may be off.
   const double common = is.sum() / said.sum();
   const bool stretched = ((is - common * said).abs() > ruler_error).any();
+  const auto spacings = [&](double across, double down) {
+    return fmt::format("give --spacing {:.4g}x{:.4g}", across * board.spacing, down * row_spacing);
+  };
   if (((is.reverse() - said).abs() <= ruler_error).all()) {
     finding.likely = "the lengths of row and column were exchanged";
     finding.advice = fmt::format("give --measured {:g}x{:g}", is[1], is[0]);
   } else if (stretched) {
     finding.likely = "a print stretched along one axis, or of the wrong scale along each";
-    finding.advice = fmt::format("give --spacing {:.4g}x{:.4g}", scale[0] * board.spacing,
-                                 scale[1] * row_spacing);
-  } else if (board.row_spacing) {
-    finding.advice =
-        fmt::format("give --spacing {:.4g}x{:.4g}", common * board.spacing, common * row_spacing);
+    finding.advice = spacings(scale[0], scale[1]);
   } else {
-    finding.advice = fmt::format("give --spacing {:.4g}", common * board.spacing);
+    finding.advice = board.row_spacing
+                         ? spacings(common, common)
+                         : fmt::format("give --spacing {:.4g}", common * board.spacing);
   }
   return {finding};
 }

@@ -24,6 +24,11 @@ std::string_view name_of(BoardKind kind);
 /// The kind of that name; throws Error for any other.
 BoardKind board_kind_named(std::string_view name);
 
+/// Places on a board, mm, or points that are measured.
+using BoardPlaces = std::vector<Eigen::Vector3d>;
+/// Places in a device's picture.
+using PixelPlaces = std::vector<Eigen::Vector2d>;
+
 /// A flat board with places on it that are known and found in a picture.
 struct CalibrationBoard {
   BoardKind kind = BoardKind::chessboard;
@@ -45,7 +50,7 @@ void require_valid(const CalibrationBoard& board);
 int place_count(const CalibrationBoard& board);
 
 /// Where its corners (centres of circles) are as printed, row by row, mm, Z = 0.
-std::vector<Eigen::Vector3d> printed_places(const CalibrationBoard& board);
+BoardPlaces printed_places(const CalibrationBoard& board);
 
 /// The board to print, dark on white, with a white margin of one spacing. Throws Error unless a
 /// spacing is 8 to 1000 pixels, and for a board of two spacings.

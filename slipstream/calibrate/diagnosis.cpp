@@ -1,23 +1,18 @@
 #include "slipstream/calibrate/diagnosis.h"
 
 #include <algorithm>
-#include <cmath>
-#include <functional>
 #include <numbers>
-#include <optional>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/statistics.h"
-#include "slipstream/calibrate/geometry_calibration.h"
 
 namespace slipstream {
 namespace {
 
 /// Of the scans of all poses along both axes that were measured.
-std::vector<FringeSigns> measured_scans(const std::vector<BoardView>& views) {
+std::vector<FringeSigns> measured_scans(const BoardViews& views) {
   std::vector<FringeSigns> scans;
   for (const BoardView& view : views) {
     for (const FringeSigns& signs : {view.signs.x, view.signs.y}) {
@@ -52,7 +47,7 @@ void add_gamma(std::vector<Finding>& findings, const std::vector<FringeSigns>& s
                  "projector's gamma and picture modes off"});
 }
 
-void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& views,
+void add_blur(std::vector<Finding>& findings, const BoardViews& views,
               const std::vector<FringeSigns>& scans) {
   // Half as much modulation doubles the noise of the phase; sharp fringes keep over 0.9.
   constexpr double least_contrast = 0.6;
@@ -79,18 +74,6 @@ void add_blur(std::vector<Finding>& findings, const std::vector<BoardView>& view
        .evidence = {{"modulation, of the coarse fringes'", contrast}},
        .likely = "the projector is out of focus",
        .advice = "focus the projector on the board, or show fewer periods"});
-}
-
-void add_overexposure(std::vector<Finding>& findings, const std::vector<BoardView>& views) {
-  constexpr double most_saturated = 0.25;  // half of the bright squares
-  const double share = median_of(views, [](const BoardView& view) {
-    return std::max(view.signs.x.saturated, view.signs.y.saturated);
-  });
-  if (share <= most_saturated) return;
-  findings.push_back({.what = "much of the board is saturated, and its phase left out",
-                      .evidence = {{"saturated share, %", 100 * share}},
-                      .likely = "overexposed frames",
-                      .advice = "expose less, close the aperture or dim the projector"});
 }
 
 /// k, where a shift is that of k of the N steps of a fringe; none for no shift.
@@ -120,13 +103,23 @@ void add_lens(std::vector<Finding>& findings, const GeometryCalibration& calibra
                       .advice = "take more poses, tilted by 20 to 40 degrees, each another way"});
 }
 
-bool nearly_parallel(const GeometryCalibration& calibration) {
-  constexpr double least_tilt = 15 * degree;
-  return calibration.largest_tilt < least_tilt;
-}
-
-void add_few(std::vector<Finding>& findings, const GeometryCalibration& calibration) {
+/// What the poses as they were held leave uncertain.
+void add_poses(std::vector<Finding>& findings, const GeometryCalibration& calibration,
+               bool nearly_parallel) {
   constexpr std::size_t few_poses = 5;
+  constexpr double least_lit = 0.9;
+  // Two devices see two thirds or so of each picture together, and no board reaches all of it.
+  constexpr double least_covered = 0.4;
+  for (const CalibratedPose& pose : calibration.poses) {
+    if (pose.lit >= least_lit * pose.corners) continue;
+    findings.push_back(
+        {.what = fmt::format("{}: the projector coordinate of some corners could not be told",
+                             pose.name),
+         .evidence = {{"corners without", static_cast<double>(pose.corners - pose.lit)},
+                      {"corners", static_cast<double>(pose.corners)}},
+         .likely = "parts of the board too dark, overexposed, or outside the projector's light",
+         .advice = "light the whole board; change the exposure, lower --min-modulation"});
+  }
   const auto count = calibration.poses.size();
   if (count < few_poses) {
     findings.push_back({.what = fmt::format("only {} poses", count),
@@ -134,24 +127,22 @@ void add_few(std::vector<Finding>& findings, const GeometryCalibration& calibrat
                         .likely = "too few poses, or too many that could not be used",
                         .advice = "ten or more are better"});
   }
-  if (nearly_parallel(calibration)) {
+  if (nearly_parallel) {
     findings.push_back(
         {.what = "all boards are nearly parallel: focal lengths and distances are uncertain",
          .evidence = {{"largest tilt, degrees", calibration.largest_tilt / degree}},
          .likely = "too few tilts of the board",
          .advice = "tilt the board by 20 to 40 degrees, each way"});
   }
-}
-
-void add_coverage(std::vector<Finding>& findings, const char* device, double covered) {
-  // Two devices see two thirds or so of each picture together, and no board reaches all of it.
-  constexpr double least_covered = 0.4;
-  if (covered >= least_covered) return;
-  findings.push_back(
-      {.what = fmt::format("the {}'s distortion is not known where no board was", device),
-       .evidence = {{"covered share, %", 100 * covered}},
-       .likely = "boards held only in the middle of the picture, or too far away",
-       .advice = "hold the board towards the edges and corners too"});
+  for (const auto& [device, covered] : {std::pair("camera", calibration.covered_camera),
+                                        std::pair("projector", calibration.covered_projector)}) {
+    if (covered >= least_covered) continue;
+    findings.push_back(
+        {.what = fmt::format("the {}'s distortion is not known where no board was", device),
+         .evidence = {{"covered share, %", 100 * covered}},
+         .likely = "boards held only in the middle of the picture, or too far away",
+         .advice = "hold the board towards the edges and corners too"});
+  }
 }
 
 void add_print(std::vector<Finding>& findings, const PrintShape& print) {
@@ -190,18 +181,6 @@ void add_projector_size(std::vector<Finding>& findings, const GeometryCalibratio
                       .advice = "check --projector"});
 }
 
-void add_lit(std::vector<Finding>& findings, const CalibratedPose& pose) {
-  constexpr double least_lit = 0.9;
-  if (pose.lit >= least_lit * pose.corners) return;
-  findings.push_back(
-      {.what =
-           fmt::format("{}: the projector coordinate of some corners could not be told", pose.name),
-       .evidence = {{"corners without", static_cast<double>(pose.corners - pose.lit)},
-                    {"corners", static_cast<double>(pose.corners)}},
-       .likely = "parts of the board too dark, overexposed, or outside the projector's light",
-       .advice = "light the whole board; change the exposure, lower --min-modulation"});
-}
-
 /// Whether all corners are off alike, as what moves between two devices makes them, but for a
 /// share.
 bool is_shift(const ProjectorOffset& offset) {
@@ -215,9 +194,7 @@ void add_worst_pose(std::vector<Finding>& findings, const GeometryCalibration& c
   // that does not reach as far as the pose, which real boards show up to 8.
   constexpr double largest_of_shift = 4, largest = 12;
   const auto& poses = calibration.poses;
-  const auto worst = std::max_element(
-      poses.begin(), poses.end(),
-      [](const CalibratedPose& a, const CalibratedPose& b) { return a.misfit < b.misfit; });
+  const auto worst = std::ranges::max_element(poses, {}, &CalibratedPose::misfit);
   if (worst->misfit <= (is_shift(worst->offset) ? largest_of_shift : largest)) return;
   const auto v = static_cast<std::size_t>(worst - poses.begin());
   findings.push_back(finding_of_pose(calibration.views[v], worst->offset));
@@ -258,10 +235,19 @@ void add_large_rms(std::vector<Finding>& findings, const ReprojectionRms& rms) {
 
 }  // namespace
 
-std::vector<Finding> findings_of_frames(const std::vector<BoardView>& views) {
+std::vector<Finding> findings_of_frames(const BoardViews& views) {
   std::vector<Finding> findings;
+  constexpr double most_saturated = 0.25;  // half of the bright squares
+  const double saturated = median_of(views, [](const BoardView& view) {
+    return std::max(view.signs.x.saturated, view.signs.y.saturated);
+  });
+  if (saturated > most_saturated) {
+    findings.push_back({.what = "much of the board is saturated, and its phase left out",
+                        .evidence = {{"saturated share, %", 100 * saturated}},
+                        .likely = "overexposed frames",
+                        .advice = "expose less, close the aperture or dim the projector"});
+  }
   const std::vector<FringeSigns> scans = measured_scans(views);
-  add_overexposure(findings, views);
   add_blur(findings, views, scans);
   add_gamma(findings, scans);
   return findings;
@@ -314,8 +300,10 @@ std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
   } else {
     add_worst_pose(findings, calibration);
   }
+  constexpr double least_tilt = 15 * degree;
+  const bool nearly_parallel = calibration.largest_tilt < least_tilt;
   // What has a cause already bends the board, and makes all else uncertain, as well.
-  if (findings.empty() && !nearly_parallel(calibration)) {
+  if (findings.empty() && !nearly_parallel) {
     add_print(findings, calibration.print);
     add_projector_size(findings, calibration);
     if (findings.empty()) {
@@ -326,10 +314,7 @@ std::vector<Finding> findings_about(const GeometryCalibration& calibration) {
       add_large_rms(findings, calibration.rms);
     }
   }
-  for (const CalibratedPose& pose : calibration.poses) add_lit(findings, pose);
-  add_few(findings, calibration);
-  add_coverage(findings, "camera", calibration.covered_camera);
-  add_coverage(findings, "projector", calibration.covered_projector);
+  add_poses(findings, calibration, nearly_parallel);
   return findings;
 }
 

@@ -1,15 +1,13 @@
-#include "slipstream/calibrate/first_guess.h"
-
 #include <algorithm>
-#include <cmath>
 
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <fmt/format.h>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
@@ -26,8 +24,7 @@ cv::Point2f point_of(const Eigen::Vector2d& pixel) {
 }
 
 /// Those that the device sees.
-SharedCorners corners_seen_by(Device device, const std::vector<BoardView>& views,
-                              const std::vector<Eigen::Vector3d>& printed) {
+SharedCorners corners_seen_by(Device device, const BoardViews& views, const BoardPlaces& printed) {
   SharedCorners shared;
   for (const BoardView& view : views) {
     shared.board.emplace_back();
@@ -43,16 +40,6 @@ SharedCorners corners_seen_by(Device device, const std::vector<BoardView>& views
     }
   }
   return shared;
-}
-
-template <int Rows, int Columns>
-Eigen::Matrix<double, Rows, Columns> matrix_of(const cv::Mat& mat) {
-  Eigen::Matrix<double, Rows, Columns> matrix;
-  for (int row = 0; row < Rows; ++row) {
-    for (int column = 0; column < Columns; ++column)
-      matrix(row, column) = mat.at<double>(row, column);
-  }
-  return matrix;
 }
 
 /// To 14 bits, which is near enough to start from. The last digits of OpenCV's solvers are not
@@ -86,24 +73,25 @@ OneDevice calibrated(const std::vector<std::vector<cv::Point3f>>& board,
 }
 
 Lens lens_of(const OneDevice& device, Size size) {
-  Lens lens{matrix_of<3, 3>(device.intrinsic), {}, size};
-  for (int i = 0; i < 5; ++i) {
-    lens.distortion.coefficients[static_cast<std::size_t>(i)] = device.distortion.at<double>(i);
-  }
+  Lens lens;
+  lens.size = size;
+  cv::cv2eigen(device.intrinsic, lens.intrinsic);
+  std::copy_n(device.distortion.begin<double>(), 5, lens.distortion.coefficients.begin());
   return lens;
 }
 
 Eigen::Isometry3d pose_of(const cv::Mat& turn, const cv::Mat& translation) {
   cv::Mat rotation;
   cv::Rodrigues(turn, rotation);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = matrix_of<3, 3>(rotation);
-  pose.translation() = matrix_of<3, 1>(translation);
-  return pose;
+  Eigen::Matrix3d turned;
+  Eigen::Vector3d moved;
+  cv::cv2eigen(rotation, turned);
+  cv::cv2eigen(translation, moved);
+  return Eigen::Translation3d(moved) * Eigen::Isometry3d(turned);
 }
 
-BundleState guess(const SharedCorners& shared, const std::vector<Eigen::Vector3d>& printed,
-                  Size camera_size, Size projector_size) {
+BundleState guess(const SharedCorners& shared, const BoardPlaces& printed, Size camera_size,
+                  Size projector_size) {
   OneDevice camera = calibrated(shared.board, shared.camera, camera_size);
   OneDevice projector = calibrated(shared.board, shared.projector, projector_size);
   cv::Mat rotation, turn, translation, essential, fundamental;
@@ -141,7 +129,7 @@ Eigen::Matrix2d affine_map(const BoardView& view) {
   return solution.topRows<2>().transpose();
 }
 
-void remove_wrong_fringes(BoardView& view, const std::vector<Eigen::Vector3d>& printed) {
+void remove_wrong_fringes(BoardView& view, const BoardPlaces& printed) {
   constexpr std::size_t fewest = 6;
   constexpr double reach = 8;
   std::vector<cv::Point2f> board, projector;
@@ -166,12 +154,10 @@ void remove_wrong_fringes(BoardView& view, const std::vector<Eigen::Vector3d>& p
 void require_same_handedness(const BoardView& view) {
   const Eigen::Matrix2d A = affine_map(view);
   if (A.determinant() > 0) return;
-  if (A.diagonal().squaredNorm() < A.squaredNorm() / 2) {
-    throw Error(fmt::format(
-        "{}: projector x and y are swapped; the scan along x seems to be the one along y: "
-        "check the order of the frames or --first-axis",
-        view.name));
-  }
+  throw_if(A.diagonal().squaredNorm() < A.squaredNorm() / 2,
+           "{}: projector x and y are swapped; the scan along x seems to be the one along y: "
+           "check the order of the frames or --first-axis",
+           view.name);
   throw Error(
       fmt::format("{}: the projector's picture is mirrored along {} (or the camera's is); "
                   "turn the mirroring off in the device",
@@ -180,8 +166,8 @@ void require_same_handedness(const BoardView& view) {
 
 }  // namespace
 
-BundleState first_guess(const std::vector<BoardView>& views,
-                        const std::vector<Eigen::Vector3d>& printed, Size camera, Size projector) {
+BundleState first_guess(const BoardViews& views, const BoardPlaces& printed, Size camera,
+                        Size projector) {
   const QuietOpenCv quiet;
   try {
     return guess(corners_seen_by(Device::projector, views, printed), printed, camera, projector);
@@ -193,15 +179,13 @@ BundleState first_guess(const std::vector<BoardView>& views,
   }
 }
 
-std::vector<BoardView> checked_views(std::vector<BoardView> views,
-                                     const std::vector<Eigen::Vector3d>& printed) {
+BoardViews checked_views(BoardViews views, const BoardPlaces& printed) {
   for (BoardView& view : views) remove_wrong_fringes(view, printed);
   for (const BoardView& view : views) require_same_handedness(view);
   return views;
 }
 
-Lens simple_lens(const std::vector<BoardView>& views, const std::vector<Eigen::Vector3d>& printed,
-                 Size camera) {
+Lens simple_lens(const BoardViews& views, const BoardPlaces& printed, Size camera) {
   const SharedCorners seen = corners_seen_by(Device::camera, views, printed);
   const QuietOpenCv quiet;
   const cv::Mat found =
@@ -216,7 +200,7 @@ Lens simple_lens(const std::vector<BoardView>& views, const std::vector<Eigen::V
 }
 
 Eigen::Isometry3d pose_before_camera(const BoardView& view, const Lens& camera,
-                                     const std::vector<Eigen::Vector3d>& printed) {
+                                     const BoardPlaces& printed) {
   std::vector<cv::Point3d> board;
   std::vector<cv::Point2d> seen;  // by a camera without distortion and of focal length 1
   for (std::size_t i = 0; i < view.places.size(); ++i) {

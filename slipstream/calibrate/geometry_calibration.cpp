@@ -1,18 +1,16 @@
 #include "slipstream/calibrate/geometry_calibration.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <utility>
+#include <map>
+#include <numeric>
 
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <fmt/format.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/calibrate/diagnosis.h"
-#include "slipstream/calibrate/first_guess.h"
 
 namespace slipstream {
 namespace {
@@ -31,8 +29,7 @@ Fitted fitted(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
 }
 
 /// By the corners as a calibration estimated them, mm, in the frame of the `printed` ones.
-PrintShape print_shape(const std::vector<Eigen::Vector3d>& places,
-                       const std::vector<Eigen::Vector3d>& printed) {
+PrintShape print_shape(const BoardPlaces& places, const BoardPlaces& printed) {
   const auto count = static_cast<Eigen::Index>(printed.size());
   const Eigen::Map<const Eigen::Matrix3Xd> is(places.front().data(), 3, count);
   const Eigen::Map<const Eigen::Matrix3Xd> ought(printed.front().data(), 3, count);
@@ -59,9 +56,9 @@ PrintShape print_shape(const std::vector<Eigen::Vector3d>& places,
 
 /// What a calibration of the other poses makes of each one, in `poses`; returns the scanners of
 /// these calibrations.
-std::vector<Scanner> leave_each_out(const std::vector<BoardView>& views, const BundleState& state,
-                                    const std::vector<Eigen::Vector3d>& printed,
-                                    BundleSettings settings, std::vector<CalibratedPose>& poses) {
+std::vector<Scanner> leave_each_out(const BoardViews& views, const BundleState& state,
+                                    const BoardPlaces& printed, BundleSettings settings,
+                                    std::vector<CalibratedPose>& poses) {
   settings.pixel_deviations = pixel_deviations(views, state);
   const auto count = static_cast<double>(views.size());
   const double all = count * mean_squared_error(views, state, *settings.pixel_deviations);
@@ -92,8 +89,8 @@ double largest_angle(const std::vector<Eigen::Isometry3d>& poses) {
 }
 
 /// The board's corners as they would be estimated were they free.
-PrintShape estimated_print(const std::vector<BoardView>& views, const BundleState& state,
-                           const std::vector<Eigen::Vector3d>& printed, BundleSettings settings,
+PrintShape estimated_print(const BoardViews& views, const BundleState& state,
+                           const BoardPlaces& printed, BundleSettings settings,
                            double usual_deviation) {
   if (settings.print_deviation) return print_shape(state.places, printed);
   settings.print_deviation = usual_deviation;
@@ -101,7 +98,7 @@ PrintShape estimated_print(const std::vector<BoardView>& views, const BundleStat
 }
 
 /// From the nearest to the farthest corner of all boards.
-DepthRange depths_of(const std::vector<BoardView>& views, const BundleState& state) {
+DepthRange depths_of(const BoardViews& views, const BundleState& state) {
   DepthRange range{std::numeric_limits<double>::infinity(), 0};
   for (std::size_t v = 0; v < views.size(); ++v) {
     for (const int place : views[v].places) {
@@ -112,34 +109,121 @@ DepthRange depths_of(const std::vector<BoardView>& views, const BundleState& sta
   return range;
 }
 
-LensChoice chosen(const std::optional<int>& asked, const std::vector<BoardView>& views,
+void require_known_model(const std::optional<int>& coefficients, const char* device) {
+  if (!coefficients || std::ranges::count(lens_models, *coefficients) > 0) return;
+  throw Error(fmt::format("{} distortion coefficients for the {}; it is one of {}", *coefficients,
+                          device, fmt::join(lens_models, ", ")));
+}
+
+/// Mean squared error of the poses that a fold leaves out.
+double left_out_error(const BoardViews& views, const BundleState& state, BundleSettings settings,
+                      std::size_t fold, std::size_t folds) {
+  const auto is_left_out = [&](std::size_t pose) { return pose % folds == fold; };
+  SomePoses kept = some_poses(views, state, std::not_fn(is_left_out));
+  forget_held_coefficients(kept.state.scanner, settings);
+  const BundleState calibrated =
+      bundle_adjusted(kept.views, std::move(kept.state), state.places, settings);
+
+  SomePoses left_out = some_poses(views, state, is_left_out);
+  left_out.state.scanner = calibrated.scanner;
+  settings.hold_camera = settings.hold_projector = settings.hold_rig = true;
+  const BundleState explained =
+      bundle_adjusted(left_out.views, std::move(left_out.state), state.places, settings);
+  return mean_squared_error(left_out.views, explained, *settings.pixel_deviations);
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Whether `errors` are worse than `best`, fold by fold, by more than the standard error, and by
+/// more than the half percent for which nobody wants further coefficients.
+bool clearly_worse(const std::vector<double>& errors, const std::vector<double>& best) {
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < errors.size(); ++i) differences.push_back(errors[i] - best[i]);
+  const double average = mean(differences);
+  double squares = 0;
+  for (const double difference : differences) squares += std::pow(difference - average, 2);
+  const auto n = static_cast<double>(differences.size());
+  constexpr double least_share = 0.005;
+  return average > std::sqrt(squares / (n - 1) / n) && average > least_share * mean(best);
+}
+
+/// The simplest lens model that the data support: each is calibrated without some of the
+/// poses and then has to explain how both devices see those with nothing free but the board's
+/// place. Chosen is the one with the fewest coefficients that is not worse than the best by more
+/// than the standard error of the difference; k1 k2 without the tangential ones is not tried.
+/// `state` is what the calibrations start from; the board's corners stay where it says.
+LensChoice choose_lens_model(const BoardViews& views, const BundleState& state, Device device) {
+  // Of few poses one is left out at a time; of many a quarter, for the time it takes.
+  constexpr std::size_t few = 6, parts = 4;
+  const std::size_t folds = views.size() <= few ? views.size() : parts;
+  // Four of the other device: a fifth that is not there may spoil what is foreseen.
+  BundleSettings settings{.camera_coefficients = 4, .projector_coefficients = 4};
+  settings.pixel_deviations = pixel_deviations(views, state);
+  std::vector<std::vector<double>> errors;
+  std::size_t best = 0;
+  LensChoice choice;
+  for (const int coefficients : lens_models) {
+    // Without the tangential ones the principal point takes their place, and no standard deviation
+    // says so.
+    if (coefficients == 2) continue;
+    (device == Device::camera ? settings.camera_coefficients : settings.projector_coefficients) =
+        coefficients;
+    std::vector<double> by_fold(folds);
+    for_each_row(static_cast<int>(folds), [&](int fold) {
+      const auto f = static_cast<std::size_t>(fold);
+      by_fold[f] = left_out_error(views, state, settings, f, folds);
+    });
+    errors.push_back(by_fold);
+    choice.scores.push_back({coefficients, std::sqrt(mean(by_fold))});
+    if (mean(by_fold) < mean(errors[best])) best = errors.size() - 1;
+    const bool gains_nothing_more = errors.size() > best + 2;
+    if (gains_nothing_more) break;
+  }
+  std::size_t chosen = 0;
+  while (chosen < best && clearly_worse(errors[chosen], errors[best])) ++chosen;
+  choice.coefficients = choice.scores[chosen].coefficients;
+  return choice;
+}
+
+LensChoice chosen(const std::optional<int>& asked, const BoardViews& views,
                   const BundleState& state, Device device) {
   if (asked) return {*asked, {}};
   return choose_lens_model(views, state, device);
 }
 
-void require_known_model(const std::optional<int>& coefficients, const char* device) {
-  if (!coefficients ||
-      std::find(lens_models.begin(), lens_models.end(), *coefficients) != lens_models.end()) {
-    return;
-  }
-  throw Error(fmt::format("{} distortion coefficients for the {}; it is one of {}", *coefficients,
-                          device, fmt::join(lens_models, ", ")));
-}
-
 }  // namespace
 
-GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const CalibrationBoard& board,
-                                       Size camera, Size projector,
+const char* name_of_lens_model(int coefficients) {
+  static const std::map<int, const char*> names{{0, "none"},
+                                                {1, "k1"},
+                                                {2, "k1 k2"},
+                                                {4, "k1 k2, tangential"},
+                                                {5, "k1 k2 k3, tangential"},
+                                                {8, "rational, tangential"},
+                                                {12, "rational, tangential, thin prism"}};
+  return names.at(coefficients);
+}
+
+std::optional<int> lens_model_named(const std::string& text, const std::string& name) {
+  if (text == "auto") return std::nullopt;
+  for (const int count : lens_models) {
+    if (text == std::to_string(count)) return count;
+  }
+  throw Error(fmt::format("{} {} is not known; it is auto or one of {}", name, text,
+                          fmt::join(lens_models, ", ")));
+}
+
+GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard& board, Size camera,
+                                       Size projector,
                                        const GeometryCalibrationSettings& settings) {
   require_valid(board);
   require_known_model(settings.camera_coefficients, "camera");
   require_known_model(settings.projector_coefficients, "projector");
-  if (views.size() < fewest_poses) {
-    throw Error(fmt::format("{} usable poses; at least {} are needed, ten are good", views.size(),
-                            fewest_poses));
-  }
-  const std::vector<Eigen::Vector3d> printed = printed_places(board);
+  throw_if(views.size() < fewest_poses, "{} usable poses; at least {} are needed, ten are good",
+           views.size(), fewest_poses);
+  const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);
 
   GeometryCalibration result;

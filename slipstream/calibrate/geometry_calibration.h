@@ -1,18 +1,6 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include <Eigen/Core>
-
-#include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/bundle_adjustment.h"
-#include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/check/finding.h"
-#include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
 
@@ -37,15 +25,6 @@ struct LensChoice {
   int coefficients = 0;
   std::vector<LensModelScore> scores;  ///< of the models that were tried; empty where by flag
 };
-
-/// The simplest lens model that the data support: each is calibrated without some of the
-/// poses, a quarter or, of six and fewer, one, for each in turn, and then has to explain how
-/// both devices see those with nothing free but the board's place. Chosen is the one with the
-/// fewest coefficients that is not worse than the best by more than the standard error of the
-/// difference; k1 k2 without the tangential ones is not tried. `state` is what the calibrations
-/// start from; the board's corners stay where it says.
-LensChoice choose_lens_model(const std::vector<BoardView>& views, const BundleState& state,
-                             Device device);
 
 /// How a board differs from a flat print of the right proportions.
 struct PrintShape {
@@ -103,7 +82,7 @@ struct GeometryCalibration {
   LensChoice projector_lens;
   ReprojectionRms rms;
   std::vector<CalibratedPose> poses;
-  std::vector<BoardView> views;   ///< as they took part: without corners off by fringes
+  BoardViews views;               ///< as they took part: without corners off by fringes
   double covered_camera = 0;      ///< share of the camera's picture that some board covered
   double covered_projector = 0;   ///< share of the projector's picture
   double largest_tilt = 0;        ///< largest angle between two boards, rad
@@ -117,8 +96,44 @@ struct GeometryCalibration {
 /// that cannot be, coefficients that are none of `lens_models`, fewer than `fewest_poses` views,
 /// views of mirrored or swapped projector axes, views that cannot be of one rigid rig and that
 /// board, or poses that do not determine the calibration.
-GeometryCalibration calibrate_geometry(std::vector<BoardView> views, const CalibrationBoard& board,
-                                       Size camera, Size projector,
+GeometryCalibration calibrate_geometry(BoardViews views, const CalibrationBoard& board, Size camera,
+                                       Size projector,
                                        const GeometryCalibrationSettings& settings = {});
+
+/// How a scanner measures a board.
+struct BoardMeasure {
+  /// RMS distance of the projector's pixels from the epipolar lines of the camera's: px of the
+  /// projector. It needs no board; only what moved along the lines it does not see.
+  double epipolar = 0;
+  ReprojectionRms rms;   ///< of the corners, the board standing where it fits best
+  BoardQuality quality;  ///< of the corners as points; over several boards the root mean square
+};
+
+struct VerifiedPose {
+  std::string name;
+  BoardMeasure before;
+  BoardMeasure after;  ///< with the corrected scanner
+};
+
+/// Whether a scanner still holds, and what it is like with camera and projector moved to where the
+/// boards say that they stand.
+struct Verification {
+  std::vector<VerifiedPose> poses;
+  BoardMeasure before;  ///< of all poses
+  BoardMeasure after;
+  Scanner corrected;       ///< other rotation and translation, all else as it was
+  double rotation = 0;     ///< by which it differs, rad
+  double translation = 0;  ///< mm
+  bool holds = false;      ///< as it is
+  /// It does not hold as it is, but corrected it does, and not by its scale alone: that would take
+  /// over a wrong spacing.
+  bool mended = false;
+  std::vector<Finding> findings;
+};
+
+/// Measures boards with a scanner that was calibrated before. Throws Error where there is no view,
+/// one of them has mirrored or swapped axes or too few lit corners, or the board cannot be.
+Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
+                            const Scanner& scanner);
 
 }  // namespace slipstream

@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,19 +7,16 @@
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/calibrate/diagnosis.h"
-#include "slipstream/calibrate/first_guess.h"
 
 namespace slipstream {
 namespace {
-
-using Views = std::vector<BoardView>;
 
 auto from_to(std::size_t first, std::size_t end) {
   return [=](std::size_t pose) { return pose >= first && pose < end; };
 }
 
 /// RMS over both devices, of each pose.
-std::vector<double> stereo_rms(const Views& views, const BundleState& state) {
+std::vector<double> stereo_rms(const BoardViews& views, const BundleState& state) {
   std::vector<double> rms;
   for (std::size_t v = 0; v < views.size(); ++v) {
     rms.push_back(reprojection(views[v], state, v).rms().stereo);
@@ -29,9 +24,8 @@ std::vector<double> stereo_rms(const Views& views, const BundleState& state) {
   return rms;
 }
 
-double largest_rms(const Views& views, const BundleState& state) {
-  const std::vector<double> rms = stereo_rms(views, state);
-  return *std::max_element(rms.begin(), rms.end());
+double largest_rms(const BoardViews& views, const BundleState& state) {
+  return std::ranges::max(stereo_rms(views, state));
 }
 
 /// RMS of a pose, pixels, that is a blunder and not an imperfect board.
@@ -48,13 +42,13 @@ struct OddPose {
   ProjectorOffset offset;
 };
 
-std::optional<OddPose> odd_pose(const Views& views, const BundleState& state,
-                                const std::vector<Eigen::Vector3d>& printed) {
+std::optional<OddPose> odd_pose(const BoardViews& views, const BundleState& state,
+                                const BoardPlaces& printed) {
   if (views.size() <= fewest_poses) return std::nullopt;
   const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
   std::optional<OddPose> odd;
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const Views rest = some_poses(views, state, [&](std::size_t i) { return i != v; }).views;
+    const BoardViews rest = some_poses(views, state, [&](std::size_t i) { return i != v; }).views;
     const BundleState others = simple_calibration(rest, printed, camera, projector);
     const double rms = largest_rms(rest, others);
     if (rms > blunder(camera) || (odd && rms > odd->rms_of_others)) continue;
@@ -69,14 +63,14 @@ struct OtherRig {
   double rms = 0;  ///< the largest of a pose under its own rig, pixels
 };
 
-std::optional<OtherRig> other_rig(const Views& views, const BundleState& state,
-                                  const std::vector<Eigen::Vector3d>& printed) {
+std::optional<OtherRig> other_rig(const BoardViews& views, const BundleState& state,
+                                  const BoardPlaces& printed) {
   const Size camera = state.scanner.camera.size, projector = state.scanner.projector.size;
   std::optional<OtherRig> other;
   for (std::size_t k = fewest_poses; k + fewest_poses <= views.size(); ++k) {
     double largest = 0;
     for (const auto& takes : {from_to(0, k), from_to(k, views.size())}) {
-      const Views half = some_poses(views, state, takes).views;
+      const BoardViews half = some_poses(views, state, takes).views;
       const BundleState own = simple_calibration(half, printed, camera, projector);
       largest = std::max(largest, largest_rms(half, own));
     }
@@ -87,7 +81,7 @@ std::optional<OtherRig> other_rig(const Views& views, const BundleState& state,
 
 /// Squared error of those poses with the rig free to stand otherwise than `state` says, and nothing
 /// else of it.
-double error_of_own_rig(const Views& views, const BundleState& state, std::size_t first,
+double error_of_own_rig(const BoardViews& views, const BundleState& state, std::size_t first,
                         std::size_t end, const BundleSettings& settings) {
   SomePoses some = some_poses(views, state, from_to(first, end));
   const BundleState own =
@@ -99,8 +93,7 @@ double error_of_own_rig(const Views& views, const BundleState& state, std::size_
 }  // namespace
 
 ProjectorOffset projector_offset(const BoardView& view, const Scanner& scanner,
-                                 const Eigen::Isometry3d& start,
-                                 const std::vector<Eigen::Vector3d>& places) {
+                                 const Eigen::Isometry3d& start, const BoardPlaces& places) {
   BoardView by_camera = view;
   for (Eigen::Vector2d& pixel : by_camera.projector) pixel = {nan, nan};
   const BundleState seen = bundle_adjusted({by_camera}, {scanner, {start}, places}, places,
@@ -119,19 +112,19 @@ ProjectorOffset projector_offset(const BoardView& view, const Scanner& scanner,
   return offset;
 }
 
-BundleState simple_calibration(const Views& views, const std::vector<Eigen::Vector3d>& printed,
-                               Size camera, Size projector) {
+BundleState simple_calibration(const BoardViews& views, const BoardPlaces& printed, Size camera,
+                               Size projector) {
   return bundle_adjusted(views, first_guess(views, printed, camera, projector), printed,
                          {.camera_coefficients = 2, .projector_coefficients = 2});
 }
 
-void require_one_rig(const Views& views, const BundleState& state,
-                     const std::vector<Eigen::Vector3d>& printed) {
+void require_one_rig(const BoardViews& views, const BundleState& state,
+                     const BoardPlaces& printed) {
   constexpr double most_of_median = 8;
   const double bound = blunder(state.scanner.camera.size);
   const std::vector<double> rms = stereo_rms(views, state);
   const double limit = std::max(1.5, std::min(bound, most_of_median * median(rms)));
-  if (*std::max_element(rms.begin(), rms.end()) < limit) return;
+  if (std::ranges::max(rms) < limit) return;
   // What spoils the frames of all poses spoils how they fit as well.
   const std::vector<Finding> of_frames = findings_of_frames(views);
   if (!of_frames.empty()) {
@@ -157,7 +150,7 @@ void require_one_rig(const Views& views, const BundleState& state,
                   median(rms)));
 }
 
-std::optional<MovedRig> moved_rig(const Views& views, const BundleState& state) {
+std::optional<MovedRig> moved_rig(const BoardViews& views, const BundleState& state) {
   // Of five poses and fewer two rigs explain one bad pose, too.
   constexpr std::size_t fewest = 2, fewest_in_all = 6;
   BundleSettings settings{.hold_camera = true, .hold_projector = true};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstring>
 #include <vector>
 
 #include <opencv2/aruco/charuco.hpp>
@@ -7,8 +8,9 @@
 #include <opencv2/core/utils/logger.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "slipstream/base/colour.h"
+#include "slipstream/base/image.h"
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/io/mat.h"
 
 namespace slipstream {
 
@@ -32,6 +34,22 @@ class QuietOpenCv {
   cv::utils::logging::LogLevel level_;
   cv::ErrorCallback callback_;
 };
+
+/// An OpenCV header over the same pixels, to read; valid as long as they are.
+template <class Pixel>
+cv::Mat mat_of(const Image<Pixel>& image) {
+  return {image.height(), image.width(), cv::traits::Type<Pixel>::value,
+          const_cast<Pixel*>(image.row(0))};  // cv::Mat has no const form
+}
+
+/// A copy of an OpenCV picture: grey, or of red, green and blue.
+template <class Pixel>
+Image<Pixel> image_from(const cv::Mat& mat) {
+  CV_Assert(mat.isContinuous() && mat.elemSize() == sizeof(Pixel));
+  Image<Pixel> image({mat.cols, mat.rows}, uninitialised);
+  std::memcpy(image.begin(), mat.data, mat.total() * sizeof(Pixel));
+  return image;
+}
 
 /// The pixel nearest to a place.
 inline cv::Point nearest_pixel(const Eigen::Vector2d& place) {

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "slipstream/geometry/lens.h"
+#include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
 

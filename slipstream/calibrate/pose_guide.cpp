@@ -1,23 +1,17 @@
 #include "slipstream/calibrate/pose_guide.h"
 
 #include <algorithm>
-#include <cmath>
-#include <map>
 #include <numbers>
-#include <utility>
 
-#include <Eigen/Geometry>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <opencv2/calib3d.hpp>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
-#include "slipstream/calibrate/board_view.h"
-#include "slipstream/calibrate/first_guess.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/calibrate/opencv.h"
 
 namespace slipstream {
+namespace fs = std::filesystem;
 namespace {
 
 /// Grey levels of the board's pixels, all within the hull of its corners.
@@ -26,34 +20,28 @@ std::vector<float> greys_of(const Image<float>& picture, const BoardCorners& boa
   std::ranges::transform(board.pixels, std::back_inserter(corners), nearest_pixel);
   const cv::Mat inside = within_hull(corners, {picture.width(), picture.height()});
   std::vector<float> greys;
-  for (int row = 0; row < picture.height(); ++row) {
-    for (int column = 0; column < picture.width(); ++column) {
-      if (inside.at<std::uint8_t>(row, column) != 0) greys.push_back(picture(column, row));
-    }
-  }
+  for_each_pixel_in_order(picture.size(), [&](int column, int row) {
+    if (inside.at<std::uint8_t>(row, column) != 0) greys.push_back(picture(column, row));
+  });
   return greys;
 }
 
 /// Mean distance of the corners that both have, pixels; none where there is no such corner.
 std::optional<double> distance(const BoardCorners& seen, const BoardView& taken) {
-  std::map<int, Eigen::Vector2d> before;
-  for (std::size_t i = 0; i < taken.places.size(); ++i) {
-    before.emplace(taken.places[i], taken.camera[i]);
-  }
   double sum = 0;
   int count = 0;
   for (std::size_t i = 0; i < seen.places.size(); ++i) {
-    const auto corner = before.find(seen.places[i]);
-    if (corner == before.end()) continue;
-    sum += (seen.pixels[i] - corner->second).norm();
+    const auto before = std::ranges::find(taken.places, seen.places[i]);
+    if (before == taken.places.end()) continue;
+    const auto corner = static_cast<std::size_t>(before - taken.places.begin());
+    sum += (seen.pixels[i] - taken.camera[corner]).norm();
     ++count;
   }
   if (count == 0) return std::nullopt;
   return sum / count;
 }
 
-const BoardView* same_pose(const BoardCorners& seen, const std::vector<BoardView>& taken,
-                           int width) {
+const BoardView* same_pose(const BoardCorners& seen, const BoardViews& taken, int width) {
   constexpr double near = 0.03;
   const auto known = std::find_if(taken.begin(), taken.end(), [&](const BoardView& view) {
     return distance(seen, view).value_or(width) < near * width;
@@ -98,12 +86,11 @@ std::optional<PoseVerdict> unfit(const FringeFreePictures& pictures, const Calib
   return std::nullopt;
 }
 
-std::array<bool, 4> tilts_of(const std::vector<BoardView>& taken, const CalibrationBoard& board,
-                             Size camera) {
+std::array<bool, 4> tilts_of(const BoardViews& taken, const CalibrationBoard& board, Size camera) {
   const double least = std::sin(12 * std::numbers::pi / 180);
   std::array<bool, 4> tilted{};
   if (taken.empty()) return tilted;
-  const std::vector<Eigen::Vector3d> printed = printed_places(board);
+  const BoardPlaces printed = printed_places(board);
   const Lens lens = simple_lens(taken, printed, camera);
   for (const BoardView& view : taken) {
     // How much farther the board's right and its lower edge are.
@@ -119,26 +106,21 @@ std::array<bool, 4> tilts_of(const std::vector<BoardView>& taken, const Calibrat
 /// Whether boards cover half of a cell.
 bool is_seen_in(const Image<std::uint8_t>& coverage, int row, int column) {
   constexpr int cells = PoseNeeds::cells;
-  const int left = column * coverage.width() / cells,
-            right = (column + 1) * coverage.width() / cells;
-  const int top = row * coverage.height() / cells, bottom = (row + 1) * coverage.height() / cells;
-  int covered = 0;
-  for (int y = top; y < bottom; ++y) {
-    for (int x = left; x < right; ++x) covered += coverage(x, y) > 0 ? 1 : 0;
-  }
-  return 2 * covered >= (right - left) * (bottom - top);
+  const auto corner = [&](int across, int down) {
+    return cv::Point(across * coverage.width() / cells, down * coverage.height() / cells);
+  };
+  const cv::Rect cell(corner(column, row), corner(column + 1, row + 1));
+  return 2 * cv::countNonZero(mat_of(coverage)(cell)) >= cell.area();
 }
 
 /// The places of the picture where no board was, as a person calls them.
 std::vector<std::string> missing_places(const PoseNeeds& needs) {
   constexpr std::array rows{"top", "middle", "bottom"}, columns{"left", "middle", "right"};
   std::vector<std::string> places;
-  for (std::size_t row = 0; row < rows.size(); ++row) {
-    for (std::size_t column = 0; column < columns.size(); ++column) {
-      if (needs.seen_in[row][column]) continue;
-      places.push_back(row == 1 && column == 1 ? "middle"
-                                               : fmt::format("{} {}", rows[row], columns[column]));
-    }
+  for (std::size_t cell = 0; cell < rows.size() * columns.size(); ++cell) {
+    const std::size_t row = cell / columns.size(), column = cell % columns.size();
+    if (needs.seen_in[row][column]) continue;
+    places.push_back(cell == 4 ? "middle" : fmt::format("{} {}", rows[row], columns[column]));
   }
   return places;
 }
@@ -197,8 +179,7 @@ void dim_uncovered(const Drawing& drawing, const Image<std::uint8_t>& coverage) 
   shade.copyTo(drawing.picture, uncovered > 127);
 }
 
-void draw_outline(const Drawing& drawing, const std::vector<Eigen::Vector2d>& corners,
-                  const cv::Scalar& colour) {
+void draw_outline(const Drawing& drawing, const PixelPlaces& corners, const cv::Scalar& colour) {
   std::vector<cv::Point> places, hull;
   for (const Eigen::Vector2d& corner : corners) places.push_back(drawing.place(corner));
   if (places.empty()) return;
@@ -222,10 +203,72 @@ void draw_tilts(const Drawing& drawing, const std::array<bool, 4>& tilted) {
   }
 }
 
+/// The poses of one board before one camera, as they are taken.
+struct GuidedPoses {
+  ScanCamera& camera;
+  const fs::path& folder;
+  const CalibrationBoard& board;
+  const Sequence& sequence;
+  const GuidedPosesSettings& settings;
+  BoardViews taken{};
+  std::optional<PoseVerdict> refused{};  ///< the pose that stands there still
+  bool enough = false;
+
+  BoardViews take_all() {
+    while (!enough && !(settings.ends && settings.ends())) {
+      const auto glimpse = camera.look(std::chrono::milliseconds(200));
+      if (glimpse) judge(*glimpse);
+    }
+    return std::move(taken);
+  }
+
+  void judge(const Glimpse& glimpse) {
+    const FringeFreePictures pictures =
+        fringe_free_pictures(glimpse.frames.front(), glimpse.frames.back());
+    PoseVerdict verdict = judge_pose(pictures, glimpse.still, board, taken);
+    if (!glimpse.still) refused.reset();
+    if (verdict.state == PoseState::good && refused) verdict = *refused;
+    tell(pictures, verdict);
+    if (verdict.state != PoseState::good) return;
+    std::optional<std::vector<FrameSet>> frames = camera.take();
+    if (frames) {
+      verdict = keep(std::move(*frames), verdict);
+    } else {
+      verdict = {PoseState::moving, "it moved while it was taken: hold still", verdict.board};
+    }
+    if (verdict.state == PoseState::refused) refused = verdict;
+    tell(pictures, verdict);
+  }
+
+  /// Writes the scans of a pose where they serve.
+  PoseVerdict keep(std::vector<FrameSet> frames, const PoseVerdict& seen) {
+    const std::string name = fmt::format("board{:02}", taken.size() + 1);
+    std::vector<Scan> scans;
+    for (const Axis axis : {Axis::x, Axis::y}) {
+      scans.push_back(
+          {.frames = std::move(frames.at(scans.size())), .sequence = along(sequence, axis)});
+      scans.back().sequence.marker = false;  // none of the frames is one
+    }
+    BoardCapture found = board_capture(name, board, scans[0], scans[1], settings.capture);
+    if (!found.view) return {PoseState::refused, "refused: " + found.told, seen.board};
+    for (const Scan& scan : scans) {
+      settings.save(folder / name / name_of(scan.sequence.axis), scan);
+    }
+    taken.push_back(std::move(*found.view));
+    return {PoseState::taken, fmt::format("{} is taken: {}", name, found.told), seen.board};
+  }
+
+  void tell(const FringeFreePictures& pictures, const PoseVerdict& verdict) {
+    const PoseNeeds needs = pose_needs(taken, board, pictures.mean.size(), settings.wanted);
+    enough = needs.enough;
+    if (settings.told) settings.told({pictures, verdict, needs, taken});
+  }
+};
+
 }  // namespace
 
 PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
-                       const CalibrationBoard& board, const std::vector<BoardView>& taken) {
+                       const CalibrationBoard& board, const BoardViews& taken) {
   std::optional<BoardCorners> seen;
   try {
     seen = find_board(board, pictures);
@@ -246,8 +289,8 @@ PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
   return {PoseState::good, "good: it is being taken, hold still", std::move(seen)};
 }
 
-PoseNeeds pose_needs(const std::vector<BoardView>& taken, const CalibrationBoard& board,
-                     Size camera, int wanted) {
+PoseNeeds pose_needs(const BoardViews& taken, const CalibrationBoard& board, Size camera,
+                     int wanted) {
   constexpr std::size_t few = 10, many = 20;
   constexpr double well_covered = 0.6;
   PoseNeeds needs{.coverage = coverage_map(taken, Device::camera, camera)};
@@ -259,8 +302,7 @@ PoseNeeds pose_needs(const std::vector<BoardView>& taken, const CalibrationBoard
     }
   }
   needs.tilted = tilts_of(taken, board, camera);
-  const bool all_ways =
-      std::find(needs.tilted.begin(), needs.tilted.end(), false) == needs.tilted.end();
+  const bool all_ways = std::ranges::count(needs.tilted, false) == 0;
   needs.enough = wanted > 0 ? taken.size() >= static_cast<std::size_t>(wanted)
                             : taken.size() >= many || (taken.size() >= few && all_ways &&
                                                        needs.covered >= well_covered);
@@ -274,7 +316,7 @@ Colour colour_of(PoseState state) {
 }
 
 Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdict,
-                          const PoseNeeds& needs, const std::vector<BoardView>& taken, int width) {
+                          const PoseNeeds& needs, const BoardViews& taken, int width) {
   const Drawing drawing = enlarged(picture, width);
   if (!needs.enough) dim_uncovered(drawing, needs.coverage);
   for (const BoardView& view : taken) {
@@ -288,14 +330,15 @@ Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdic
     }
   }
   draw_tilts(drawing, needs.tilted);
-  Image<Colour> drawn({drawing.picture.cols, drawing.picture.rows});
-  for (int row = 0; row < drawn.height(); ++row) {
-    const cv::Vec3b* const from = drawing.picture.ptr<cv::Vec3b>(row);
-    std::transform(from, from + drawn.width(), drawn.row(row), [](const cv::Vec3b& pixel) {
-      return Colour{pixel[0], pixel[1], pixel[2]};
-    });
-  }
-  return drawn;
+  return image_from<Colour>(drawing.picture);
+}
+
+BoardViews take_guided_poses(ScanCamera& camera, const fs::path& folder,
+                             const CalibrationBoard& board, const Sequence& sequence,
+                             const GuidedPosesSettings& settings) {
+  throw_if(fs::exists(folder) && !fs::is_empty(folder),
+           "{}: is not empty; name a new folder for the poses", folder.string());
+  return GuidedPoses{camera, folder, board, sequence, settings}.take_all();
 }
 
 }  // namespace slipstream

@@ -1,18 +1,10 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
-#include <functional>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "slipstream/base/colour.h"
-#include "slipstream/base/image.h"
 #include "slipstream/calibrate/board_capture.h"
-#include "slipstream/calibrate/board_corners.h"
-#include "slipstream/calibrate/board_view.h"
 #include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
@@ -32,11 +24,7 @@ struct PoseVerdict {
 /// is_soft says, known where a pose that was `taken` has its corners within 3 % of the picture's
 /// width, moving unless `still`.
 PoseVerdict judge_pose(const FringeFreePictures& pictures, bool still,
-                       const CalibrationBoard& board, const std::vector<BoardView>& taken);
-
-/// Which edge of the board is nearer to the camera than the one across, by 12 degrees of tilt or
-/// more.
-enum class NearEdge { left, right, top, bottom };
+                       const CalibrationBoard& board, const BoardViews& taken);
 
 /// What the poses that were taken lack for a good calibration.
 struct PoseNeeds {
@@ -44,15 +32,17 @@ struct PoseNeeds {
   Image<std::uint8_t> coverage{};  ///< as coverage_map of the camera
   double covered = 0;              ///< share of the camera's picture
   std::array<std::array<bool, cells>, cells> seen_in{};  ///< [row][column]: half of it or more
-  std::array<bool, 4> tilted{};                          ///< by NearEdge
+  /// Whether the board's left, right, top or bottom edge was nearer to the camera than the one
+  /// across, by 12 degrees of tilt or more.
+  std::array<bool, 4> tilted{};
   bool enough = false;
   std::string advice{};  ///< how to hold the next one; empty where there are enough
 };
 
 /// `wanted`: how many poses are enough; 0: ten that are tilted each way and cover 60 % of the
 /// camera's picture, or twenty. Tilts are those that a lens without distortion sees.
-PoseNeeds pose_needs(const std::vector<BoardView>& taken, const CalibrationBoard& board,
-                     Size camera, int wanted);
+PoseNeeds pose_needs(const BoardViews& taken, const CalibrationBoard& board, Size camera,
+                     int wanted);
 
 /// The colour in which a state is told: green where the pose is good or taken, yellow where it only
 /// has to be held still, red where something speaks against it.
@@ -63,18 +53,19 @@ Colour colour_of(PoseState state);
 /// and at each side an arrow for the edge that was nearer there, green, or that has yet to be,
 /// orange. A small picture is enlarged, to `width` pixels at least, so that lines stay thin.
 Image<Colour> drawn_guide(const Image<float>& picture, const PoseVerdict& verdict,
-                          const PoseNeeds& needs, const std::vector<BoardView>& taken,
-                          int width = 1600);
+                          const PoseNeeds& needs, const BoardViews& taken, int width = 1600);
 
 /// How a person stands with the poses of a board, each time something was seen.
 struct PoseProgress {
   const FringeFreePictures& pictures;
   const PoseVerdict& verdict;
   const PoseNeeds& needs;
-  const std::vector<BoardView>& taken;
+  const BoardViews& taken;
 };
 
 struct GuidedPosesSettings {
+  /// Writes a scan of a pose that is taken into a new folder.
+  std::function<void(const std::filesystem::path& folder, const Scan& scan)> save;
   int wanted = 0;  ///< see pose_needs
   BoardCaptureSettings capture{};
   std::function<void(const PoseProgress&)> told = {};  ///< called at every glimpse and pose
@@ -87,8 +78,8 @@ struct GuidedPosesSettings {
 /// board_capture, is refused and not kept; it is tried again once the board has moved. `camera`
 /// gives the two scans of `sequence`, which is of no axis of its own. Returns the poses. Throws
 /// Error where the folder holds something already, WorldError where it cannot be written.
-std::vector<BoardView> take_guided_poses(ScanCamera& camera, const std::filesystem::path& folder,
-                                         const CalibrationBoard& board, const Sequence& sequence,
-                                         const GuidedPosesSettings& settings);
+BoardViews take_guided_poses(ScanCamera& camera, const std::filesystem::path& folder,
+                             const CalibrationBoard& board, const Sequence& sequence,
+                             const GuidedPosesSettings& settings);
 
 }  // namespace slipstream

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -133,7 +132,7 @@ ProjectorCorner projector_corner(const ProjectorMap& map, const Eigen::Vector2d&
 
 }  // namespace
 
-double distance_to_next(const std::vector<Eigen::Vector2d>& corners, std::size_t i) {
+double distance_to_next(const PixelPlaces& corners, std::size_t i) {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t j = 0; j < corners.size(); ++j) {
     if (j != i) least = std::min(least, (corners[i] - corners[j]).norm());
@@ -150,22 +149,19 @@ ProjectorMap projector_map(const FrameViews& frames_x, const BasicMaps<double>& 
   const Image<std::uint8_t> saturated_y = saturation_mask(frames_y);
   const double grey_level_x = frames_x.full_scale() / 255;
   const double grey_level_y = frames_y.full_scale() / 255;
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      map.x(column, row) = along_x.coordinate(column, row) * projector.width;
-      map.y(column, row) = along_y.coordinate(column, row) * projector.height;
-      const double modulation = std::min(along_x.modulation(column, row) / grey_level_x,
-                                         along_y.modulation(column, row) / grey_level_y);
-      const bool reliable = modulation >= minimum_modulation && saturated_x(column, row) == 0 &&
-                            saturated_y(column, row) == 0;
-      map.weight(column, row) = reliable ? modulation * modulation : 0;
-    }
+  for_each_pixel(size, [&](int column, int row) {
+    map.x(column, row) = along_x.coordinate(column, row) * projector.width;
+    map.y(column, row) = along_y.coordinate(column, row) * projector.height;
+    const double modulation = std::min(along_x.modulation(column, row) / grey_level_x,
+                                       along_y.modulation(column, row) / grey_level_y);
+    const bool reliable = modulation >= minimum_modulation && saturated_x(column, row) == 0 &&
+                          saturated_y(column, row) == 0;
+    map.weight(column, row) = reliable ? modulation * modulation : 0;
   });
   return map;
 }
 
-std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map,
-                                               const std::vector<Eigen::Vector2d>& corners,
+std::vector<ProjectorCorner> projector_corners(const ProjectorMap& map, const PixelPlaces& corners,
                                                double share) {
   std::vector<ProjectorCorner> result(corners.size());
   for_each_row(static_cast<int>(corners.size()), [&](int corner) {

@@ -1,8 +1,6 @@
 #include "slipstream/calibrate/report.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -10,24 +8,25 @@
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/calibrate/opencv.h"
-#include "slipstream/io/file.h"
-#include "slipstream/io/mat.h"
-#include "slipstream/io/page.h"
 
 namespace slipstream {
-namespace fs = std::filesystem;
 namespace {
 
+// Red, green, blue.
 const cv::Scalar paper(255, 255, 255);
-const cv::Scalar ink(60, 50, 40);
+const cv::Scalar ink(40, 50, 60);
 const cv::Scalar faint(215, 215, 215);
 
 cv::Scalar colour_of_pose(std::size_t pose) {
   static const std::array<cv::Scalar, 8> colours{
-      cv::Scalar(180, 119, 31),  cv::Scalar(14, 127, 255),  cv::Scalar(44, 160, 44),
-      cv::Scalar(40, 39, 214),   cv::Scalar(189, 103, 148), cv::Scalar(75, 86, 140),
-      cv::Scalar(194, 119, 227), cv::Scalar(127, 127, 127)};
+      cv::Scalar(31, 119, 180),  cv::Scalar(255, 127, 14),  cv::Scalar(44, 160, 44),
+      cv::Scalar(214, 39, 40),   cv::Scalar(148, 103, 189), cv::Scalar(140, 86, 75),
+      cv::Scalar(227, 119, 194), cv::Scalar(127, 127, 127)};
   return colours[pose % colours.size()];
+}
+
+void write(cv::Mat& picture, const std::string& text, cv::Point at) {
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, 0.45, ink, 1, cv::LINE_AA);
 }
 
 /// 1, 2 or 5 times a power of ten, not above `value`.
@@ -40,7 +39,7 @@ double round_below(double value) {
 }
 
 /// Of one device, for each view.
-using Residuals = std::vector<std::vector<Eigen::Vector2d>>;
+using Residuals = std::vector<PixelPlaces>;
 
 /// The length that 95 % of the residuals do not exceed.
 double usual_length(const Residuals& residuals) {
@@ -62,7 +61,7 @@ cv::Mat drawn_coverage(const Image<std::uint8_t>& coverage, cv::Size size) {
       const auto fade = [&](double dark) {
         return cv::saturate_cast<std::uint8_t>(255 - share * (255 - dark));
       };
-      picture.at<cv::Vec3b>(row, column) = {fade(230), fade(190), fade(150)};
+      picture.at<cv::Vec3b>(row, column) = {fade(150), fade(190), fade(230)};
     }
   }
   cv::Mat enlarged;
@@ -72,8 +71,8 @@ cv::Mat drawn_coverage(const Image<std::uint8_t>& coverage, cv::Size size) {
 
 /// A device's picture: which parts how many boards covered, and at each corner its residual as an
 /// arrow, much enlarged; the length of a tenth of a pixel or so is drawn below.
-cv::Mat residual_map(const std::vector<BoardView>& views, const Residuals& residuals, Device device,
-                     Size size) {
+Image<Colour> residual_map(const BoardViews& views, const Residuals& residuals, Device device,
+                           Size size) {
   constexpr int width = 800, legend = 34;
   constexpr double arrow = 24;  // pixels, of a usual residual
   const double scale = static_cast<double>(width) / size.width;
@@ -97,13 +96,12 @@ cv::Mat residual_map(const std::vector<BoardView>& views, const Residuals& resid
   const double unit = round_below(2 * arrow / enlarged);
   const int length = cvRound(unit * enlarged), y = height + legend / 2;
   cv::line(picture, {12, y}, {12 + length, y}, ink, 2);
-  draw_text(picture, fmt::format("{:g} px; shade: how many boards", unit), {24 + length, y + 5},
-            0.45, ink);
-  return picture;
+  write(picture, fmt::format("{:g} px; shade: how many boards", unit), {24 + length, y + 5});
+  return image_from<Colour>(picture);
 }
 
 /// Every residual as a point, x against y, a colour for each pose.
-cv::Mat residual_scatter(const std::vector<BoardView>& views, const Residuals& residuals) {
+Image<Colour> residual_scatter(const BoardViews& views, const Residuals& residuals) {
   constexpr int side = 420, names_width = 150;
   const double reach = 1.6 * usual_length(residuals);
   const double scale = side / 2.0 / reach;
@@ -125,10 +123,10 @@ cv::Mat residual_scatter(const std::vector<BoardView>& views, const Residuals& r
     const int y = 20 + 18 * static_cast<int>(v);
     if (y > side - 30) continue;
     cv::circle(picture, {side + 14, y - 4}, 4, colour_of_pose(v), cv::FILLED, cv::LINE_AA);
-    draw_text(picture, views[v].name, {side + 26, y}, 0.45, ink);
+    write(picture, views[v].name, {side + 26, y});
   }
-  draw_text(picture, fmt::format("ring: {:g} px", ring), {side + 10, side - 10}, 0.45, ink);
-  return picture;
+  write(picture, fmt::format("ring: {:g} px", ring), {side + 10, side - 10});
+  return image_from<Colour>(picture);
 }
 
 /// The cells of a table's row that say how a board was measured.
@@ -211,30 +209,9 @@ void write_left_out(Page& page, const CalibrationReport& report) {
       other != nullptr ? std::optional(overall(other->poses)) : std::nullopt);
 }
 
-void write_number(Page& page, const std::string& name, double value, double deviation,
-                  const char* unit) {
-  page.row({name, fmt::format("{:.6g}", value),
-            deviation > 0 ? fmt::format("{:.2g}", deviation) : "held", unit});
-}
-
-void write_lens(Page& page, const std::string& device, const Lens& lens,
-                const LensDeviation& deviation, int coefficients) {
+void write_parameters(Page& page, const GeometryCalibration& calibration) {
   static constexpr std::array names{"k1", "k2", "p1", "p2", "k3", "k4",
                                     "k5", "k6", "s1", "s2", "s3", "s4"};
-  const Eigen::Matrix3d& K = lens.intrinsic;
-  const auto row = [&](const char* name, double value, double its_deviation, const char* unit) {
-    write_number(page, fmt::format("{} {}", device, name), value, its_deviation, unit);
-  };
-  row("fx", K(0, 0), deviation.focal.x(), "px");
-  row("fy", K(1, 1), deviation.focal.y(), "px");
-  row("cx", K(0, 2), deviation.principal_point.x(), "px");
-  row("cy", K(1, 2), deviation.principal_point.y(), "px");
-  for (std::size_t i = 0; i < static_cast<std::size_t>(coefficients); ++i) {
-    row(names[i], lens.distortion.coefficients[i], deviation.coefficients[i], "");
-  }
-}
-
-void write_parameters(Page& page, const GeometryCalibration& calibration) {
   const Scanner& scanner = calibration.state.scanner;
   const BundleDeviation& deviation = calibration.deviation;
   const Eigen::AngleAxisd turn(scanner.rotation);
@@ -244,17 +221,32 @@ void write_parameters(Page& page, const GeometryCalibration& calibration) {
       "The standard deviation is the larger of two: what the noise of corners that err "
       "independently would do, and how calibrations without one of the poses scatter.");
   page.table({"parameter", "value", "standard deviation", "unit"});
-  write_lens(page, "camera", scanner.camera, deviation.camera,
-             calibration.camera_lens.coefficients);
-  write_lens(page, "projector", scanner.projector, deviation.projector,
-             calibration.projector_lens.coefficients);
+  const auto row = [&](std::string name, double value, double its_deviation, const char* unit) {
+    page.row({std::move(name), fmt::format("{:.6g}", value),
+              its_deviation > 0 ? fmt::format("{:.2g}", its_deviation) : "held", unit});
+  };
+  const auto add_lens = [&](const std::string& device, const Lens& lens, const LensDeviation& off,
+                            int coefficients) {
+    const Eigen::Matrix3d& K = lens.intrinsic;
+    row(device + " fx", K(0, 0), off.focal.x(), "px");
+    row(device + " fy", K(1, 1), off.focal.y(), "px");
+    row(device + " cx", K(0, 2), off.principal_point.x(), "px");
+    row(device + " cy", K(1, 2), off.principal_point.y(), "px");
+    for (std::size_t i = 0; i < static_cast<std::size_t>(coefficients); ++i) {
+      row(fmt::format("{} {}", device, names[i]), lens.distortion.coefficients[i],
+          off.coefficients[i], "");
+    }
+  };
+  add_lens("camera", scanner.camera, deviation.camera, calibration.camera_lens.coefficients);
+  add_lens("projector", scanner.projector, deviation.projector,
+           calibration.projector_lens.coefficients);
   for (int i = 0; i < 3; ++i) {
-    write_number(page, fmt::format("rotation about {}", "xyz"[i]), angles[i],
-                 deviation.rotation[i] / degree, "degrees");
+    row(fmt::format("rotation about {}", "xyz"[i]), angles[i], deviation.rotation[i] / degree,
+        "degrees");
   }
   for (int i = 0; i < 3; ++i) {
-    write_number(page, fmt::format("translation {}", "xyz"[i]), scanner.translation[i],
-                 deviation.translation[i], "mm");
+    row(fmt::format("translation {}", "xyz"[i]), scanner.translation[i], deviation.translation[i],
+        "mm");
   }
   page.paragraph("Baseline: {:.3f} mm.", scanner.translation.norm());
 }
@@ -291,17 +283,8 @@ void write_field(Page& page, const GeometryCalibration& calibration) {
       "Arrows go from where a corner was seen against where it is predicted, enlarged; they "
       "should look random. A pattern common to all poses is a lens model too simple, one "
       "pose with long arrows a board that moved.");
-  for (const char* device : {"camera", "projector"}) {
-    page.picture(fmt::format("residuals of the {} over its picture", device),
-                 fmt::format("residuals_{}.png", device));
-    page.picture(fmt::format("residuals of the {}, x against y", device),
-                 fmt::format("scatter_{}.png", device));
-  }
-}
-
-void write_plots(const fs::path& folder, const GeometryCalibration& calibration) {
   const Scanner& scanner = calibration.state.scanner;
-  const std::vector<BoardView>& views = calibration.views;
+  const BoardViews& views = calibration.views;
   for (const auto& [device, name, size] :
        {std::tuple(Device::camera, "camera", scanner.camera.size),
         std::tuple(Device::projector, "projector", scanner.projector.size)}) {
@@ -309,17 +292,18 @@ void write_plots(const fs::path& folder, const GeometryCalibration& calibration)
     for (std::size_t v = 0; v < views.size(); ++v) {
       of_views.push_back(residuals(views[v], calibration.state, v, device));
     }
-    write_png(folder / fmt::format("residuals_{}.png", name),
-              residual_map(views, of_views, device, size));
-    write_png(folder / fmt::format("scatter_{}.png", name), residual_scatter(views, of_views));
+    page.picture(fmt::format("residuals of the {} over its picture", name),
+                 fmt::format("residuals_{}.png", name),
+                 residual_map(views, of_views, device, size));
+    page.picture(fmt::format("residuals of the {}, x against y", name),
+                 fmt::format("scatter_{}.png", name), residual_scatter(views, of_views));
   }
 }
 
 }  // namespace
 
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
-                                const std::vector<BoardView>& views,
-                                const CalibrationBoard& board) {
+                                const BoardViews& views, const CalibrationBoard& board) {
   ScannerComparison comparison{name, {}};
   for (const BoardView& view : views) {
     comparison.poses.push_back(board_quality(view, scanner, printed_places(board)));
@@ -367,7 +351,7 @@ std::string text_of(const CalibrationReport& report) {
                             name_of_lens_model(calibration.projector_lens.coefficients));
 }
 
-void write_calibration_report(const fs::path& folder, const CalibrationReport& report) {
+Page calibration_report(const CalibrationReport& report) {
   const GeometryCalibration& calibration = report.calibration;
   Page page("Calibration of a camera and a projector");
   page.paragraph(
@@ -382,10 +366,7 @@ void write_calibration_report(const fs::path& folder, const CalibrationReport& r
   write_parameters(page, calibration);
   write_lens_models(page, calibration);
   write_field(page, calibration);
-
-  make_folder(folder);
-  write_plots(folder, calibration);
-  write_file(folder / "report.md", page.text());
+  return page;
 }
 
 }  // namespace slipstream

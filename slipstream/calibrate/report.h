@@ -1,13 +1,8 @@
 #pragma once
 
-#include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "slipstream/calibrate/calibration_board.h"
+#include "slipstream/base/page.h"
+#include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
-#include "slipstream/calibrate/pose_captures.h"
 
 namespace slipstream {
 
@@ -18,7 +13,7 @@ struct ScannerComparison {
 };
 
 ScannerComparison compared_with(const Scanner& scanner, const std::string& name,
-                                const std::vector<BoardView>& views, const CalibrationBoard& board);
+                                const BoardViews& views, const CalibrationBoard& board);
 
 /// Of each pose, measured with a calibration of the others.
 std::vector<std::optional<BoardQuality>> left_out_qualities(const GeometryCalibration& calibration);
@@ -39,9 +34,8 @@ struct CalibrationReport {
 /// scanner file says, lens models.
 std::string text_of(const CalibrationReport& report);
 
-/// Writes report.md and its pictures into a folder: findings, RMS, what the left-out poses say
-/// beside what another scanner file says, parameters with their standard deviations, lens models,
-/// coverage and residuals. Throws WorldError when that fails.
-void write_calibration_report(const std::filesystem::path& folder, const CalibrationReport& report);
+/// All of it with pictures: findings, RMS, what the left-out poses say beside what another scanner
+/// file says, parameters with their standard deviations, lens models, coverage and residuals.
+Page calibration_report(const CalibrationReport& report);
 
 }  // namespace slipstream

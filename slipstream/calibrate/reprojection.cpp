@@ -1,9 +1,6 @@
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "slipstream/base/statistics.h"
@@ -22,8 +19,7 @@ double robust_deviation(std::vector<double> sizes) {
 /// Calls `use` with the residuals of each corner of all views, the camera's and the projector's,
 /// and with what is the projector's own: without what comes of the camera's.
 template <class Use>
-void for_each_corner(const std::vector<BoardView>& views, const BundleState& state,
-                     const Use& use) {
+void for_each_corner(const BoardViews& views, const BundleState& state, const Use& use) {
   for (std::size_t v = 0; v < views.size(); ++v) {
     const auto camera = residuals(views[v], state, v, Device::camera);
     const auto projector = residuals(views[v], state, v, Device::projector);
@@ -34,7 +30,7 @@ void for_each_corner(const std::vector<BoardView>& views, const BundleState& sta
   }
 }
 
-Squares squares_of(const std::vector<Eigen::Vector2d>& residuals) {
+Squares squares_of(const PixelPlaces& residuals) {
   Squares squares;
   for (const Eigen::Vector2d& residual : residuals) {
     if (residual.allFinite()) squares.add(residual.squaredNorm());
@@ -54,7 +50,7 @@ Eigen::Vector3d point_between(const Scanner& scanner, const Eigen::Vector2d& cam
 }
 
 /// RMS distance from the best plane.
-double flatness_of(const std::vector<Eigen::Vector3d>& points) {
+double flatness_of(const BoardPlaces& points) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) centre += point / static_cast<double>(points.size());
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -66,8 +62,8 @@ double flatness_of(const std::vector<Eigen::Vector3d>& points) {
 }
 
 /// Sets what the distances between all pairs of points say.
-void measure_distances(const std::vector<Eigen::Vector3d>& points,
-                       const std::vector<Eigen::Vector3d>& printed, BoardQuality& quality) {
+void measure_distances(const BoardPlaces& points, const BoardPlaces& printed,
+                       BoardQuality& quality) {
   double ratios = 0, squares = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
@@ -84,10 +80,10 @@ void measure_distances(const std::vector<Eigen::Vector3d>& points,
 
 }  // namespace
 
-std::vector<Eigen::Vector2d> residuals(const BoardView& view, const BundleState& state,
-                                       std::size_t v, Device device) {
+PixelPlaces residuals(const BoardView& view, const BundleState& state, std::size_t v,
+                      Device device) {
   const Scanner& scanner = state.scanner;
-  std::vector<Eigen::Vector2d> result;
+  PixelPlaces result;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     const Eigen::Vector3d point =
         state.poses[v] * state.places[static_cast<std::size_t>(view.places[i])];
@@ -99,7 +95,7 @@ std::vector<Eigen::Vector2d> residuals(const BoardView& view, const BundleState&
   return result;
 }
 
-SomePoses some_poses(const std::vector<BoardView>& views, const BundleState& state,
+SomePoses some_poses(const BoardViews& views, const BundleState& state,
                      const std::function<bool(std::size_t)>& takes) {
   SomePoses some{{}, {state.scanner, {}, state.places}};
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -110,7 +106,7 @@ SomePoses some_poses(const std::vector<BoardView>& views, const BundleState& sta
   return some;
 }
 
-PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const BundleState& state) {
+PixelDeviations pixel_deviations(const BoardViews& views, const BundleState& state) {
   std::vector<double> camera, projector;
   const auto collect = [](const Eigen::Vector2d& residual, std::vector<double>& sizes) {
     if (!residual.allFinite()) return;
@@ -124,7 +120,7 @@ PixelDeviations pixel_deviations(const std::vector<BoardView>& views, const Bund
   return {robust_deviation(std::move(camera)), robust_deviation(std::move(projector))};
 }
 
-double mean_squared_error(const std::vector<BoardView>& views, const BundleState& state,
+double mean_squared_error(const BoardViews& views, const BundleState& state,
                           const PixelDeviations& deviations) {
   Squares squares;
   for_each_corner(views, state,
@@ -148,8 +144,8 @@ Reprojection reprojection(const BoardView& view, const BundleState& state, std::
 }
 
 std::optional<BoardQuality> board_quality(const BoardView& view, const Scanner& scanner,
-                                          const std::vector<Eigen::Vector3d>& printed) {
-  std::vector<Eigen::Vector3d> points, places;
+                                          const BoardPlaces& printed) {
+  BoardPlaces points, places;
   for (std::size_t i = 0; i < view.places.size(); ++i) {
     if (!view.projector[i].allFinite()) continue;
     const Eigen::Vector3d point = point_between(scanner, view.camera[i], view.projector[i]);

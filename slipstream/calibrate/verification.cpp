@@ -1,15 +1,8 @@
-#include "slipstream/calibrate/verification.h"
 
-#include <cmath>
-#include <utility>
 
-#include <Eigen/Geometry>
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/calibrate/diagnosis.h"
-#include "slipstream/calibrate/first_guess.h"
 
 namespace slipstream {
 namespace {
@@ -37,25 +30,24 @@ BoardMeasure measured(const BoardView& view, const BundleState& state, std::size
     epipolar.add(std::pow(epipolar_distance(state.scanner, view.camera[i], view.projector[i]), 2));
   }
   const auto quality = board_quality(view, state.scanner, state.places);
-  if (!quality) throw Error(fmt::format("{}: too few corners are lit to measure it", view.name));
+  throw_if(!quality, "{}: too few corners are lit to measure it", view.name);
   return {epipolar.rms(), reprojection(view, state, v).rms(), *quality};
 }
 
 /// Root mean squares over poses.
 BoardMeasure overall(const std::vector<VerifiedPose>& poses,
                      const BoardMeasure VerifiedPose::*which) {
-  Squares epipolar, camera, projector, stereo, flatness, scale;
-  for (const VerifiedPose& pose : poses) {
-    const auto& [of_lines, rms, quality] = pose.*which;
-    epipolar.add(of_lines * of_lines);
-    camera.add(rms.camera * rms.camera);
-    projector.add(rms.projector * rms.projector);
-    stereo.add(rms.stereo * rms.stereo);
-    flatness.add(quality.flatness * quality.flatness);
-    scale.add(quality.scale_error * quality.scale_error);
-  }
-  return {
-      epipolar.rms(), {camera.rms(), projector.rms(), stereo.rms()}, {flatness.rms(), scale.rms()}};
+  const auto rms = [&](const auto& figure_of) {
+    Squares squares;
+    for (const VerifiedPose& pose : poses) squares.add(std::pow(figure_of(pose.*which), 2));
+    return squares.rms();
+  };
+  return {rms([](const BoardMeasure& of) { return of.epipolar; }),
+          {rms([](const BoardMeasure& of) { return of.rms.camera; }),
+           rms([](const BoardMeasure& of) { return of.rms.projector; }),
+           rms([](const BoardMeasure& of) { return of.rms.stereo; })},
+          {rms([](const BoardMeasure& of) { return of.quality.flatness; }),
+           rms([](const BoardMeasure& of) { return of.quality.scale_error; })}};
 }
 
 bool is_good(const BoardMeasure& measure, double size) {
@@ -100,12 +92,12 @@ Finding finding_of(const Verification& verification, const Scanner& scanner,
 
 }  // namespace
 
-Verification verify_scanner(std::vector<BoardView> views, const CalibrationBoard& board,
+Verification verify_scanner(BoardViews views, const CalibrationBoard& board,
                             const Scanner& scanner) {
   require_valid(board);
   require_valid(scanner);
   if (views.empty()) throw Error("no pose of the board to verify with");
-  const std::vector<Eigen::Vector3d> printed = printed_places(board);
+  const BoardPlaces printed = printed_places(board);
   views = checked_views(std::move(views), printed);
 
   BundleState state{scanner, {}, printed};

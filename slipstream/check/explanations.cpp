@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <utility>
 
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
@@ -84,7 +82,7 @@ void name_broadly(const Fit& fit, Finding& finding) {
 /// How much brighter each frame is than the others, as a share, from what patterns of that shape
 /// cannot make; their mean is 0.
 struct FrameGains {
-  std::vector<double> gains;
+  Eigen::VectorXd gains;
   double explained = 0;  ///< the share of the residual that they account for
   struct OddFrame {
     int frame = 0;
@@ -112,8 +110,6 @@ std::optional<FrameGains::OddFrame> odd_frame(const Eigen::MatrixXd& normal,
 
 FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
   const int count = model.layout().frames;
-  FrameGains result{.gains = std::vector<double>(static_cast<std::size_t>(count))};
-  if (model.unexplained_count() == 0) return result;
   // Gains leave P diag(I) gain where P I of the true frames is nothing; both sides of a product are
   // of different neighbours, which share no noise.
   const FrameOrder order = model.identity();
@@ -141,10 +137,7 @@ FrameGains frame_gains(const FrameModel& model, const ScanSamples& samples) {
   const double held = normal.trace() / count;
   const Eigen::VectorXd gains =
       (normal + Eigen::MatrixXd::Constant(count, count, held)).ldlt().solve(right);
-  result.explained = all > 0 ? gains.dot(right) / all : 0;
-  std::copy(gains.begin(), gains.end(), result.gains.begin());
-  result.odd_frame = odd_frame(normal, right, all);
-  return result;
+  return {gains, all > 0 ? gains.dot(right) / all : 0, odd_frame(normal, right, all)};
 }
 
 /// Light that changed between frames.
@@ -155,26 +148,20 @@ std::optional<Finding> flicker(const JudgedScan& scan, const Fit& fit) {
   constexpr double most_gain = 0.3;
   if (fit.frames.residual < least_residual) return std::nullopt;
   const FrameGains gains = frame_gains(scan.model, scan.samples);
-  const auto odd = std::max_element(gains.gains.begin(), gains.gains.end(),
-                                    [](double a, double b) { return std::abs(a) < std::abs(b); });
-  const double size = std::abs(*odd);
+  const double size = gains.gains.cwiseAbs().maxCoeff();
   if (!(gains.explained >= least_explained && size >= least_gain && size <= most_gain)) {
     return std::nullopt;
   }
   // Motion may look like light, but hardly like that of one frame alone.
   if (scan.settings.moving && !gains.odd_frame) return std::nullopt;
-  Finding finding{
+  const auto& odd = gains.odd_frame;
+  return Finding{
       .what = "frames are brighter or darker than the patterns make them",
+      .evidence = {odd ? Evidence{fmt::format("frame {}, percent", odd->frame), 100 * odd->gain}
+                       : Evidence{"the most, percent", 100 * size}},
       .likely = "light that flickers, or an exposure or gain that changed between frames",
       .advice =
           "fix exposure and gain, and expose for whole periods of the mains and the projector"};
-  if (gains.odd_frame) {
-    finding.evidence = {
-        {fmt::format("frame {}, percent", gains.odd_frame->frame), 100 * gains.odd_frame->gain}};
-  } else {
-    finding.evidence = {{"the most, percent", 100 * size}};
-  }
-  return finding;
 }
 
 /// Frames without any pattern, where they are no dark part of one.

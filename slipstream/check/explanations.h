@@ -1,14 +1,7 @@
 #pragma once
 
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "slipstream/check/finding.h"
 #include "slipstream/check/fit.h"
-#include "slipstream/check/frame_model.h"
 #include "slipstream/check/scan_check.h"
-#include "slipstream/check/scan_samples.h"
 #include "slipstream/codes/layout.h"
 
 namespace slipstream {

@@ -1,12 +1,8 @@
 #pragma once
 
 #include <complex>
-#include <cstddef>
-#include <optional>
-#include <vector>
 
 #include "slipstream/check/frame_model.h"
-#include "slipstream/check/scan_samples.h"
 
 namespace slipstream {
 

@@ -1,9 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numeric>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -56,11 +54,12 @@ std::vector<Evidence> evidence_of(const Stretch& stretch, const Places& places,
           {"last row", last}};
 }
 
+// Of the lit pixels.
+constexpr double part = 0.12, all = 0.97;
+
 /// Two frames of one pattern each are alike where their sinusoids cross, never all over.
 std::optional<Finding> same_picture(const ScanSamples& samples, const Places& places, int n,
                                     int m) {
-  constexpr double part = 0.12;
-  constexpr double all = 0.97;
   // As far apart as rounding may put equal intensities.
   constexpr float rounding = 1e-3F;
   const Stretch alike = longest_stretch(places, [&](std::size_t group) {
@@ -85,8 +84,6 @@ std::optional<Finding> same_picture(const ScanSamples& samples, const Places& pl
 
 /// Rows in which a frame is black from one row to the next: a pattern's dark end comes by degrees.
 std::optional<Finding> lost_part(const ScanSamples& samples, const Places& places, int n) {
-  constexpr double part = 0.12;
-  constexpr double all = 0.97;
   constexpr float black = 0.5F;
   // Grey levels of the pixels next to what is lost; a pattern that is dark there has less.
   constexpr float sharp = 12;
@@ -110,17 +107,16 @@ std::optional<Finding> lost_part(const ScanSamples& samples, const Places& place
 /// A frame that shows the room's light alone: flat but for what is seen in it, and no brighter than
 /// the darkest of the others nearly everywhere.
 std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
-  constexpr double nearly_all = 0.97;
   std::vector<float> levels, ranges;
   std::size_t darkest = 0;
   for (std::size_t g = 0; g < samples.groups(); ++g) {
-    const float* const all = samples.levels(g, ScanSamples::middle);
-    const float own = all[n];
+    const float* const levels_here = samples.levels(g, ScanSamples::middle);
+    const float own = levels_here[n];
     float least = std::numeric_limits<float>::infinity(), greatest = -least;
     for (int m = 0; m < samples.frames(); ++m) {
       if (m == n) continue;
-      least = std::min(least, all[m]);
-      greatest = std::max(greatest, all[m]);
+      least = std::min(least, levels_here[m]);
+      greatest = std::max(greatest, levels_here[m]);
     }
     if (own <= least + 1) ++darkest;
     levels.push_back(own);
@@ -129,7 +125,7 @@ std::optional<Finding> without_pattern(const ScanSamples& samples, int n) {
   const float range = quantile(ranges, 0.5), median = quantile(levels, 0.5);
   const float spread = quantile(levels, 0.98) - quantile(levels, 0.02);
   const double share = static_cast<double>(darkest) / static_cast<double>(samples.groups());
-  if (share < nearly_all || spread > 0.08F * range + 2) return std::nullopt;
+  if (share < all || spread > 0.08F * range + 2) return std::nullopt;
   return Finding{.gravity = Gravity::wrong,
                  .what = fmt::format("frame {} shows no pattern", n),
                  .evidence = {{"its median, grey levels", median}, {"range of the others", range}},
@@ -272,40 +268,35 @@ std::vector<Finding> light_faults(const FrameModel& model, const ScanSamples& sa
     return {too_dark(samples, light)};
   }
   const int used = bits_used(samples.brightest(), light.bits);
-  if (light.bits == 16 && used <= 12) {
-    findings.push_back(
-        {.what = fmt::format("only {} of {} bits are used", used, light.bits),
-         .evidence = {{"brightest grey level of 255", samples.brightest()}},
-         .likely = fmt::format("pictures of {} bits in files of {}", used, light.bits),
-         .advice = fmt::format("try --camera-bits {}", used)});
-  }
-  if (samples.saturated_share() > most_saturated) {
-    findings.push_back({.what = "many lit pixels are saturated and become no points",
-                        .evidence = {{"share of the lit pixels", samples.saturated_share()}},
-                        .likely = "too much light: the camera clips",
-                        .advice = "expose shorter or close the iris"});
-  }
-  if (light.modulation < light.least_modulation) {
-    findings.push_back({.what = "most of what the patterns light is too dark to become points",
-                        .evidence = {{"modulation", light.modulation},
-                                     {"least modulation", light.least_modulation}},
-                        .likely = "far too little light for this surface",
-                        .advice = "expose longer, open the iris or darken the room"});
-  }
-  if (const double flat = flat_topped(samples); flat > most_flat) {
-    findings.push_back(
-        {.what = "the brightest pixels all stand at one grey level below the largest",
-         .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
-         .likely = "intensities clipped before they were saved",
-         .advice = "expose shorter; save the frames as the camera gives them"});
-  }
-  if (light.mean > most_ambient * light.modulation) {
-    findings.push_back(
-        {.what = "the patterns are weak beside the light around them",
-         .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
-         .likely = "ambient light stronger than the projector's, or a black level far off",
-         .advice = "darken the room, or use more of the projector's light"});
-  }
+  const double flat = flat_topped(samples);
+  const auto add = [&](bool seen, Finding finding) {
+    if (seen) findings.push_back(std::move(finding));
+  };
+  add(light.bits == 16 && used <= 12,
+      {.what = fmt::format("only {} of {} bits are used", used, light.bits),
+       .evidence = {{"brightest grey level of 255", samples.brightest()}},
+       .likely = fmt::format("pictures of {} bits in files of {}", used, light.bits),
+       .advice = fmt::format("try --camera-bits {}", used)});
+  add(samples.saturated_share() > most_saturated,
+      {.what = "many lit pixels are saturated and become no points",
+       .evidence = {{"share of the lit pixels", samples.saturated_share()}},
+       .likely = "too much light: the camera clips",
+       .advice = "expose shorter or close the iris"});
+  add(light.modulation < light.least_modulation,
+      {.what = "most of what the patterns light is too dark to become points",
+       .evidence = {{"modulation", light.modulation}, {"least modulation", light.least_modulation}},
+       .likely = "far too little light for this surface",
+       .advice = "expose longer, open the iris or darken the room"});
+  add(flat > most_flat,
+      {.what = "the brightest pixels all stand at one grey level below the largest",
+       .evidence = {{"share of the lit pixels", flat}, {"grey level", samples.brightest()}},
+       .likely = "intensities clipped before they were saved",
+       .advice = "expose shorter; save the frames as the camera gives them"});
+  add(light.mean > most_ambient * light.modulation,
+      {.what = "the patterns are weak beside the light around them",
+       .evidence = {{"mean", light.mean}, {"modulation", light.modulation}},
+       .likely = "ambient light stronger than the projector's, or a black level far off",
+       .advice = "darken the room, or use more of the projector's light"});
   return findings;
 }
 

@@ -2,9 +2,6 @@
 #include <cmath>
 #include <numeric>
 #include <set>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -32,131 +29,100 @@ struct MistakenOrder {
 std::vector<StepRun> runs_of(const Layout& layout) {
   std::vector<StepRun> runs;
   for (const Band& band : layout.bands) {
-    if (const auto run = step_run(band);
-        run && std::find(runs.begin(), runs.end(), *run) == runs.end()) {
-      runs.push_back(*run);
-    }
+    const auto run = step_run(band);
+    if (run && std::ranges::count(runs, *run) == 0) runs.push_back(*run);
   }
-  std::sort(runs.begin(), runs.end(),
-            [](const StepRun& a, const StepRun& b) { return a.first < b.first; });
+  std::ranges::sort(runs, {}, &StepRun::first);
   if (runs.empty()) runs.push_back({0, layout.frames});
   return runs;
 }
 
-FrameOrder rotated(FrameOrder order, const StepRun& run, int places) {
-  const auto begin = order.begin() + run.first;
-  std::rotate(begin, begin + places, begin + run.steps);
+/// A run of the frames, reversed or not, rotated by so many places.
+FrameOrder turned(FrameOrder order, const StepRun& run, int places, bool backwards = false) {
+  const auto begin = order.begin() + run.first, end = begin + run.steps;
+  if (backwards) std::reverse(begin, end);
+  std::rotate(begin, begin + places, end);
   return order;
 }
-
-FrameOrder reversed(FrameOrder order, const StepRun& run) {
-  std::reverse(order.begin() + run.first, order.begin() + run.first + run.steps);
-  return order;
-}
-
-FrameOrder exchanged(FrameOrder order, int n, int m) {
-  std::swap(order[static_cast<std::size_t>(n)], order[static_cast<std::size_t>(m)]);
-  return order;
-}
-
-std::string frames_text(const StepRun& run) {
-  return fmt::format("frames {} to {}", run.first, run.first + run.steps - 1);
-}
-
-class Orders {
- public:
-  explicit Orders(FrameOrder right) : right_(std::move(right)) { known_.insert(right_); }
-
-  void add(FrameOrder order, std::string words,
-           MistakenOrder::Kind kind = MistakenOrder::Kind::usual) {
-    if (known_.insert(order).second) list_.push_back({std::move(order), std::move(words), kind});
-  }
-  [[nodiscard]] const FrameOrder& right() const { return right_; }
-  [[nodiscard]] std::vector<MistakenOrder> take() { return std::move(list_); }
-
- private:
-  FrameOrder right_;
-  std::set<FrameOrder> known_;
-  std::vector<MistakenOrder> list_;
-};
 
 /// Every run rotated by the same share of a period, forwards or reversed: the phases go on
 /// agreeing.
-void add_common_turns(const std::vector<StepRun>& runs, Orders& orders) {
+template <class Add>
+void add_common_turns(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
   int least = runs.front().steps;
   for (const StepRun& run : runs) least = std::gcd(least, run.steps);
-  FrameOrder backwards = orders.right();
-  for (const StepRun& run : runs) backwards = reversed(backwards, run);
   for (int part = 0; part < least; ++part) {
-    FrameOrder turned = orders.right(), turned_back = backwards;
-    for (const StepRun& run : runs) {
-      turned = rotated(turned, run, part * run.steps / least);
-      turned_back = rotated(turned_back, run, part * run.steps / least);
+    for (const bool backwards : {false, true}) {
+      FrameOrder order = right;
+      for (const StepRun& run : runs)
+        order = turned(order, run, part * run.steps / least, backwards);
+      add(order, backwards          ? "the frames of each band are in reversed order"
+                 : runs.size() == 1 ? fmt::format("the frames are rotated by {}", part)
+                                    : "the frames of each band are rotated");
     }
-    orders.add(turned, runs.size() == 1 ? fmt::format("the frames are rotated by {}", part)
-                                        : "the frames of each band are rotated");
-    orders.add(turned_back, "the frames of each band are in reversed order");
   }
 }
 
-void add_single_turns(const std::vector<StepRun>& runs, Orders& orders) {
+template <class Add>
+void add_single_turns(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
   for (const StepRun& run : runs) {
+    const std::string frames = fmt::format("frames {} to {}", run.first, run.first + run.steps - 1);
     for (int places = 1; places < run.steps; ++places) {
-      orders.add(rotated(orders.right(), run, places),
-                 fmt::format("{} look rotated by {}", frames_text(run), run.steps - places));
+      add(turned(right, run, places),
+          fmt::format("{} look rotated by {}", frames, run.steps - places));
     }
     for (int places = 0; places < run.steps; ++places) {
-      orders.add(rotated(reversed(orders.right(), run), run, places),
-                 fmt::format("{} look reversed", frames_text(run)));
+      add(turned(right, run, places, true), fmt::format("{} look reversed", frames));
     }
   }
 }
 
-void add_two_runs(const std::vector<StepRun>& runs, Orders& orders) {
-  if (runs.size() != 2) return;
-  const auto [a, b] = std::pair(runs[0], runs[1]);
-  if (a.steps + b.steps != static_cast<int>(orders.right().size())) return;
-  FrameOrder swapped;
-  for (int n = 0; n < a.steps; ++n) swapped.push_back(a.first + b.steps + n);
-  for (int n = 0; n < b.steps; ++n) swapped.push_back(n);
-  orders.add(swapped, "the frames of the two bands are swapped");
-  orders.add(FrameOrder(orders.right().rbegin(), orders.right().rend()),
-             "all frames are in reversed order");
-  if (a.steps != b.steps) return;
-  FrameOrder in_turns, in_turns_from_second;
+/// Two runs that exchanged places are a cycle that has slipped.
+template <class Add>
+void add_two_runs(const FrameOrder& right, const std::vector<StepRun>& runs, const Add& add) {
+  if (runs.size() != 2 || runs[0].steps + runs[1].steps != static_cast<int>(right.size())) return;
+  add(FrameOrder(right.rbegin(), right.rend()), "all frames are in reversed order");
+  const int steps = runs[0].steps;
+  if (steps != runs[1].steps) return;
   for (const int first : {0, 1}) {
-    for (int n = 0; n < a.steps; ++n) {
-      in_turns.push_back(2 * n + first);
-      in_turns_from_second.push_back(2 * n + 1 - first);
+    FrameOrder in_turns;
+    for (int n = 0; n < 2 * steps; ++n) {
+      in_turns.push_back(2 * (n % steps) + (first + n / steps) % 2);
     }
+    add(in_turns, "the frames of the two bands are interleaved");
   }
-  orders.add(in_turns, "the frames of the two bands are interleaved");
-  orders.add(in_turns_from_second, "the frames of the two bands are interleaved");
 }
 
-/// The usual ones, the simplest first: begun at another frame, runs of steps rotated, reversed or
-/// swapped, runs shown in turns, two frames exchanged.
+/// The usual ones, each once and the simplest first: begun at another frame, runs of steps rotated,
+/// reversed or swapped, runs shown in turns, two frames exchanged.
 std::vector<MistakenOrder> mistaken_orders(const FrameModel& model) {
+  using Kind = MistakenOrder::Kind;
   const int frames = model.layout().frames;
+  const FrameOrder right = model.identity();
   const std::vector<StepRun> runs = runs_of(model.layout());
-  Orders orders(model.identity());
-  for (int places = 1; runs.size() > 1 && places < frames; ++places) {
-    orders.add(rotated(orders.right(), {0, frames}, places),
-               fmt::format("the frames have slipped: the cycle begins at frame {}", places),
-               MistakenOrder::Kind::slipped);
-  }
-  const auto add_exchanged = [&](int n, int m, MistakenOrder::Kind kind) {
-    orders.add(exchanged(orders.right(), n, m), fmt::format("frames {} and {} look swapped", n, m),
-               kind);
+  std::set<FrameOrder> known{right};
+  std::vector<MistakenOrder> orders;
+  const auto add = [&](FrameOrder order, std::string words, Kind kind = Kind::usual) {
+    if (known.insert(order).second) orders.push_back({std::move(order), std::move(words), kind});
   };
-  add_two_runs(runs, orders);
-  add_common_turns(runs, orders);
-  for (int n = 0; n + 1 < frames; ++n) add_exchanged(n, n + 1, MistakenOrder::Kind::usual);
-  add_single_turns(runs, orders);
-  for (int n = 0; n < frames; ++n) {
-    for (int m = n + 2; m < frames; ++m) add_exchanged(n, m, MistakenOrder::Kind::far_fetched);
+  const auto add_exchanged = [&](int n, int m, Kind kind) {
+    FrameOrder order = right;
+    std::swap(order[static_cast<std::size_t>(n)], order[static_cast<std::size_t>(m)]);
+    add(order, fmt::format("frames {} and {} look swapped", n, m), kind);
+  };
+  for (int places = 1; runs.size() > 1 && places < frames; ++places) {
+    add(turned(right, {0, frames}, places),
+        fmt::format("the frames have slipped: the cycle begins at frame {}", places),
+        Kind::slipped);
   }
-  return orders.take();
+  add_two_runs(right, runs, add);
+  add_common_turns(right, runs, add);
+  for (int n = 0; n + 1 < frames; ++n) add_exchanged(n, n + 1, Kind::usual);
+  add_single_turns(right, runs, add);
+  for (int n = 0; n < frames; ++n) {
+    for (int m = n + 2; m < frames; ++m) add_exchanged(n, m, Kind::far_fetched);
+  }
+  return orders;
 }
 
 Fit fit_of(const JudgedScan& scan, const FrameModel& model, const FrameOrder& order) {
@@ -165,13 +131,6 @@ Fit fit_of(const JudgedScan& scan, const FrameModel& model, const FrameOrder& or
     fit.geometry = geometry_evidence(model, scan.samples, *scan.scanner, scan.sequence.axis, order);
   }
   return fit;
-}
-
-MeasuredResponse power_law(double gamma) {
-  MeasuredResponse measured;
-  measured.response = PowerLaw{gamma};
-  measured.gamma = gamma;
-  return measured;
 }
 
 class Search {
@@ -196,10 +155,6 @@ class Search {
   }
 
  private:
-  [[nodiscard]] Fit fit(const FrameModel& model, const FrameOrder& order) const {
-    return fit_of(scan_, model, order);
-  }
-
   void keep(const Fit& fit, Explanation explanation) {
     if (!fit.all()) return;
     explanation.misfit = fit.misfit();
@@ -236,8 +191,8 @@ class Search {
   [[nodiscard]] Fit fit_with_gamma(const std::optional<double>& gamma) const {
     PhotometricCalibration photometry{.ambient = scan_.photometry.ambient,
                                       .noise_variance = scan_.photometry.noise_variance};
-    if (gamma) photometry.response.emplace(power_law(*gamma));
-    return fit(FrameModel(scan_.sequence, photometry), scan_.model.identity());
+    if (gamma) photometry.response = {PowerLaw{*gamma}, *gamma, 0};
+    return fit_of(scan_, FrameModel(scan_.sequence, photometry), scan_.model.identity());
   }
 
   void try_periods() {
@@ -268,7 +223,7 @@ class Search {
         Sequence sequence = scan_.sequence;
         sequence.strategy = make_strategy(strategy.name(), settings);
         if (frame_count(sequence.strategy) != scan_.samples.frames()) continue;
-        keep(fit(FrameModel(sequence, scan_.photometry), scan_.model.identity()),
+        keep(fit_of(scan_, FrameModel(sequence, scan_.photometry), scan_.model.identity()),
              {.likely = fmt::format("patterns of {:g} periods where {:g} are said", periods, said),
               .advice = fmt::format("try --{} {:g}", name, periods)});
       } catch (const Error&) {
@@ -290,7 +245,7 @@ class Search {
   void try_orders() {
     for (MistakenOrder& mistake : mistaken_orders(scan_.model)) {
       if (!may_fit(mistake.order)) continue;
-      keep(fit(scan_.model, mistake.order),
+      keep(fit_of(scan_, scan_.model, mistake.order),
            {.likely = std::move(mistake.words),
             .advice = "try --order " + text_of(composed(scan_.settings.order, mistake.order)),
             .order = mistake.kind == MistakenOrder::Kind::slipped ? mistake.order : FrameOrder{},
@@ -314,14 +269,14 @@ class Search {
   }
 
   void try_turned_pictures(const Scanner& scanner) {
-    const Axis axis = scan_.sequence.axis;
-    try_geometry(scanner, axis, {.columns = true, .rows = true},
-                 "pictures turned upside down since the calibration",
-                 "turn them by 180 degrees, or calibrate with pictures as these");
-    try_geometry(scanner, axis, {.columns = true},
-                 "pictures mirrored left to right since the calibration", "mirror them back");
-    try_geometry(scanner, axis, {.rows = true},
-                 "pictures mirrored top to bottom since the calibration", "mirror them back");
+    const auto attempt = [&](const PictureTurn& turn, const char* turned, const char* advice) {
+      try_geometry(scanner, scan_.sequence.axis, turn,
+                   fmt::format("pictures {} since the calibration", turned), advice);
+    };
+    attempt({.columns = true, .rows = true}, "turned upside down",
+            "turn them by 180 degrees, or calibrate with pictures as these");
+    attempt({.columns = true}, "mirrored left to right", "mirror them back");
+    attempt({.rows = true}, "mirrored top to bottom", "mirror them back");
   }
 
   void try_scanners(const Scanner& given) {
@@ -373,14 +328,13 @@ class Search {
       constexpr double alike = 0.3;
       return std::floor(a.misfit / alike) < std::floor(b.misfit / alike);
     });
-    const auto usual = std::find_if(explanations_.begin(), explanations_.end(),
-                                    [](const Explanation& one) { return !one.far_fetched; });
+    const auto usual = std::ranges::find(explanations_, false, &Explanation::far_fetched);
     const bool is_usual =
         usual != explanations_.end() && usual->misfit <= explanations_.front().misfit + nearly;
     Explanation best = is_usual ? *usual : explanations_.front();
     std::vector<std::string> named{best.likely};
     for (const Explanation& other : explanations_) {
-      const bool known = std::find(named.begin(), named.end(), other.likely) != named.end();
+      const bool known = std::ranges::count(named, other.likely) > 0;
       const bool too_far = other.misfit > best.misfit + nearly || (is_usual && other.far_fetched);
       if (known || too_far || named.size() == most_named) continue;
       named.push_back(other.likely);

@@ -5,10 +5,10 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+
 #include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
 #include "slipstream/check/explanations.h"
@@ -56,6 +56,29 @@ void check_camera(Scan& camera, const CheckSettings& settings, const std::string
 }
 
 }  // namespace
+
+std::string text_of(const Finding& finding) {
+  std::string numbers;
+  for (const Evidence& evidence : finding.evidence) {
+    numbers +=
+        fmt::format("{}{} = {:.3g}", numbers.empty() ? "" : ", ", evidence.name, evidence.value);
+  }
+  std::string text = finding.what;
+  if (!numbers.empty()) text += fmt::format(" ({})", numbers);
+  if (!finding.likely.empty()) text += fmt::format("; likely {}", finding.likely);
+  if (!finding.advice.empty()) text += fmt::format("; {}", finding.advice);
+  return text;
+}
+
+bool any_wrong(std::span<const Finding> findings) {
+  return std::ranges::count(findings, Gravity::wrong, &Finding::gravity) > 0;
+}
+
+std::vector<Finding> without_cause(std::vector<Finding> findings, std::string_view words) {
+  std::erase_if(findings,
+                [&](const Finding& finding) { return finding.likely.starts_with(words); });
+  return findings;
+}
 
 std::vector<Finding> check_scanner(const Scanner& scanner, bool whole_pictures) {
   std::vector<Finding> findings;
@@ -139,8 +162,7 @@ CheckedScan check_and_repair(Scan& scan, const CheckSettings& settings) {
 }
 
 std::vector<Finding> gravest_first(std::vector<Finding> findings) {
-  std::stable_partition(findings.begin(), findings.end(),
-                        [](const Finding& finding) { return finding.gravity == Gravity::wrong; });
+  std::ranges::stable_sort(findings, std::ranges::greater(), &Finding::gravity);
   return findings;
 }
 

@@ -1,9 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "slipstream/check/finding.h"
 #include "slipstream/geometry/scan.h"

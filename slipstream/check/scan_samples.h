@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "slipstream/frames/frame_set.h"
@@ -45,13 +44,10 @@ class ScanSamples {
   }
   [[nodiscard]] int column(std::size_t group) const { return lit_[group].column; }
   [[nodiscard]] int row(std::size_t group) const { return lit_[group].row; }
-  /// Distance from the middle to the far places, pixels.
-  [[nodiscard]] int far() const { return far_; }
   /// Whether the pixel there is lit.
   [[nodiscard]] bool lit(std::size_t group, Place place) const;
 
-  /// Pixels looked at, lit or not, and of them those with a saturated frame, though lit.
-  [[nodiscard]] int looked() const { return looked_; }
+  /// Pixels looked at with a saturated frame, though lit.
   [[nodiscard]] int saturated() const { return saturated_; }
   /// Share of the pixels looked at that are lit, saturated ones among them.
   [[nodiscard]] double lit_share() const;
@@ -73,7 +69,7 @@ class ScanSamples {
 
   Size size_;
   int frames_;
-  int far_;
+  int far_;  ///< distance from the middle to the far places, pixels
   double least_range_ = 0;
   std::vector<Pixel> lit_;
   std::vector<float> levels_;

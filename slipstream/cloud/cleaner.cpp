@@ -1,15 +1,8 @@
 #include "slipstream/cloud/cleaner.h"
 
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <cstddef>
-#include <utility>
-
 #include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/cloud/detail/components.h"
-#include "slipstream/cloud/detail/depth_surface.h"
+#include "slipstream/cloud/detail/depth_planes.h"
 
 namespace slipstream {
 namespace {
@@ -49,23 +42,18 @@ bool is_inside(const PointBox& box, const Cloud& cloud, int column, int row) {
          is_between(cloud.z(column, row), box.least[2], box.largest[2]);
 }
 
-/// A row of depths that may be read one beyond either end.
-class PaddedRow {
- public:
-  /// NaN throughout where there are no depths.
+/// A row of depths, or of NaN, that may be read one beyond either end.
+struct PaddedRow : std::vector<float> {
   void copy(const float* depths, int width) {
-    depths_.assign(static_cast<std::size_t>(width) + 2, std::numeric_limits<float>::quiet_NaN());
-    if (depths != nullptr) std::copy_n(depths, width, depths_.data() + 1);
+    assign(static_cast<std::size_t>(width) + 2, std::numeric_limits<float>::quiet_NaN());
+    if (depths != nullptr) std::copy_n(depths, width, data() + 1);
   }
-  [[nodiscard]] const float* begin() const { return depths_.data() + 1; }
-
- private:
-  std::vector<float> depths_;
+  [[nodiscard]] const float* first() const { return data() + 1; }
 };
 
 TrustStage trust_stage(const CleanSettings& settings, const DepthNoise& noise) {
   constexpr float default_share = 0.03F;  ///< of the depth
-  TrustStage trust{.projector_depth = noise.projector_depth, .parallax = noise.parallax};
+  TrustStage trust{noise};
   if (settings.largest_sigma) {
     trust.by_depth = noise.noise / static_cast<float>(*settings.largest_sigma);
   } else {
@@ -123,11 +111,9 @@ struct WordEvidence {
 
 void require_valid(const CleanSettings& settings) {
   require_in_range(settings);
-  if (settings.box) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      require_in_range(settings.box->largest[axis] > settings.box->least[axis], "end of the box",
-                       settings.box->largest[axis], "more than where it begins");
-    }
+  for (std::size_t axis = 0; settings.box && axis < 3; ++axis) {
+    require_in_range(settings.box->largest[axis] > settings.box->least[axis], "end of the box",
+                     settings.box->largest[axis], "more than where it begins");
   }
   if (settings.outline.size() == 1) throw Error("an outline needs two corners or more");
   for (const PictureCorner& corner : settings.outline) {
@@ -140,8 +126,7 @@ struct Cleaner::Memory {
   std::vector<float> samples;
   PaddedRow first, last, beyond;
   DepthPlanes planes;
-  BitPlane mixed;
-  BitPlane kept;
+  BitPlane mixed, kept;
   Components components;
   Image<std::uint8_t> outline;  ///< 1 inside
   SurfaceMemory surface;
@@ -189,7 +174,7 @@ struct Cleaner::Pass {
   void compare(int row) {
     const int last = cloud.size().height - 1;
     const auto depths = [&](int near) {
-      return near < 0 || near > last ? memory.beyond.begin() : cloud.z.row(near);
+      return near < 0 || near > last ? memory.beyond.first() : cloud.z.row(near);
     };
     DepthPlanes& planes = memory.planes;
     const bool padded = row == 0 || row == last;
@@ -197,8 +182,8 @@ struct Cleaner::Pass {
                    {.width = cloud.size().width,
                     .above = depths(row - 1),
                     .here = !padded    ? cloud.z.row(row)
-                            : row == 0 ? memory.first.begin()
-                                       : memory.last.begin(),
+                            : row == 0 ? memory.first.first()
+                                       : memory.last.first(),
                     .below = depths(row + 1),
                     .x = cloud.x.row(row),
                     .y = cloud.y.row(row),
@@ -328,37 +313,22 @@ Cleaner::Cleaner(const CleanSettings& settings)
     : settings_(settings), memory_(std::make_unique<Memory>()) {
   require_valid(settings);
 }
-Cleaner::Cleaner(const Cleaner& other) : Cleaner(other.settings_) {}
-Cleaner::Cleaner(Cleaner&&) noexcept = default;
-Cleaner& Cleaner::operator=(Cleaner other) noexcept {
-  std::swap(settings_, other.settings_);
-  std::swap(memory_, other.memory_);
-  return *this;
-}
+
 Cleaner::~Cleaner() = default;
-
-ValidityCounts Cleaner::operator()(Cloud& cloud) {
-  return clean(cloud, nullptr, {});
-}
-
-ValidityCounts Cleaner::operator()(Cloud& cloud, const Image<float>& modulation,
-                                   const DepthNoise& noise) {
-  return clean(cloud, wants_modulation() ? &modulation : nullptr, noise);
-}
 
 bool Cleaner::wants_modulation() const {
   return !settings_.largest_sigma || std::isfinite(*settings_.largest_sigma);
 }
 
-ValidityCounts Cleaner::clean(Cloud& cloud, const Image<float>* modulation,
-                              const DepthNoise& noise) {
+ValidityCounts Cleaner::operator()(Cloud& cloud, const Image<float>* modulation,
+                                   const DepthNoise& noise) {
   if (cloud.z.empty() || settings_ == CleanSettings::none()) return {};
   return Pass{.settings = settings_,
               .memory = *memory_,
               .cloud = cloud,
               .limits = depth_limits(cloud, memory_->samples),
               .trust = trust_stage(settings_, noise),
-              .modulation = modulation}
+              .modulation = wants_modulation() ? modulation : nullptr}
       .run();
 }
 

@@ -1,54 +1,50 @@
 #pragma once
 
-#include <array>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
 
-#include "slipstream/base/image.h"
 #include "slipstream/base/setting.h"
 #include "slipstream/cloud/cloud.h"
+#include "slipstream/cloud/depth_rows.h"
 
 namespace slipstream {
 
 /// A box along the axes of the camera's frame, mm.
 struct PointBox {
-  std::array<double, 3> least{};
-  std::array<double, 3> largest{};
+  std::array<double, 3> least{}, largest{};
 
   friend bool operator==(const PointBox&, const PointBox&) = default;
 };
 
 /// A place in the camera's picture, pixels; pixel centres are at integers.
 struct PictureCorner {
-  double column = 0;
-  double row = 0;
+  double column = 0, row = 0;
 
   friend bool operator==(const PictureCorner&, const PictureCorner&) = default;
 };
 
-/// Which points of a cloud are left out because their neighbours or the noise speak against them,
-/// and what else is done to it on request. By default every filter of the first part is on; none of
-/// them moves a point or adds one.
+/// Which points of a cloud are left out because neighbours or noise speak against them, and what
+/// else is done on request. By default the filters of the first part are on; they only remove
+/// points.
 struct CleanSettings {
-  /// Of depth, one standard deviation as the noise predicts it, mm: a point with more is
-  /// `low_trust`. By default three hundredths of its depth; infinity for no limit.
+  /// Standard deviation of depth, as the noise predicts it, mm: a point with more is `low_trust`.
+  /// By default three hundredths of the depth; infinity for no limit.
   std::optional<double> largest_sigma{};
   bool drop_mixed = true;     ///< points at the end of a surface and off it
   bool drop_outliers = true;  ///< points off the surface that their neighbours agree on
-  /// Pixels: a point in a component of fewer is `small_component`. Points are connected in rows and
-  /// columns, but not across a depth edge. 0 keeps all.
+  /// Pixels: a point in a component of fewer is `small_component`. Rows and columns connect points,
+  /// but not across a depth edge. 0 keeps all.
   int smallest_component = 200;
 
   std::optional<PointBox> box{};  ///< points outside are `outside_region`
-  /// Pixels outside are likewise: of a rectangle by two opposite corners, both inside, or of a
-  /// polygon by three and more, even-odd. Empty for the whole picture.
+  /// Pixels outside are `outside_region` too: of a rectangle by two opposite corners, both inside,
+  /// or of an even-odd polygon by three and more. Empty for the whole picture.
   std::vector<PictureCorner> outline{};
   /// Pixels: gaps as wide in a row or a column, between points of one surface, get points. 0: none.
   int widest_gap = 0;
-  /// Half the width of the window, pixels, over which points are moved along their rays to the mean
-  /// of their surface; edges and creases stay. 0: none.
+  /// Half the window, pixels, over which points move along their rays to the mean of their surface;
+  /// edges and creases stay. 0: none.
   int smoothing = 0;
 
   /// Every filter off.
@@ -108,37 +104,25 @@ struct CleanSettings {
 /// Throws Error for a setting out of its range.
 void require_valid(const CleanSettings& settings);
 
-/// What the frames' noise does to depth: at a point P in the camera's frame, under a modulation of
-/// B grey levels of the frames, sigma_Z = noise / B (projector_depth (P, 1))^2 Z / |parallax P|.
-struct DepthNoise {
-  float noise = 0;  ///< sigma of the projector coordinate times B
-  std::array<float, 4> projector_depth{};
-  std::array<float, 3> parallax{};
-};
-
 /// Leaves out points of organised clouds, see CleanSettings, each with its reason as Validity: low
-/// trust first, then mixed pixels and outliers together, then small components, then what is
-/// outside the region. Where the modulation is known, so are mixed pixels at edges between surfaces
-/// far apart by its dip. Gaps are filled and points smoothed after that. Depth edges and outliers
-/// are told by limits that follow the cloud's own noise, measured from it, and the distance between
-/// pixels.
+/// trust first, then mixed pixels and outliers together, small components, and what is outside the
+/// region; fills gaps and smooths after that. Where the modulation is known, its dip shows mixed
+/// pixels at edges between surfaces far apart. Limits for depth edges and outliers follow the
+/// cloud's own noise, measured from it, and the distance between pixels.
 ///
-/// The result does not depend on the number of threads. Memory is kept from cloud to cloud, so that
-/// from the second one of a size on nothing is allocated. One thread uses it at a time.
+/// The result does not depend on the number of threads. Keeps its memory: from the second cloud of
+/// a size on nothing is allocated. One thread uses it at a time.
 class Cleaner {
  public:
   /// Throws Error as require_valid.
   explicit Cleaner(const CleanSettings& settings = {});
-  Cleaner(const Cleaner& other);  ///< with memory of its own
-  Cleaner(Cleaner&&) noexcept;
-  Cleaner& operator=(Cleaner other) noexcept;
   ~Cleaner();
 
-  /// How many points each reason took, and at `valid` how many gaps got one. The cloud's Z is NaN
-  /// where it has no point, and positive elsewhere.
-  ValidityCounts operator()(Cloud& cloud);
-  /// With trust by noise; `modulation`: of the cloud's pixels, grey levels of the frames.
-  ValidityCounts operator()(Cloud& cloud, const Image<float>& modulation, const DepthNoise& noise);
+  /// Returns how many points each reason took, and at `valid` how many gaps got one. The cloud's Z
+  /// is NaN where it has no point, and positive elsewhere. `modulation`: of the cloud's pixels,
+  /// grey levels of the frames; without it all points are trusted.
+  ValidityCounts operator()(Cloud& cloud, const Image<float>* modulation = nullptr,
+                            const DepthNoise& noise = {});
 
   [[nodiscard]] const CleanSettings& settings() const { return settings_; }
   /// Whether trust by noise is asked for.
@@ -147,8 +131,6 @@ class Cleaner {
  private:
   struct Memory;
   struct Pass;
-
-  ValidityCounts clean(Cloud& cloud, const Image<float>* modulation, const DepthNoise& noise);
 
   CleanSettings settings_;
   std::unique_ptr<Memory> memory_;

@@ -29,10 +29,6 @@ std::string_view name_of(Validity validity) {
   return validity_names[static_cast<std::size_t>(validity)];
 }
 
-std::uint8_t grey_level(float intensity) {
-  return static_cast<std::uint8_t>(std::clamp(double{intensity}, 0.0, 255.0) + 0.5);
-}
-
 ValidityCounts count_by_validity(const Image<Validity>& validity) {
   // A counter waits for its last increment, and neighbours most often count the same.
   constexpr std::size_t at_once = 8;

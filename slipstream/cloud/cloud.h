@@ -41,7 +41,7 @@ using ValidityCounts = std::array<std::size_t, validity_count>;
 std::string_view name_of(Validity validity);
 
 /// An organised point cloud: one point for each camera pixel, in the camera's frame, Z forward.
-/// Kept and handed in again it is written anew without allocation.
+/// Handed in again it is written without allocation.
 template <class Real>
 struct BasicCloud {
   explicit BasicCloud(Size size = {})
@@ -51,9 +51,7 @@ struct BasicCloud {
         intensity(size),
         validity(size, Validity::no_point) {}
 
-  Image<Real> x;  ///< mm; NaN where not valid, as y and z
-  Image<Real> y;
-  Image<Real> z;
+  Image<Real> x, y, z;     ///< mm; NaN where not valid
   Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
   Image<Validity> validity;
 
@@ -87,19 +85,18 @@ struct Depth {
   Image<Validity> validity;
 };
 
-/// The points alone, without the pixels that have none, in the order of the picture: row by row.
+/// The points without the pixels that have none, row by row.
 struct PackedPoints {
   std::size_t count = 0;
-  /// Of the picture's size, so that memory is used again: the first `count` are the points', what
-  /// is behind them says nothing.
-  Image<float> x;  ///< mm, as y and z
-  Image<float> y;
-  Image<float> z;
+  /// Of the picture's size, so that memory is used again: the first `count` are the points'.
+  Image<float> x, y, z;    ///< mm
   Image<float> intensity;  ///< texture: the mean A^c, grey levels of an 8-bit camera
 };
 
-/// An intensity as a pixel of 8 bits: rounded, what is darker or brighter taken to the nearest end.
-std::uint8_t grey_level(float intensity);
+/// An intensity as a pixel of 8 bits: rounded and clipped.
+inline std::uint8_t grey_level(float intensity) {
+  return static_cast<std::uint8_t>(std::clamp(double{intensity}, 0.0, 255.0) + 0.5);
+}
 
 ValidityCounts count_by_validity(const Image<Validity>& validity);
 
@@ -114,16 +111,13 @@ std::size_t point_count(const BasicCloud<Real>& cloud) {
   return count_by_validity(cloud)[static_cast<std::size_t>(Validity::valid)];
 }
 
-/// How sure the points of a cloud are: one standard deviation of what the frames' noise does to
-/// each. NaN where there is no point.
+/// What the frames' noise does to each point, one standard deviation; NaN where there is no point.
 struct Uncertainty {
   explicit Uncertainty(Size size = {})
       : coordinate(size, nan), x(size, nan), y(size, nan), z(size, nan) {}
 
   Image<float> coordinate;  ///< of the projector coordinate, fields
-  Image<float> x;           ///< mm, as y and z
-  Image<float> y;
-  Image<float> z;
+  Image<float> x, y, z;     ///< mm
 
  private:
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
@@ -161,8 +155,8 @@ inline bool on_one_surface(const Eigen::Vector3d& first, const Eigen::Vector3d& 
   return std::abs(second.z() - first.z()) <= largest_step * across;
 }
 
-/// How far a depth is from the nearest of the surfaces, `depth`, that a pixel and its eight
-/// neighbours see, since a lens mixes those: mm, with its sign; infinite where there is none.
+/// From the nearest of the surfaces, `depth`, that a pixel and its eight neighbours see, since a
+/// lens mixes those: mm, with its sign; infinite where there is none.
 inline double nearest_error(double z, const Image<double>& depth, int column, int row) {
   double nearest = std::numeric_limits<double>::infinity();
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, depth.height() - 1); ++y) {
@@ -174,8 +168,7 @@ inline double nearest_error(double z, const Image<double>& depth, int column, in
   return nearest;
 }
 
-/// Every `step`-th pixel of every `step`-th row, from the first on; step 1 or more. No value is
-/// mixed with another.
+/// Every `step`-th pixel of every `step`-th row, from the first on; step 1 or more.
 template <class Pixel>
 Image<Pixel> subsampled(const Image<Pixel>& image, int step) {
   Image<Pixel> sparse({(image.width() + step - 1) / step, (image.height() + step - 1) / step});
@@ -185,13 +178,12 @@ Image<Pixel> subsampled(const Image<Pixel>& image, int step) {
   return sparse;
 }
 
-/// Likewise, an organised cloud of a coarser grid.
+/// The same of a cloud.
 inline Cloud subsampled(const Cloud& cloud, int step) {
   Cloud sparse;
-  sparse.x = subsampled(cloud.x, step);
-  sparse.y = subsampled(cloud.y, step);
-  sparse.z = subsampled(cloud.z, step);
-  sparse.intensity = subsampled(cloud.intensity, step);
+  for (const auto part : {&Cloud::x, &Cloud::y, &Cloud::z, &Cloud::intensity}) {
+    sparse.*part = subsampled(cloud.*part, step);
+  }
   sparse.validity = subsampled(cloud.validity, step);
   return sparse;
 }

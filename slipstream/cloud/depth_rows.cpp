@@ -1,12 +1,8 @@
 #include "slipstream/cloud/depth_rows.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
-
-#include "slipstream/base/disabled_targets-inl.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/cloud/depth_rows.cpp"
@@ -20,8 +16,7 @@ namespace slipstream::HWY_NAMESPACE {
 
 constexpr std::size_t word_pixels = 64;
 
-/// The bits of the vector that begins at pixel `i` of a word. Words lie in memory lowest byte
-/// first.
+/// The bits of the vector that begins at pixel `i` of a word, which lies lowest byte first.
 HWY_INLINE void store_bits(FloatMask mask, std::size_t i, std::uint64_t& word) {
   auto* const bytes = reinterpret_cast<std::uint8_t*>(&word) + i / 8;
   if constexpr (hn::MaxLanes(FloatTag()) >= 8) {
@@ -76,31 +71,27 @@ HWY_INLINE void compare_word(const DepthLimits& limits, const TrustStage& trust,
   }
 }
 
-/// What is left of a row that is no multiple of 64 wide, with NaN beyond.
-class LastPixels {
- public:
-  LastPixels(const DepthRow& row, std::size_t first) : row_(row) {
-    const std::size_t count = static_cast<std::size_t>(row.width) - first;
-    const auto copy = [&](const float*& from, std::array<float, word_pixels + 2>& to) {
-      if (from == nullptr) return;
-      to.fill(std::numeric_limits<float>::quiet_NaN());
-      std::copy_n(from + first, count, to.data() + 1);
-      from = to.data() + 1;
-    };
-    const float before = row.here[static_cast<std::ptrdiff_t>(first) - 1];
-    copy(row_.above, above_);
-    copy(row_.here, here_);
-    here_[0] = before;
-    copy(row_.below, below_);
-    copy(row_.x, x_);
-    copy(row_.y, y_);
-    copy(row_.modulation, modulation_);
-  }
-  [[nodiscard]] const DepthRow& row() const { return row_; }
+/// What the comparison reads.
+HWY_INLINE std::array<const float**, 6> inputs(DepthRow& row) {
+  return {&row.above, &row.here, &row.below, &row.x, &row.y, &row.modulation};
+}
 
- private:
-  DepthRow row_;
-  std::array<float, word_pixels + 2> above_, here_, below_, x_, y_, modulation_;
+/// What is left of a row that is no multiple of 64 wide, with NaN beyond.
+struct LastPixels {
+  LastPixels(const DepthRow& whole, std::size_t first) : row(whole) {
+    const std::size_t count = static_cast<std::size_t>(row.width) - first;
+    auto to = copies.begin();
+    for (const float** from : inputs(row)) {
+      if (*from == nullptr) continue;
+      to->fill(std::numeric_limits<float>::quiet_NaN());
+      std::copy_n(*from + first, count, to->data() + 1);
+      if (from == &row.here) to->front() = *(*from + first - 1);
+      *from = to++->data() + 1;
+    }
+  }
+
+  DepthRow row;
+  std::array<std::array<float, word_pixels + 2>, 6> copies;
 };
 
 void CompareDepths(const DepthLimits& limits, const TrustStage& trust, const DepthRow& row) {
@@ -109,12 +100,12 @@ void CompareDepths(const DepthLimits& limits, const TrustStage& trust, const Dep
   std::size_t first = 0;
   for (; first + word_pixels <= width; first += word_pixels) {
     compare_word(limits, trust, at, first / word_pixels);
-    for (const float** pixels : {&at.above, &at.here, &at.below, &at.x, &at.y, &at.modulation}) {
+    for (const float** pixels : inputs(at)) {
       if (*pixels != nullptr) *pixels += word_pixels;
     }
   }
   if (first < width) {
-    compare_word(limits, trust, LastPixels(row, first).row(), first / word_pixels);
+    compare_word(limits, trust, LastPixels(row, first).row, first / word_pixels);
   }
   const std::uint64_t last = std::uint64_t{1} << (width - 1) % word_pixels;
   row.to_right[(width - 1) / word_pixels] &= ~last;

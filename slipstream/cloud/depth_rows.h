@@ -3,9 +3,16 @@
 #include <array>
 #include <cstdint>
 
-// Rows of depths to bits of what neighbours have to do with each other. 64 pixels stand in a word,
-// the first in the lowest bit.
+// Rows of depths to bits of what neighbours have to do with each other.
 namespace slipstream {
+
+/// What the frames' noise does to depth at a point P in the camera's frame, under a modulation of B
+/// grey levels of the frames: sigma_Z = noise / B (projector_depth (P, 1))^2 Z / |parallax P|.
+struct DepthNoise {
+  float noise = 0;  ///< sigma of the projector coordinate times B
+  std::array<float, 4> projector_depth{};
+  std::array<float, 3> parallax{};
+};
 
 /// As shares of the depth.
 struct DepthLimits {
@@ -15,11 +22,8 @@ struct DepthLimits {
 
 /// Which points P are trusted: those for which (projector_depth (P, 1))^2 (by_depth Z + constant)
 /// is at most the modulation times |parallax P|.
-struct TrustStage {
-  std::array<float, 4> projector_depth{};
-  std::array<float, 3> parallax{};
-  float by_depth = 0;
-  float constant = 0;
+struct TrustStage : DepthNoise {
+  float by_depth = 0, constant = 0;
 };
 
 /// A row of the picture and its neighbours, and the words of bits that come of it. Depths are NaN
@@ -29,15 +33,14 @@ struct DepthRow {
   const float* above = nullptr;
   const float* here = nullptr;  ///< may be read one before the first and one after the last
   const float* below = nullptr;
-  const float* x = nullptr;  ///< for the trust, as the next two
-  const float* y = nullptr;
-  const float* modulation = nullptr;     ///< null: all are trusted
-  std::uint64_t* point = nullptr;        ///< there is one
-  std::uint64_t* trusted = nullptr;      ///< there is one, and it is
-  std::uint64_t* to_right = nullptr;     ///< on one surface with the next in the row
-  std::uint64_t* to_below = nullptr;     ///< with the one in the next row
-  std::uint64_t* bent_along = nullptr;   ///< the row does, from the one before to the one after
-  std::uint64_t* bent_across = nullptr;  ///< the column does
+  const float *x = nullptr, *y = nullptr;  ///< for the trust
+  const float* modulation = nullptr;       ///< for the trust; null: all are trusted
+  std::uint64_t* point = nullptr;          ///< there is one
+  std::uint64_t* trusted = nullptr;        ///< there is one, and it is
+  std::uint64_t* to_right = nullptr;       ///< on one surface with the next in the row
+  std::uint64_t* to_below = nullptr;       ///< with the one in the next row
+  std::uint64_t* bent_along = nullptr;     ///< the row does, from the one before to the one after
+  std::uint64_t* bent_across = nullptr;    ///< the column does
 };
 
 /// Neighbours that are not both points are neither linked nor bent.

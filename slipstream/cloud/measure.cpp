@@ -1,20 +1,15 @@
 #include "slipstream/cloud/measure.h"
 
-#include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <limits>
 #include <random>
-#include <string_view>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
-#include <fmt/format.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -49,9 +44,8 @@ FittedPlane plane_of(std::span<const MeasuredPoint> points, const FittedPlane& /
     scatter += offset * offset.transpose();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
-  if (!(axes.eigenvalues()(1) > 1e-9 * axes.eigenvalues()(2))) {
-    throw Error("the points lie on a line, which makes out no plane");
-  }
+  throw_if(!(axes.eigenvalues()(1) > 1e-9 * axes.eigenvalues()(2)),
+           "the points lie on a line, which makes out no plane");
   plane.normal = axes.eigenvectors().col(0);
   if (plane.normal.dot(plane.centre) > 0) plane.normal = -plane.normal;
   return plane;
@@ -79,10 +73,8 @@ constexpr std::size_t least_of_plane = 3, least_of_sphere = 4;
 
 void require_points(std::span<const MeasuredPoint> points, std::size_t least,
                     std::string_view shape) {
-  if (points.size() < least) {
-    throw Error(fmt::format("{} points are too few for a {}; {} or more are wanted", points.size(),
-                            shape, least));
-  }
+  throw_if(points.size() < least, "{} points are too few for a {}; {} or more are wanted",
+           points.size(), shape, least);
 }
 
 /// The sphere of least squares by Gauss and Newton, from one near it. Of a nearly flat patch the
@@ -111,9 +103,8 @@ FittedSphere sphere_of(std::span<const MeasuredPoint> points, FittedSphere spher
   // Points on a plane have some radius by chance; five standard deviations are not by chance. Where
   // the radius is that much larger than their extent, it is lost in rounding.
   const double extent = (points.front().position - points.back().position).norm();
-  if (!(5 * sphere.radius_sigma < sphere.radius && sphere.radius < 1e4 * extent)) {
-    throw Error("the points are too flat to tell the radius of a sphere");
-  }
+  throw_if(!(5 * sphere.radius_sigma < sphere.radius && sphere.radius < 1e4 * extent),
+           "the points are too flat to tell the radius of a sphere");
   return sphere;
 }
 
@@ -135,8 +126,7 @@ FittedSphere centred_sphere_of(std::span<const MeasuredPoint> points, FittedSphe
   return sphere;
 }
 
-/// The distance that a share of the points keeps; of the points in even steps, all where there are
-/// fewer.
+/// The distance that a share of the points keeps, of all or of so many in even steps.
 template <class Shape>
 double distance_of_share(const Shape& shape, std::span<const MeasuredPoint> points, double share,
                          std::size_t most_looked_at = std::numeric_limits<std::size_t>::max()) {
@@ -196,12 +186,8 @@ struct Limit {
   double times = 4 * 1.4826;  ///< of the median, which of Gaussian distances is sigma / 1.4826
 };
 
-Limit all_but(double left_out) {
-  return {1 - left_out, 1};
-}
-
-/// From a shape that outliers have no part in: the shape of least squares of the points near it,
-/// which are told by it anew until they stay the same.
+/// The shape of least squares of the points near a robust one, found again until they stay the
+/// same.
 template <class Shape, class Fit>
 Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& limit,
                const Fit& fit) {
@@ -220,6 +206,14 @@ Shape fit_near(std::span<const MeasuredPoint> points, Shape shape, const Limit& 
   }
   shape.residuals = residuals_of(shape, used, points.size() - used.size());
   return shape;
+}
+
+/// Without outliers, and of that without those that are to be left out.
+template <class Shape, class Fit>
+Shape robust_fit(std::span<const MeasuredPoint> points, const Shape& rough, const Fit& fit,
+                 std::optional<double> left_out) {
+  const Shape shape = fit_near(points, rough, Limit{}, fit);
+  return left_out ? fit_near(points, shape, Limit{1 - *left_out, 1}, fit) : shape;
 }
 
 }  // namespace
@@ -269,35 +263,27 @@ double signed_distance(const FittedSphere& sphere, const Vector& point) {
   return (point - sphere.centre).norm() - sphere.radius;
 }
 
-FittedPlane fit_plane(std::span<const MeasuredPoint> points) {
+FittedPlane fit_plane(std::span<const MeasuredPoint> points, std::optional<double> left_out) {
   require_points(points, least_of_plane, "plane");
   const auto through = [](std::span<const MeasuredPoint> few) {
     const Vector first = few[0].position;
     const Vector normal = (few[1].position - first).cross(few[2].position - first);
     return FittedPlane{.normal = normal / normal.norm(), .centre = first, .residuals = {}};
   };
-  return fit_near(points, least_median_shape<FittedPlane>(points, least_of_plane, through), Limit{},
-                  plane_of);
+  return robust_fit(points, least_median_shape<FittedPlane>(points, least_of_plane, through),
+                    plane_of, left_out);
 }
 
-FittedSphere fit_sphere(std::span<const MeasuredPoint> points) {
+FittedSphere fit_sphere(std::span<const MeasuredPoint> points, std::optional<double> left_out) {
   constexpr std::size_t drawn = 6;
   require_points(points, least_of_sphere, "sphere");
-  return fit_near(points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of), Limit{},
-                  sphere_of);
+  return robust_fit(points, least_median_shape<FittedSphere>(points, drawn, rough_sphere_of),
+                    sphere_of, left_out);
 }
 
 FittedSphere fit_sphere_near(std::span<const MeasuredPoint> points, const FittedSphere& near) {
   require_points(points, least_of_sphere, "sphere");
   return fit_near(points, near, Limit{}, centred_sphere_of);
-}
-
-FittedPlane fit_plane_leaving_out(std::span<const MeasuredPoint> points, double share) {
-  return fit_near(points, fit_plane(points), all_but(share), plane_of);
-}
-
-FittedSphere fit_sphere_leaving_out(std::span<const MeasuredPoint> points, double share) {
-  return fit_near(points, fit_sphere(points), all_but(share), sphere_of);
 }
 
 }  // namespace slipstream

@@ -1,10 +1,5 @@
 #include "slipstream/cloud/object_model.h"
 
-#include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <optional>
-
 #include <Eigen/Eigenvalues>
 
 #include "slipstream/base/error.h"
@@ -94,8 +89,7 @@ Matches match(std::span<const ModelElement> object, const Cloud& cloud, const No
   return found;
 }
 
-/// The turn about `centre` and the step that bring the elements nearest to the cloud. Of directions
-/// that the matches say next to nothing about there is none.
+/// The motion that brings the elements nearest to the cloud; none in directions hardly known.
 Eigen::Isometry3d nearer(const Matches& found) {
   constexpr double least_known = 1e-4;  // of the best known direction
   const auto count = static_cast<double>(found.matches.size());
@@ -122,11 +116,8 @@ Eigen::Isometry3d nearer(const Matches& found) {
     step += axis.dot(right) / axes.eigenvalues()(i) * axis;
   }
   const Vector turn = step.head<3>() / extent;
-  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
-  moved.translate(centre + step.tail<3>());
-  moved.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-  moved.translate(-centre);
-  return moved;
+  return Eigen::Translation3d(centre + step.tail<3>()) *
+         Eigen::AngleAxisd(turn.norm(), turn.normalized()) * Eigen::Translation3d(-centre);
 }
 
 constexpr std::size_t fewest_to_begin = 1000;
@@ -154,12 +145,11 @@ void take_mean(ModelElement& element, const SeenElement& seen, const Eigen::Isom
 void cover(Image<std::uint8_t>& covered, const Eigen::Vector2d& pixel) {
   const int left = static_cast<int>(std::floor(pixel.x()));
   const int top = static_cast<int>(std::floor(pixel.y()));
-  for (int row = std::max(top, 0); row <= std::min(top + 1, covered.height() - 1); ++row) {
-    for (int column = std::max(left, 0); column <= std::min(left + 1, covered.width() - 1);
-         ++column) {
-      covered(column, row) = 1;
-    }
-  }
+  for_each_pixel_in_order({2, 2}, [&](int right, int down) {
+    const int column = left + right, row = top + down;
+    const bool inside = column >= 0 && row >= 0;
+    if (inside && column < covered.width() && row < covered.height()) covered(column, row) = 1;
+  });
 }
 
 }  // namespace
@@ -206,10 +196,9 @@ Eigen::Isometry3d ObjectModel::expected_at(double time) const {
   const double share = (time - last_.time) / (last_.time - before_last_.time);
   const Eigen::AngleAxisd turn(last_.pose.linear() * before_last_.pose.linear().transpose());
   const Vector place = last_.pose * middle_, step = place - before_last_.pose * middle_;
-  Eigen::Isometry3d onward = Eigen::Isometry3d::Identity();
-  onward.translate(place + share * step);
-  onward.rotate(Eigen::AngleAxisd(share * turn.angle(), turn.axis()));
-  onward.translate(-place);
+  const Eigen::Isometry3d onward = Eigen::Translation3d(place + share * step) *
+                                   Eigen::AngleAxisd(share * turn.angle(), turn.axis()) *
+                                   Eigen::Translation3d(-place);
   return onward * last_.pose;
 }
 
@@ -285,9 +274,8 @@ void ObjectModel::add_uncovered(const Cloud& cloud, const Normals& normals,
 }
 
 ModelPoints ObjectModel::points() const {
-  std::vector<ModelElement> sure;
-  std::copy_if(elements_.begin(), elements_.end(), std::back_inserter(sure),
-               [&](const ModelElement& element) { return element.views >= std::min(views_, 3); });
+  std::vector<ModelElement> sure = elements_;
+  std::erase_if(sure, [&](const ModelElement& e) { return e.views < std::min(views_, 3); });
   const Size size{static_cast<int>(sure.size()), 1};
   ModelPoints points{Cloud(size), {Image<float>(size), Image<float>(size), Image<float>(size)}};
   for (int i = 0; i < size.width; ++i) {

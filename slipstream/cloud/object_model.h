@@ -1,15 +1,11 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include <Eigen/Geometry>
 
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/normals.h"
-#include "slipstream/geometry/lens.h"
+#include "slipstream/cloud/surface.h"
+#include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
 
@@ -30,12 +26,11 @@ struct Registration {
   double rms = 0;          ///< of their distances along the surface's normal, mm
 };
 
-/// Poses an object from near `guess` to a camera's organised cloud: each element, seen by the
-/// camera, is compared with the point of its pixel, and the squared distances along the sum of both
-/// normals are made least, round by round (iterative closest points; Rusinkiewicz 2019). Pixels
-/// that look elsewhere, lie more than a few pixels' width off or differ in slope do not count. What
-/// the form leaves open, as turns of a sphere, stays as guessed. At most some 10,000 elements, in
-/// even steps, are looked at. `normals`: of the cloud.
+/// Poses an object from near `guess` to a camera's organised cloud: the squared distances of its
+/// elements from the points of their pixels, along the sum of both normals, are made least, round
+/// by round (iterative closest points; Rusinkiewicz 2019). Pixels more than a few pixels' width off
+/// or of another slope do not count. What the form leaves open, as turns of a sphere, stays as
+/// guessed. Looks at some 10,000 elements at most, in even steps. `normals`: of the cloud.
 Registration register_to(std::span<const ModelElement> object, const Cloud& cloud,
                          const Normals& normals, const Lens& camera,
                          const Eigen::Isometry3d& guess);
@@ -46,20 +41,19 @@ struct ModelPoints {
   Normals normals;
 };
 
-/// What becomes of the clouds of a rigid object that turns and moves before a camera by less than
-/// some pixels from view to view: each is registered to all that is known of the object by then, so
-/// that errors do not add up from view to view, and taken into its mean. The clouds must show the
-/// object alone: whatever stands still beside it, as a wall, is taken for a part of it. One thread
-/// uses it.
+/// The model of a rigid object that turns and moves before a camera by less than some pixels from
+/// view to view: each cloud is registered to all that is known of the object, so that errors do not
+/// add up, and taken into its mean. The clouds must show the object alone: what stands still beside
+/// it, as a wall, becomes a part of it. One thread uses it.
 class ObjectModel {
  public:
   /// The lens that the clouds are seen through.
   explicit ObjectModel(const Lens& camera) : camera_(camera) {}
 
-  /// Takes a view in that was seen at `time`, later than those before, in any unit: it is looked
-  /// for where even motion would have brought the object, or else where it was. False where it does
-  /// not fit the model, or has too few points to begin one: then nothing is taken. The first view's
-  /// frame is the object's. Throws Error where the cloud is not of the camera's size.
+  /// Takes in a view seen at `time`, in any unit, later than those before: where even motion has
+  /// brought the object, or else where it was. False, and nothing taken, where it does not fit the
+  /// model or has too few points to begin one. The first view's frame is the object's. Throws Error
+  /// where the cloud is not of the camera's size.
   bool add(const Cloud& cloud, double time);
 
   [[nodiscard]] const std::vector<ModelElement>& elements() const { return elements_; }
@@ -76,10 +70,10 @@ class ObjectModel {
     Eigen::Isometry3d pose;
   };
 
-  /// Where the object would be by then if it went on as between the last two views.
+  /// If it went on as between the last two views.
   [[nodiscard]] Eigen::Isometry3d expected_at(double time) const;
   [[nodiscard]] bool fits(const Registration& registration, const Cloud& cloud) const;
-  /// The view into the mean of the elements that it sees; which pixels those cover.
+  /// Takes the view into the mean of the elements that it sees; returns which pixels they cover.
   Image<std::uint8_t> take_mean(const Cloud& cloud, const Normals& normals);
   void add_uncovered(const Cloud& cloud, const Normals& normals,
                      const Image<std::uint8_t>& covered);

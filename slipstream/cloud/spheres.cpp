@@ -1,16 +1,11 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
 #include <numbers>
-#include <optional>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/measure.h"
-#include "slipstream/cloud/normals.h"
+#include "slipstream/cloud/surface.h"
 
 namespace slipstream {
 namespace {

@@ -1,10 +1,56 @@
 #include "slipstream/cloud/surface.h"
 
-#include <algorithm>
-#include <cmath>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
 namespace {
+
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+using Vector = Eigen::Vector3d;
+
+/// The step along the surface from the neighbour before to the one after, of those that there are.
+std::optional<Vector> surface_step(const Cloud& cloud, int column, int row, int right, int down) {
+  constexpr double largest_step = 8;  // see on_one_surface
+  const Vector centre = position_at(cloud, column, row);
+  Vector step = Vector::Zero();
+  int neighbours = 0;
+  for (const int side : {-1, 1}) {
+    const int c = column + side * right;
+    const int r = row + side * down;
+    if (c < 0 || r < 0 || c >= cloud.size().width || r >= cloud.size().height) continue;
+    const Vector neighbour = position_at(cloud, c, r);
+    if (!on_one_surface(centre, neighbour, largest_step)) continue;
+    step += side * (neighbour - centre);
+    ++neighbours;
+  }
+  return neighbours > 0 ? std::optional<Vector>(step) : std::nullopt;
+}
+
+/// The sum over five pixels along the row or down the column; what is NaN counts for nothing.
+Image<float> summed(const Image<float>& image, int right, int down) {
+  constexpr int reach = 2;
+  Image<float> sums(image.size());
+  for_each_row(image.height(), [&](int row) {
+    for (int step = -reach; step <= reach; ++step) {
+      const int from_row = row + step * down;
+      if (from_row < 0 || from_row >= image.height()) continue;
+      const int first = std::max(0, -step * right);
+      const int end = std::min(image.width(), image.width() - step * right);
+      const float* const from = image.row(from_row);
+      float* const to = sums.row(row);
+      for (int column = first; column < end; ++column) {
+        const float value = from[column + step * right];
+        to[column] += std::isnan(value) ? 0.0F : value;
+      }
+    }
+  });
+  return sums;
+}
 
 /// A triangle by the pixels of its corners, or by their places in a block:
 ///   0 1
@@ -61,6 +107,52 @@ std::vector<Triangle> triangles_of(const Cloud& cloud, double largest_step) {
 }
 
 }  // namespace
+
+Normals surface_normals(const Cloud& cloud) {
+  const Size size = cloud.size();
+  Normals normals{Image<float>(size, nan), Image<float>(size, nan), Image<float>(size, nan)};
+  for_each_pixel(size, [&](int column, int row) {
+    if (!(cloud.z(column, row) > 0)) return;
+    const auto along_row = surface_step(cloud, column, row, 1, 0);
+    const auto along_column = surface_step(cloud, column, row, 0, 1);
+    if (!along_row || !along_column) return;
+    Vector normal = along_row->cross(*along_column).normalized();
+    if (normal.dot(position_at(cloud, column, row)) > 0) normal = -normal;
+    normals.x(column, row) = static_cast<float>(normal.x());
+    normals.y(column, row) = static_cast<float>(normal.y());
+    normals.z(column, row) = static_cast<float>(normal.z());
+  });
+  return normals;
+}
+
+Normals smoothed_normals(const Cloud& cloud) {
+  Normals normals = surface_normals(cloud);
+  for (Image<float>* const part : {&normals.x, &normals.y, &normals.z}) {
+    *part = summed(summed(*part, 1, 0), 0, 1);
+  }
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    float &x = normals.x(column, row), &y = normals.y(column, row), &z = normals.z(column, row);
+    const bool known = cloud.z(column, row) > 0 && z != 0;
+    const float length = known ? std::hypot(x, y, z) : nan;
+    x /= length;
+    y /= length;
+    z /= length;
+  });
+  return normals;
+}
+
+Image<float> shading(const Cloud& cloud) {
+  constexpr float slope_unknown = 0.82F;
+  const Eigen::Vector3f light = Eigen::Vector3f(-0.4F, -0.5F, -1.0F).normalized();
+  const auto [x, y, z] = smoothed_normals(cloud);
+  Image<float> brightness(cloud.size(), slope_unknown);
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    const Eigen::Vector3f normal(x(column, row), y(column, row), z(column, row));
+    if (normal.hasNaN()) return;
+    brightness(column, row) = 0.3F + 0.7F * std::max(normal.dot(light), 0.0F);
+  });
+  return brightness;
+}
 
 Surface surface_of(const Cloud& cloud, double largest_step) {
   Surface surface{.triangles = triangles_of(cloud, largest_step),

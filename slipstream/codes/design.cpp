@@ -1,23 +1,21 @@
 #include "slipstream/codes/design.h"
 
-#include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <string_view>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
-#include "slipstream/codes/registry.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
 namespace {
 
 using std::numbers::pi;
+
+/// Probability that a standard normal number is above x.
+double upper_tail(double x) {
+  return 0.5 * std::erfc(x / std::numbers::sqrt2);
+}
 
 double reference_sigma(const Layout& layout, const PatternLight& light, double alpha,
                        double ambient, double noise_variance, double R) {
@@ -90,25 +88,32 @@ std::vector<Strategy> candidates(int frames, int most_periods) {
   return all;
 }
 
-}  // namespace
-
-double upper_tail(double x) {
-  return 0.5 * std::erfc(x / std::numbers::sqrt2);
+/// What speaks against so few projector pixels a period; empty where nothing does.
+std::string doubt_about_resolution(const Sequence& sequence) {
+  // A pixel shows its N phases of the sinusoid exactly, however few pixels a period has, down to
+  // Nyquist's two. But it shows each over its whole width, which leaves sinc(1 / p) of the
+  // modulation, before any lens: 0.64 at two pixels, 0.90 at four.
+  constexpr int fewest_pixels = 4;
+  const int length = length_along(sequence.axis, sequence.projector);
+  const double highest = highest_frequency(sequence.strategy), pixels = length / highest;
+  if (length == 0 || !(pixels < fewest_pixels)) return {};
+  const double angle = std::numbers::pi / pixels;
+  return fmt::format(
+      "{:g} periods over {} projector pixels are {:.3g} pixels each, near Nyquist's limit of 2: "
+      "their width alone takes {:.0f} % of the modulation, and a lens more; {} periods lose 10 %",
+      highest, length, pixels, 100 * (1 - std::sin(angle) / angle), length / fewest_pixels);
 }
 
+}  // namespace
+
 void require_valid(const DesignGoal& goal) {
-  const auto require = [](bool holds, std::string_view name, double value, std::string_view range) {
-    if (!holds) throw Error(fmt::format("{} {} is out of range; {}", name, value, range));
-  };
-  require(goal.steps >= 3 && goal.steps <= 64, "steps", goal.steps, "3 to 64");
-  require(goal.alpha > 0 && goal.alpha <= 1, "reflectivity", goal.alpha, "above 0, at most 1");
-  require(std::abs(goal.ambient) <= 255, "ambient light", goal.ambient, "-255 to 255");
-  require(goal.noise_variance > 0 && std::isfinite(goal.noise_variance), "noise variance",
-          goal.noise_variance, "above 0");
-  require(goal.success >= 0.5 && goal.success < 1, "success", goal.success,
-          "0.5 and more, below 1");
-  require(goal.most_periods >= 2 && goal.most_periods <= 1000, "most periods", goal.most_periods,
-          "2 to 1000");
+  const auto& [N, alpha, ambient, noise, success, most] = goal;
+  require_in_range(N >= 3 && N <= 64, "steps", N, "3 to 64");
+  require_in_range(alpha > 0 && alpha <= 1, "reflectivity", alpha, "above 0, at most 1");
+  require_in_range(std::abs(ambient) <= 255, "ambient light", ambient, "-255 to 255");
+  require_in_range(noise > 0 && std::isfinite(noise), "noise variance", noise, "above 0");
+  require_in_range(success >= 0.5 && success < 1, "success", success, "0.5 and more, below 1");
+  require_in_range(most >= 2 && most <= 1000, "most periods", most, "2 to 1000");
 }
 
 double predicted_unwrapping(const Layout& layout, const PatternLight& light, double alpha,
@@ -146,12 +151,11 @@ PatternLight brightest_light(const DesignGoal& goal) {
   const double beta_p = std::ceil(std::max(0.0, (clear - beta) / goal.alpha - beta));
   const double alpha_p = std::floor(std::min(255.0, 255 - clear - 2 * beta) - beta_p);
   const PatternLight light{.alpha_p = alpha_p, .beta_p = beta_p};
-  if (!(light.alpha_p >= 1)) {
-    throw Error(fmt::format(
-        "no patterns keep a reflectivity of {} off zero under ambient light of {} and sigma_w^2 of "
-        "{}; take a brighter surface or shade it",
-        goal.alpha, goal.ambient, goal.noise_variance));
-  }
+  throw_if(
+      !(light.alpha_p >= 1),
+      "no patterns keep a reflectivity of {} off zero under ambient light of {} and sigma_w^2 of "
+      "{}; take a brighter surface or shade it",
+      goal.alpha, goal.ambient, goal.noise_variance);
   return light;
 }
 
@@ -166,36 +170,14 @@ std::vector<Design> designs_by_frequency(const DesignGoal& goal) {
 
 Design best_design(const DesignGoal& goal) {
   const std::vector<Design> designs = designs_by_frequency(goal);
-  if (designs.empty()) {
-    throw Error(
-        fmt::format("no patterns of {} steps unwrap {} % of the pixels there; ask for less "
-                    "or take more steps",
-                    goal.steps, 100 * goal.success));
-  }
+  throw_if(designs.empty(),
+           "no patterns of {} steps unwrap {} % of the pixels there; ask for less "
+           "or take more steps",
+           goal.steps, 100 * goal.success);
   return *std::min_element(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
     return a.coordinate_sigma < b.coordinate_sigma;
   });
 }
-
-namespace {
-
-/// What speaks against so few projector pixels a period; empty where nothing does.
-std::string doubt_about_resolution(const Sequence& sequence) {
-  // A pixel shows its N phases of the sinusoid exactly, however few pixels a period has, down to
-  // Nyquist's two. But it shows each over its whole width, which leaves sinc(1 / p) of the
-  // modulation, before any lens: 0.64 at two pixels, 0.90 at four.
-  constexpr int fewest_pixels = 4;
-  const int length = length_along(sequence.axis, sequence.projector);
-  const double highest = highest_frequency(sequence.strategy), pixels = length / highest;
-  if (length == 0 || !(pixels < fewest_pixels)) return {};
-  const double angle = std::numbers::pi / pixels;
-  return fmt::format(
-      "{:g} periods over {} projector pixels are {:.3g} pixels each, near Nyquist's limit of 2: "
-      "their width alone takes {:.0f} % of the modulation, and a lens more; {} periods lose 10 %",
-      highest, length, pixels, 100 * (1 - std::sin(angle) / angle), length / fewest_pixels);
-}
-
-}  // namespace
 
 std::string doubt_about(const Sequence& sequence) {
   if (std::string doubt = doubt_about_resolution(sequence); !doubt.empty()) return doubt;
@@ -218,9 +200,7 @@ void require_valid(const StrategyGoal& goal) {
                            .noise_variance = goal.noise_variance,
                            .success = goal.success,
                            .most_periods = goal.most_periods});
-  if (goal.frames < 3 || goal.frames > 64) {
-    throw Error(fmt::format("frames {} are out of range; 3 to 64", goal.frames));
-  }
+  throw_if(goal.frames < 3 || goal.frames > 64, "frames {} are out of range; 3 to 64", goal.frames);
   if (!(goal.coordinate_sigma.value_or(1) > 0)) {
     throw Error(
         fmt::format("noise of the coordinate {} is out of range; above 0", *goal.coordinate_sigma));

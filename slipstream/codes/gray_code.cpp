@@ -1,14 +1,8 @@
-#include "slipstream/codes/gray_code.h"
-
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/codes/phase_shifting.h"
 
 namespace slipstream {
 namespace {
@@ -16,13 +10,10 @@ namespace {
 constexpr std::array<std::string_view, 4> references{"white-black", "inverse", "mean", "none"};
 
 void require_known(std::string_view name, int bits, std::string_view reference) {
-  if (bits < 1 || bits > most_code_bits) {
-    throw Error(fmt::format("{}: {} bits are out of range; 1 to {}", name, bits, most_code_bits));
-  }
-  if (std::find(references.begin(), references.end(), reference) == references.end()) {
-    throw Error(fmt::format("{}: reference '{}' is none of {}", name, reference,
-                            fmt::join(references, ", ")));
-  }
+  throw_if(bits < 1 || bits > most_code_bits, "{}: {} bits are out of range; 1 to {}", name, bits,
+           most_code_bits);
+  throw_if(std::find(references.begin(), references.end(), reference) == references.end(),
+           "{}: reference '{}' is none of {}", name, reference, fmt::join(references, ", "));
 }
 
 /// Frames of the code, with those that it is compared with.
@@ -46,19 +37,6 @@ Code code_in_frames(int frames, int first, int bits, std::string_view reference)
   if (reference == "white-black") add(first + bits, 2, 0.5);
   if (reference == "mean") add(first, bits, 1.0 / bits);
   return code;
-}
-
-/// What the code's frames show; those after its bits are white and black.
-double code_shape(const Code& code, int n, double y) {
-  const auto in = [n](const std::vector<int>& frames) {
-    return static_cast<int>(std::find(frames.begin(), frames.end(), n) - frames.begin());
-  };
-  const int bits = static_cast<int>(code.frames.size());
-  if (const int bit = in(code.frames); bit < bits) return is_bright(code, bit, y) ? 1 : 0;
-  if (const int bit = in(code.inverses); bit < static_cast<int>(code.inverses.size())) {
-    return is_bright(code, bit, y) ? 0 : 1;
-  }
-  return n == *std::max_element(code.frames.begin(), code.frames.end()) + 1 ? 1 : 0;
 }
 
 /// The narrowest stripes as a band, by which modulation and mean are known; its phase is none.
@@ -95,10 +73,6 @@ void GrayCode::require_valid() const {
   slipstream::require_valid(*layout().code, layout().frames, name);
 }
 
-double GrayCode::shape(int n, double y) const {
-  return code_shape(*layout().code, n, y);
-}
-
 Layout GrayCode::layout() const {
   const int frames = frame_count(bits, reference);
   Code code = code_in_frames(frames, 0, bits, reference);
@@ -113,13 +87,8 @@ Layout GrayCode::layout() const {
 
 void ExclusiveOrGray::require_valid() const {
   require_known(name, bits, reference);
-  if (base < 1 || base > 2 || base >= bits) {
-    throw Error(fmt::format("xor-gray: base {} of {} bits is out of range; 1 or 2", base, bits));
-  }
-}
-
-double ExclusiveOrGray::shape(int n, double y) const {
-  return code_shape(*layout().code, n, y);
+  throw_if(base < 1 || base > 2 || base >= bits,
+           "xor-gray: base {} of {} bits is out of range; 1 or 2", base, bits);
 }
 
 Layout ExclusiveOrGray::layout() const {
@@ -130,26 +99,19 @@ Layout ExclusiveOrGray::layout() const {
 }
 
 void GrayPhase::require_valid() const {
-  slipstream::require_valid(Sinusoid{steps, periods}, "gray-phase");
+  slipstream::require_valid(runs().front(), "gray-phase");
   const int shown = bits.value_or(bits_for(periods));
   require_known(name, shown + 1, reference);
-  if (shown < bits_for(periods)) {
-    throw Error(fmt::format("gray-phase: {} bits are too few for {:g} periods, which take {}",
-                            shown, periods, bits_for(periods)));
-  }
-}
-
-double GrayPhase::shape(int n, double y) const {
-  if (n >= steps) return code_shape(*layout().code, n, y);
-  return sinusoid_intensity({steps, periods, shifts}, n, y);
+  throw_if(shown < bits_for(periods),
+           "gray-phase: {} bits are too few for {:g} periods, which take {}", shown, periods,
+           bits_for(periods));
 }
 
 Layout GrayPhase::layout() const {
   const int shown = bits.value_or(bits_for(periods)) + (complementary.value_or(true) ? 1 : 0);
   const int frames = steps + frame_count(shown, reference);
-  Layout layout{.frames = frames,
-                .bands = {band_of({steps, periods, shifts}, frames)},
-                .unwrapping = Unwrapping::code};
+  Layout layout{
+      .frames = frames, .bands = {band_of(runs().front(), frames)}, .unwrapping = Unwrapping::code};
   layout.code = code_in_frames(frames, steps, shown, reference);
   layout.code->stripes = periods * std::exp2(shown - bits_for(periods));
   if (reference == "mean" || reference == "none")

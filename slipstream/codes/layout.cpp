@@ -1,16 +1,11 @@
 #include "slipstream/codes/layout.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
@@ -61,11 +56,9 @@ void require_monotonic(const std::function<double(double)>& reference) {
   for (int i = 0; i <= samples; ++i) {
     const double value = reference(place(i));
     const double next = reference(place(std::min(i + 1, samples)));
-    if (!(std::abs(value) <= 1) || (i < samples && !(direction * (next - value) > 0))) {
-      throw Error(
-          fmt::format("the reference is {} at y = {}; it rises or falls throughout, within -1 to 1",
-                      value, place(i)));
-    }
+    throw_if(!(std::abs(value) <= 1) || (i < samples && !(direction * (next - value) > 0)),
+             "the reference is {} at y = {}; it rises or falls throughout, within -1 to 1", value,
+             place(i));
   }
 }
 
@@ -73,37 +66,34 @@ void require_weights(const std::vector<double>& weights, int frames, double resp
                      std::string_view name, std::string_view what) {
   const bool finite = std::all_of(weights.begin(), weights.end(),
                                   [](double weight) { return std::isfinite(weight); });
-  if (static_cast<int>(weights.size()) != frames || !finite) {
-    throw Error(fmt::format("{}: {} has {} weights; it takes a finite one for each of {} frames",
-                            name, what, weights.size(), frames));
-  }
-  if (!is_near(sum_of(weights), response)) {
-    throw Error(fmt::format("{}: the weights of {} add up to {}, but must to {}", name, what,
-                            sum_of(weights), response));
-  }
+  throw_if(static_cast<int>(weights.size()) != frames || !finite,
+           "{}: {} has {} weights; it takes a finite one for each of {} frames", name, what,
+           weights.size(), frames);
+  throw_if(!is_near(sum_of(weights), response),
+           "{}: the weights of {} add up to {}, but must to {}", name, what, sum_of(weights),
+           response);
 }
 
 void require_valid(const Band& band, int frames, std::string_view name) {
-  if (!(band.periods > 0 && std::isfinite(band.periods))) {
-    throw Error(fmt::format("{}: {} periods are out of range; above 0", name, band.periods));
-  }
-  if (!(band.share > 0 && band.share <= 1)) {
-    throw Error(fmt::format("{}: share {} is out of range; above 0, at most 1", name, band.share));
-  }
+  throw_if(!(band.periods > 0 && std::isfinite(band.periods)),
+           "{}: {} periods are out of range; above 0", name, band.periods);
+  throw_if(!(band.share > 0 && band.share <= 1), "{}: share {} is out of range; above 0, at most 1",
+           name, band.share);
   require_weights(band.cosine, frames, 0, name, "a cosine");
   require_weights(band.sine, frames, 0, name, "a sine");
   require_weights(band.mean, frames, 1, name, "a mean");
-  if (!(band.carrier >= 0 && std::isfinite(band.carrier)) ||
-      band.mirrored.size() != (band.carrier > 0 ? 1U : 0U)) {
-    throw Error(
-        fmt::format("{}: a carrier of {} periods with {} mirrored sinusoids; above 0 it "
-                    "takes one",
-                    name, band.carrier, band.mirrored.size()));
-  }
+  throw_if(!(band.carrier >= 0 && std::isfinite(band.carrier)) ||
+               band.mirrored.size() != (band.carrier > 0 ? 1U : 0U),
+           "{}: a carrier of {} periods with {} mirrored sinusoids; above 0 it takes one", name,
+           band.carrier, band.mirrored.size());
   for (const Band& mirrored : band.mirrored) require_valid(mirrored, frames, name);
 }
 
-std::vector<double> channel_weights(int steps, int channel, double (*wave)(double),
+constexpr auto cosine_of = [](double angle) { return std::cos(angle); };
+constexpr auto sine_of = [](double angle) { return std::sin(angle); };
+
+template <class Wave>
+std::vector<double> channel_weights(int steps, int channel, const Wave& wave,
                                     const Shifts& shifts = {}) {
   const double direction = shifts.backwards ? -1 : 1;
   std::vector<double> weights;
@@ -111,14 +101,6 @@ std::vector<double> channel_weights(int steps, int channel, double (*wave)(doubl
     weights.push_back(2.0 / steps * wave(direction * 2 * pi * channel * n / steps - shifts.origin));
   }
   return weights;
-}
-
-double cosine_of(double angle) {
-  return std::cos(angle);
-}
-
-double sine_of(double angle) {
-  return std::sin(angle);
 }
 
 /// With zeros for the frames before and after.
@@ -136,13 +118,11 @@ bool are_near(const std::vector<double>& a, const std::vector<double>& b) {
 
 void require_valid(const Code& code, int frames, std::string_view name) {
   const int bits = bit_count(code);
-  if (bits < 1 || bits > most_code_bits) {
-    throw Error(fmt::format("{}: {} bits are out of range; 1 to {}", name, bits, most_code_bits));
-  }
-  if (!(code.stripes >= 2 && code.stripes <= std::exp2(bits))) {
-    throw Error(fmt::format("{}: {} bits number {} stripes; {:g} are out of range", name, bits,
-                            std::exp2(bits), code.stripes));
-  }
+  throw_if(bits < 1 || bits > most_code_bits, "{}: {} bits are out of range; 1 to {}", name, bits,
+           most_code_bits);
+  throw_if(!(code.stripes >= 2 && code.stripes <= std::exp2(bits)),
+           "{}: {} bits number {} stripes; {:g} are out of range", name, bits, std::exp2(bits),
+           code.stripes);
   const auto is_frame = [&](int frame) { return frame >= 0 && frame < frames; };
   const bool all = std::all_of(code.frames.begin(), code.frames.end(), is_frame) &&
                    std::all_of(code.inverses.begin(), code.inverses.end(), is_frame);
@@ -150,9 +130,8 @@ void require_valid(const Code& code, int frames, std::string_view name) {
       code.inverses.empty()
           ? code.reference.empty() || static_cast<int>(code.reference.size()) == frames
           : code.inverses.size() == code.frames.size();
-  if (!all || !compared || (code.base && !(*code.base >= 0 && *code.base < bits))) {
-    throw Error(fmt::format("{}: the code's bits are not among its {} frames", name, frames));
-  }
+  throw_if(!all || !compared || (code.base && !(*code.base >= 0 && *code.base < bits)),
+           "{}: the code's bits are not among its {} frames", name, frames);
 }
 
 bool is_bright(const Code& code, int bit, double y) {
@@ -162,6 +141,17 @@ bool is_bright(const Code& code, int bit, double y) {
   unsigned word = code.gray ? stripe ^ (stripe >> 1U) : stripe;
   if (code.base && (word & place(code, *code.base)) != 0) word ^= others(code);
   return (word & place(code, bit)) != 0;
+}
+
+double code_intensity(const Code& code, int n, double y) {
+  const auto in = [n](const std::vector<int>& frames) {
+    return static_cast<int>(std::find(frames.begin(), frames.end(), n) - frames.begin());
+  };
+  if (const int bit = in(code.frames); bit < bit_count(code)) return is_bright(code, bit, y);
+  if (const int bit = in(code.inverses); bit < static_cast<int>(code.inverses.size())) {
+    return !is_bright(code, bit, y);
+  }
+  return n == *std::max_element(code.frames.begin(), code.frames.end()) + 1;
 }
 
 int stripe_of(const Code& code, unsigned shown) {
@@ -204,15 +194,8 @@ CueReference::CueReference(std::function<double(double y)> function)
 
 double CueReference::operator()(double y) const {
   const double held = std::clamp(y, 0.0, 1.0);
-  switch (form_) {
-    case Form::linear:
-      return 2 * held - 1;
-    case Form::cosine:
-      return std::cos(pi * held);
-    case Form::other:
-      return function_(held);
-  }
-  return 0;
+  if (form_ == Form::linear) return 2 * held - 1;
+  return form_ == Form::cosine ? std::cos(pi * held) : function_(held);
 }
 
 double CueReference::inverse(double value) const {
@@ -245,22 +228,18 @@ double Cue::dc() const {
 void require_valid(const Cue& cue, int frames, std::string_view name) {
   const double dc = cue.dc();
   require_weights(cue.weights, frames, dc, name, "the cue");
-  if (!is_near(dc, 0) && !is_near(dc, 1)) {
-    throw Error(fmt::format("{}: the cue's weights add up to {}; to 0 or 1", name, dc));
-  }
-  if (!(cue.share > 0 && cue.share < 1)) {
-    throw Error(
-        fmt::format("{}: the cue's share {} is out of range; above 0, below 1", name, cue.share));
-  }
+  throw_if(!is_near(dc, 0) && !is_near(dc, 1), "{}: the cue's weights add up to {}; to 0 or 1",
+           name, dc);
+  throw_if(!(cue.share > 0 && cue.share < 1),
+           "{}: the cue's share {} is out of range; above 0, below 1", name, cue.share);
 }
 
 void require_valid(const Layout& layout, std::string_view name) {
-  if (layout.frames < 1 || layout.bands.empty()) {
-    throw Error(fmt::format("{}: {} frames with {} bands; at least one of each is needed", name,
-                            layout.frames, layout.bands.size()));
-  }
+  throw_if(layout.frames < 1 || layout.bands.empty(),
+           "{}: {} frames with {} bands; at least one of each is needed", name, layout.frames,
+           layout.bands.size());
   for (const Band& band : layout.bands) require_valid(band, layout.frames, name);
-  const auto require = way_of(layout.unwrapping).require;
+  const auto require = layout.unwrapping->require;
   if (require != nullptr) require(layout, name);
 }
 
@@ -270,14 +249,6 @@ std::vector<double> channel_cosines(int steps, int channel) {
 
 std::vector<double> channel_sines(int steps, int channel) {
   return channel_weights(steps, channel, sine_of);
-}
-
-std::vector<double> mean_weights(int steps) {
-  return std::vector<double>(static_cast<std::size_t>(steps), 1.0 / steps);
-}
-
-std::vector<double> half_phase_weights() {
-  return {0.25, -0.25, 0.25, -0.25};
 }
 
 Band phase_shifted_band(int frames, int first, int steps, double periods, int channel, double share,
@@ -311,10 +282,6 @@ std::optional<StepRun> step_run(const Band& band) {
   return std::nullopt;
 }
 
-std::optional<StepRun> bent_run(const Band& band) {
-  return band.cycle ? band.cycle : step_run(band);
-}
-
 double component_noise(const Band& band) {
   const auto squares = [](const std::vector<double>& weights) {
     return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
@@ -346,13 +313,9 @@ std::size_t measuring_band_index(const Layout& layout) {
   return coarse_to_fine(layout).back();
 }
 
-const Band& measuring_band(const Layout& layout) {
-  return layout.bands[measuring_band_index(layout)];
-}
-
 std::vector<int> measuring_frames(const Layout& layout) {
   std::vector<int> frames;
-  for (int n = 0; n < layout.frames && !way_of(layout.unwrapping).whole_stripes; ++n) {
+  for (int n = 0; n < layout.frames && !layout.unwrapping->whole_stripes; ++n) {
     const auto i = static_cast<std::size_t>(n);
     const bool in_band =
         std::any_of(layout.bands.begin(), layout.bands.end(), [i](const Band& band) {
@@ -366,7 +329,7 @@ std::vector<int> measuring_frames(const Layout& layout) {
 }
 
 bool has_coordinate(const Layout& layout) {
-  return layout.unwrapping != Unwrapping::none || measuring_band(layout).periods <= 1;
+  return layout.unwrapping->gives_coordinate || measuring_band(layout).periods <= 1;
 }
 
 bool needs_ambient_light(const Layout& layout) {
@@ -377,10 +340,6 @@ double carrier_periods(const Layout& layout) {
   double most = 0;
   for (const Band& band : layout.bands) most = std::max(most, band.carrier);
   return most;
-}
-
-double highest_frequency(const Layout& layout) {
-  return measuring_band(layout).periods;
 }
 
 }  // namespace slipstream

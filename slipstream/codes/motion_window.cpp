@@ -1,16 +1,9 @@
-#include "slipstream/codes/motion_window.h"
-
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <iterator>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/codes/layout.h"
 
 namespace slipstream {
 namespace {
@@ -34,30 +27,19 @@ Weights phasors(const std::vector<double>& real, const std::vector<double>& imag
   return weights;
 }
 
-/// By what the weights turn from each frame of a cycle to the next; none where that is not one.
-std::optional<Phasor> turn_of(const Weights& weights) {
-  constexpr double rounding = 1e-9;
-  const Phasor turn = weights[1] / weights[0];
-  for (std::size_t n = 0; n < weights.size(); ++n) {
-    const Phasor next = weights[(n + 1) % weights.size()];
-    if (!(std::abs(weights[n] * turn - next) < rounding)) return std::nullopt;
-  }
-  return turn;
+void refuse_motion_if(bool wrong) {
+  throw_if(wrong,
+           "frames of things that move are weighed over several cycles of patterns that differ by "
+           "equal shifts; take pmp or pcmp");
 }
 
-[[noreturn]] void refuse_motion() {
-  throw Error(
-      "frames of things that move are weighed over several cycles of patterns that differ by equal "
-      "shifts; take pmp or pcmp");
-}
-
-/// The weights of a cycle's sums, and by what each turns.
+/// The weights of a cycle's sums, and by what they turn from each frame to the next.
 struct CycleSum {
-  explicit CycleSum(Weights of) : weights(std::move(of)) {
-    if (const auto found = turn_of(weights)) {
-      turn = *found;
-    } else {
-      refuse_motion();
+  explicit CycleSum(Weights of) : weights(std::move(of)), turn(weights[1] / weights[0]) {
+    constexpr double rounding = 1e-9;
+    for (std::size_t n = 0; n < weights.size(); ++n) {
+      const Phasor next = weights[(n + 1) % weights.size()];
+      refuse_motion_if(!(std::abs(weights[n] * turn - next) < rounding));
     }
   }
 
@@ -116,11 +98,10 @@ Band band_in_motion(const Band& band, const CycleSum& moving, int extra, int fir
 }  // namespace
 
 Layout motion_window(const Layout& cycle, int extra, int first) {
-  if (extra < 0 || extra > 16) {
-    throw Error(fmt::format("motion {} is out of range; 0 to 16 frames more than a cycle", extra));
-  }
+  throw_if(extra < 0 || extra > 16, "motion {} is out of range; 0 to 16 frames more than a cycle",
+           extra);
   const bool composed = !measuring_band(cycle).mirrored.empty();
-  if (composed || cycle.code || !cycle.single_frames.empty()) refuse_motion();
+  refuse_motion_if(composed || cycle.code || !cycle.single_frames.empty());
   const CycleSum moving = cycle_sum(measuring_band(cycle));
   Layout window = cycle;
   window.frames += extra;

@@ -1,40 +1,168 @@
 #include "slipstream/codes/one_frame.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
-#include <utility>
+#include <random>
+#include <unordered_set>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
 
-/// Frames of one period, and of so many that noise is that of an edge or a symbol.
-Demodulation read_as_fringes(int shown, double periods, SymbolGrid grid) {
-  Demodulation how{.shown = shown, .frames = sine_cosine_mean(periods), .grid = std::move(grid)};
-  for (const SpectralFrame& frame : sine_cosine_mean(1)) how.frames.push_back(frame);
-  return how;
+using std::numbers::pi;
+
+using Symbols = std::vector<std::uint8_t>;
+
+/// So many symbols that no window comes twice: each one that may follow, in a mixed order, and a
+/// step back where none is left. `window` is what ends with the last symbol, where one does.
+template <class Following, class Window>
+Symbols without_repeats(std::size_t count, const Following& following, const Window& window) {
+  Symbols found;
+  std::vector<Symbols> left;  // to be tried, for each symbol and the next
+  std::unordered_set<int> seen;
+  std::minstd_rand random;
+  while (found.size() < count) {
+    if (left.size() == found.size()) {
+      Symbols next = following(found);
+      for (std::size_t i = next.size(); i > 1; --i) std::swap(next[i - 1], next[random() % i]);
+      left.push_back(std::move(next));
+    }
+    if (left.back().empty()) {
+      left.pop_back();
+      if (const std::optional<int> last = window(found)) seen.erase(*last);
+      found.pop_back();
+      continue;
+    }
+    found.push_back(left.back().back());
+    left.back().pop_back();
+    const std::optional<int> key = window(found);
+    if (key && !seen.insert(*key).second) found.pop_back();
+  }
+  return found;
 }
 
-Layout fringes(double periods) {
-  return {.frames = 6,
-          .bands = {sine_cosine_mean_band(6, 0, periods), sine_cosine_mean_band(6, 3, 1)},
-          .unwrapping = Unwrapping::hierarchical};
-}
+constexpr int least = 8;
 
 }  // namespace
+
+SymbolGrid coloured_stripes(int stripes) {
+  constexpr int most = 256;
+  throw_if(stripes < least || stripes > most, "{} stripes are out of range; {} to {}", stripes,
+           least, most);
+  const auto following = [](const Symbols& found) {
+    Symbols next;
+    for (std::uint8_t colour = 1; colour < 7; ++colour) {
+      if (found.empty() || (colour != found.back() && (colour & found.back()) != 0)) {
+        next.push_back(colour);
+      }
+    }
+    return next;
+  };
+  const auto window = [](const Symbols& found) -> std::optional<int> {
+    if (found.size() <= stripe_window) return std::nullopt;
+    int key = 0;
+    for (std::size_t i = found.size() - stripe_window; i < found.size(); ++i) {
+      for (unsigned c = 0; c < 3; ++c) {
+        key = 3 * key + 1 + ((found[i] >> c) & 1) - ((found[i - 1] >> c) & 1);
+      }
+    }
+    return key;
+  };
+  return {stripes, without_repeats(static_cast<std::size_t>(stripes), following, window)};
+}
+
+SymbolGrid symbol_array(int columns, int rows) {
+  constexpr int most = 4096;
+  throw_if(columns < least || rows < least || columns > most / rows,
+           "{} columns and {} rows are out of range; {} or more each, {} at most in all", columns,
+           rows, least, most);
+  const auto width = static_cast<std::size_t>(columns);
+  const auto window = [width](const Symbols& found) -> std::optional<int> {
+    constexpr std::size_t before = symbol_window - 1;
+    const std::size_t last = found.size() - 1;
+    if (last / width < before || last % width < before) return std::nullopt;
+    int key = 0;
+    for (std::size_t row = 0; row < symbol_window; ++row) {
+      for (std::size_t column = 0; column < symbol_window; ++column) {
+        key = 3 * key + found[last - before * (width + 1) + row * width + column];
+      }
+    }
+    return key;
+  };
+  const auto following = [](const Symbols&) { return Symbols{0, 1, 2}; };
+  return {columns, without_repeats(width * static_cast<std::size_t>(rows), following, window)};
+}
+
+double symbol_shape(int symbol, double along, double across) {
+  constexpr std::array along_reach{0.32, 0.48, 0.18}, across_reach{0.32, 0.18, 0.48};
+  const auto bump = [i = static_cast<std::size_t>(symbol)](double at, const auto& reach) {
+    return std::abs(at) < reach[i] ? 0.5 + 0.5 * std::cos(pi * at / reach[i]) : 0;
+  };
+  return bump(along, along_reach) * bump(across, across_reach);
+}
+
+double grid_intensity(const SymbolGrid& grid, int n, double y, double across) {
+  const auto place = [](double at, int count) {
+    return std::clamp(static_cast<int>(std::floor(at)), 0, count - 1);
+  };
+  const auto symbol = [&](int column, int row) {
+    return grid.symbols[static_cast<std::size_t>(row * grid.columns + column)];
+  };
+  if (grid.rows() > 1) {
+    const double u = y * grid.columns, v = across * grid.rows();
+    const int column = place(u, grid.columns), row = place(v, grid.rows());
+    return symbol_shape(symbol(column, row), u - column - 0.5, v - row - 0.5);
+  }
+  const auto level = [&](int stripe) {
+    return (symbol(place(stripe, grid.columns), 0) >> static_cast<unsigned>(n)) & 1;
+  };
+  const double x = y * grid.columns - 0.5;
+  const int stripe = static_cast<int>(std::floor(x));
+  const double share = 0.5 - 0.5 * std::cos(std::numbers::pi * (x - stripe));
+  return level(stripe) + (level(stripe + 1) - level(stripe)) * share;
+}
+
+std::vector<SpectralFrame> sine_cosine_mean(double periods, double share) {
+  using Kind = SpectralFrame::Kind;
+  const SpectralFrame cosine{.kind = Kind::sinusoid, .periods = periods, .share = share};
+  SpectralFrame sine = cosine, mean = cosine;
+  sine.angle = pi / 2;
+  mean.kind = Kind::mean;
+  return {sine, cosine, mean};
+}
+
+Band sine_cosine_mean_band(int frames, int first, double periods, const Shifts& shifts) {
+  const auto count = static_cast<std::size_t>(frames), sine = static_cast<std::size_t>(first);
+  const double turn = shifts.backwards ? -1 : 1;
+  const double c = 2 * std::cos(shifts.origin), s = 2 * std::sin(shifts.origin);
+  Band band{.periods = periods,
+            .cosine = std::vector<double>(count),
+            .sine = std::vector<double>(count),
+            .mean = std::vector<double>(count)};
+  // Each frame less the mean.
+  const auto weigh = [&](std::vector<double>& weights, double of_sine, double of_cosine) {
+    weights[sine] = of_sine;
+    weights[sine + 1] = of_cosine;
+    weights[sine + 2] = -(of_sine + of_cosine);
+  };
+  weigh(band.cosine, turn * s, c);
+  weigh(band.sine, turn * c, -s);
+  band.mean[sine + 2] = 1;
+  return band;
+}
+
+double sine_cosine_mean_shape(int n, double periods, double y, const Shifts& shifts) {
+  const double phase = 2 * pi * periods * y + shifts.origin;
+  if (n == 0) return 0.5 + (shifts.backwards ? -0.25 : 0.25) * std::sin(phase);
+  return n == 1 ? 0.5 + 0.25 * std::cos(phase) : 0.5;
+}
 
 void FourierProfilometry::require_valid() const {
   slipstream::require_valid(Sinusoid{.frequency = frequency}, "fourier");
   constexpr double fewest = 8;  // below, they are no carrier
-  if (frequency < fewest) {
-    throw Error(
-        fmt::format("fourier: frequency {} is out of range; {} or more", frequency, fewest));
-  }
+  throw_if(frequency < fewest, "fourier: frequency {} is out of range; {} or more", frequency,
+           fewest);
   // Beyond, the carriers are too near to each other, or to each other's harmonics.
   constexpr double largest = 0.45;  // of the frequency
   if (low && !(*low >= fewest && *low <= largest * frequency)) {
@@ -68,8 +196,6 @@ Layout FourierProfilometry::layout() const {
           .unwrapping = Unwrapping::surfaces};
 }
 
-using std::numbers::pi;
-
 void CompositePattern::require_valid() const {
   constexpr double fewest = 8;  // periods; below, they are no carrier
   constexpr std::size_t most_carriers = 8;
@@ -78,14 +204,11 @@ void CompositePattern::require_valid() const {
   const bool spread = std::all_of(carriers.begin(), carriers.end(), [&](double periods) {
     return periods >= fewest && std::isfinite(periods);
   });
-  if (!(high >= fewest) || !spread || carriers.size() > most_carriers) {
-    throw Error(
-        fmt::format("composite: high and carriers are {} periods or more, of 3 to {} carriers",
-                    fewest, most_carriers));
-  }
-  if (!(share > 0 && share < 1)) {
-    throw Error(fmt::format("composite: share {} is out of range; above 0, below 1", share));
-  }
+  throw_if(!(high >= fewest) || !spread || carriers.size() > most_carriers,
+           "composite: high and carriers are {} periods or more, of 3 to {} carriers", fewest,
+           most_carriers);
+  throw_if(!(share > 0 && share < 1), "composite: share {} is out of range; above 0, below 1",
+           share);
 }
 
 double CompositePattern::shape(int, double y, double across) const {
@@ -106,8 +229,7 @@ Demodulation CompositePattern::demodulation() const {
                           .across = true,
                           .share = (1 - share) / steps()});
   }
-  const std::vector<SpectralFrame> measuring = sine_cosine_mean(high, share);
-  how.frames.insert(how.frames.end(), measuring.begin(), measuring.end());
+  for (const SpectralFrame& frame : sine_cosine_mean(high, share)) how.frames.push_back(frame);
   return how;
 }
 
@@ -127,28 +249,17 @@ Layout CompositePattern::layout() const {
   return layout;
 }
 
-void DeBruijn::require_valid() const {
-  coloured_stripes(stripes);
+Demodulation read_as_fringes(int shown, double periods, SymbolGrid grid) {
+  Demodulation how{.shown = shown, .frames = sine_cosine_mean(periods), .grid = std::move(grid)};
+  for (const SpectralFrame& frame : sine_cosine_mean(1)) how.frames.push_back(frame);
+  return how;
 }
 
-Demodulation DeBruijn::demodulation() const {
-  return read_as_fringes(3, stripes / 2.0, coloured_stripes(stripes));
-}
-
-Layout DeBruijn::layout() const {
-  return fringes(stripes / 2.0);  // with the slopes that theirs have
-}
-
-void SymbolArray::require_valid() const {
-  symbol_array(columns, rows);
-}
-
-Demodulation SymbolArray::demodulation() const {
-  return read_as_fringes(1, columns, symbol_array(columns, rows));
-}
-
-Layout SymbolArray::layout() const {
-  return fringes(columns);
+Layout fringes_of(const Demodulation& grid) {
+  return {.frames = 6,
+          .bands = {sine_cosine_mean_band(6, 0, grid.frames.front().periods),
+                    sine_cosine_mean_band(6, 3, 1)},
+          .unwrapping = Unwrapping::hierarchical};
 }
 
 }  // namespace slipstream

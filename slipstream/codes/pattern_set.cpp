@@ -1,12 +1,8 @@
 #include "slipstream/codes/pattern_set.h"
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -29,32 +25,19 @@ Image<double> levels_along_rows(const PatternSet& patterns, int n, Size size) {
 
 }  // namespace
 
-int length_along(Axis axis, Size projector) {
-  return axis == Axis::x ? projector.width : projector.height;
-}
-
-std::string_view name_of(Axis axis) {
-  return axis == Axis::x ? "x" : "y";
-}
-
 Axis axis_named(std::string_view name) {
   if (name == "x") return Axis::x;
   if (name == "y") return Axis::y;
   throw Error("axis '" + std::string(name) + "' is not known; it is x or y");
 }
 
-double coordinate_of_pixel(int index, int projector_length) {
-  return static_cast<double>(index) / projector_length;
-}
-
 void require_valid(const PatternLight& light) {
   const bool in_range =
       light.alpha_p > 0 && light.beta_p >= 0 && light.alpha_p + light.beta_p <= 255;
-  if (!in_range) {
-    throw Error(fmt::format(
-        "alpha_p {} and beta_p {} are out of range; alpha_p > 0, beta_p >= 0 and their sum <= 255",
-        light.alpha_p, light.beta_p));
-  }
+  throw_if(
+      !in_range,
+      "alpha_p {} and beta_p {} are out of range; alpha_p > 0, beta_p >= 0 and their sum <= 255",
+      light.alpha_p, light.beta_p);
 }
 
 PatternSet pattern_alone(const PatternSet& patterns, int n) {
@@ -78,16 +61,12 @@ PatternSet with_marker(PatternSet patterns, double shape) {
 }
 
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector, int bits) {
-  if (projector.width < 1 || projector.height < 1) {
-    throw Error(fmt::format("projector size {}x{} is empty; give its width and height in pixels",
-                            projector.width, projector.height));
-  }
-  if (n < 0 || n >= patterns.count) {
-    throw Error(fmt::format("pattern {} does not exist; the set has {}", n, patterns.count));
-  }
-  if (bits < 8 || bits > 16) {
-    throw Error(fmt::format("{} bits per projector pixel are out of range; 8 to 16", bits));
-  }
+  throw_if(projector.width < 1 || projector.height < 1,
+           "projector size {}x{} is empty; give its width and height in pixels", projector.width,
+           projector.height);
+  throw_if(n < 0 || n >= patterns.count, "pattern {} does not exist; the set has {}", n,
+           patterns.count);
+  throw_if(bits < 8 || bits > 16, "{} bits per projector pixel are out of range; 8 to 16", bits);
 
   const double scale = ((1 << bits) - 1) / 255.0;
   const bool along_rows = patterns.axis_of(n) == Axis::x;
@@ -95,12 +74,10 @@ Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size proj
       patterns, n, along_rows ? projector : Size{projector.height, projector.width});
   if (patterns.binary) levels = one_bit(std::move(levels));
   Image<std::uint16_t> picture(projector);
-  for (int row = 0; row < projector.height; ++row) {
-    for (int column = 0; column < projector.width; ++column) {
-      const double level = along_rows ? levels(column, row) : levels(row, column);
-      picture(column, row) = static_cast<std::uint16_t>(std::lround(scale * level));
-    }
-  }
+  for_each_pixel_in_order(projector, [&](int column, int row) {
+    const double level = along_rows ? levels(column, row) : levels(row, column);
+    picture(column, row) = static_cast<std::uint16_t>(std::lround(scale * level));
+  });
   return picture;
 }
 

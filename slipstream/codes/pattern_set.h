@@ -1,26 +1,22 @@
 #pragma once
 
-#include <array>
 #include <concepts>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
-#include "slipstream/base/size.h"
 
 namespace slipstream {
 
-/// The projector axis along which a pattern varies. `x`: the intensity is a function of the
-/// projector column (stripes stand upright); `y`: of the projector row, as in Liu 2010.
+/// The projector axis along which a pattern varies: `x`, its columns (upright stripes); `y`, its
+/// rows, as in Liu 2010.
 enum class Axis { x, y };
 
 /// Projector pixels along the axis: the width for `x`, the height for `y`.
-int length_along(Axis axis, Size projector);
+constexpr int length_along(Axis axis, Size projector) {
+  return axis == Axis::x ? projector.width : projector.height;
+}
 
 /// The other one.
 constexpr Axis across(Axis axis) {
@@ -28,14 +24,17 @@ constexpr Axis across(Axis axis) {
 }
 
 /// "x" or "y".
-std::string_view name_of(Axis axis);
+constexpr std::string_view name_of(Axis axis) {
+  return axis == Axis::x ? "x" : "y";
+}
 
 /// The axis of that name. Throws Error for any name but "x" and "y".
 Axis axis_named(std::string_view name);
 
-/// Projector coordinate, in [0, 1) across the field, of the centre of a pixel: index /
-/// projector_length.
-double coordinate_of_pixel(int index, int projector_length);
+/// Projector coordinate, [0, 1) across the field, of a pixel's centre: index / projector_length.
+constexpr double coordinate_of_pixel(int index, int projector_length) {
+  return static_cast<double>(index) / projector_length;
+}
 
 /// The light of a projector's patterns, in grey levels of an 8-bit projector: I^p = alpha_p s +
 /// beta_p with s in [0, 1] (Liu 2010, Eq. 3.1). A projector of m bits scales both by
@@ -68,8 +67,7 @@ class PatternShape {
   std::function<double(int n, double y, double across)> shape_;
 };
 
-/// What a projector shows in one scan: `count` patterns, each a function of the projector
-/// coordinate along an axis, or of both coordinates.
+/// What a projector shows in one scan: `count` patterns, functions of one or both coordinates.
 struct PatternSet {
   int count = 0;
   Axis axis = Axis::x;  ///< of the first
@@ -77,8 +75,8 @@ struct PatternSet {
   PatternShape shape;  ///< s: see PatternLight
   /// How long the camera looks at each pattern, relative to its usual exposure; 1 where not said.
   std::vector<double> exposures{};
-  /// Shown by pixels that are dark (0) or bright (255) alone, whose mean is the intensity: for a
-  /// DMD that shows a bit at a time.
+  /// Shown by pixels that are dark (0) or bright (255), whose mean is the intensity: for 1-bit
+  /// DMDs.
   bool binary = false;
 
   int turn = 0;  ///< so many along the one axis, so many along the other, and so on; 0: all alike
@@ -100,20 +98,18 @@ struct PatternSet {
 /// Pattern n of the set alone, exposed as it was there.
 PatternSet pattern_alone(const PatternSet& patterns, int n);
 
-/// The set with one more pattern after the last, dark (`shape` 0) or bright (1) all over: when the
-/// set is shown again and again it marks where a cycle ends.
+/// The set and one more pattern, all dark (`shape` 0) or bright (1), which marks the end of a
+/// cycle.
 PatternSet with_marker(PatternSet patterns, double shape = 0);
 
-/// Pattern n as the picture to send to a projector of that size, rounded to the nearest grey level
-/// of `bits` (8 to 16). The value of a pixel is the intensity at its centre; of a binary set it is
-/// 0 or full scale: see one_bit. Throws Error when the projector has no pixels, n is not in the set
-/// or bits are out of range.
+/// Pattern n as a picture for that projector: intensities at pixel centres, rounded to grey levels
+/// of `bits` (8 to 16); of a binary set 0 or full scale, see one_bit. Throws Error if the projector
+/// has no pixels, n is not in the set or bits are out of range.
 Image<std::uint16_t> render_pattern(const PatternSet& patterns, int n, Size projector,
                                     int bits = 8);
 
-/// The picture, grey levels of 8 bits, in pixels that are dark (0) or bright (255) and whose mean
-/// about any place is its own, by error diffusion. Least amiss once blurred where the picture
-/// changes along its rows.
+/// The picture, grey levels of 8 bits, dithered to 0 and 255 by error diffusion. Best, once
+/// blurred, where it changes along its rows.
 Image<double> one_bit(Image<double> picture);
 
 /// A pattern rendered for a projector of 8 bits, in pixels of 8 bits.
@@ -128,8 +124,8 @@ Image<Colour> picture_in_colour(const PatternSet& set, int first, Size projector
 /// What a projector in colour shows for its mixture to be measured, all over, by name.
 inline constexpr std::array primary_names{"black", "red", "green", "blue"};
 
-/// Half of the light that a projector has, of all colours, as patterns have in the mean: it tells
-/// paint from pattern.
+/// Half the projector's light, in all colours, as patterns have on average: tells paint from
+/// pattern.
 inline PatternSet white_pattern(const PatternLight& light) {
   return {.count = 3, .light = light, .shape = [](int, double) { return 0.5; }};
 }

@@ -1,12 +1,9 @@
 #include "slipstream/codes/phase_channel_multiplexing.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -16,8 +13,6 @@ using std::numbers::pi;
 CueReference published_reference(int steps) {
   return CueReference(steps == 3 ? CueReference::Form::linear : CueReference::Form::cosine);
 }
-
-using std::numbers::pi;
 
 /// g_n.
 double carrier(int n, int steps) {
@@ -48,26 +43,14 @@ constexpr double cue_share = 1 - 1 / std::numbers::sqrt2;
 
 }  // namespace
 
-double PhaseChannelMultiplexing::f_h() const {
-  return high.value_or(steps == 3 ? 3 : steps == 4 ? 6 : 12);
-}
-
-double PhaseChannelMultiplexing::c1() const {
-  return share.value_or(steps == 3 ? 0.5 : 0.6);
-}
-
 void PhaseChannelMultiplexing::require_valid() const {
   slipstream::require_valid(Sinusoid{steps, f_h()}, "pcmp");
-  if (f_h() < 2 || f_h() != std::floor(f_h()) || f_h() > 1e6) {
-    throw Error(fmt::format(
-        "pcmp: high frequency {} is out of range; a whole number of periods, 2 or more", f_h()));
-  }
-  if (!(c1() > 1 / f_h() && c1() < 1)) {
-    throw Error(
-        fmt::format("pcmp: share {} of the high frequency is out of range; above 1 / {} = {:.4g}, "
-                    "where it begins to pay (Eq. 3.64), and below 1",
-                    c1(), f_h(), 1 / f_h()));
-  }
+  throw_if(f_h() < 2 || f_h() != std::floor(f_h()) || f_h() > 1e6,
+           "pcmp: high frequency {} is out of range; a whole number of periods, 2 or more", f_h());
+  throw_if(!(c1() > 1 / f_h() && c1() < 1),
+           "pcmp: share {} of the high frequency is out of range; above 1 / {} = {:.4g}, "
+           "where it begins to pay (Eq. 3.64), and below 1",
+           c1(), f_h(), 1 / f_h());
   if (steps < 5) static_cast<void>(cue_reference());
 }
 
@@ -104,12 +87,9 @@ Layout PhaseChannelMultiplexing::layout() const {
 
 void PeriodCoded::require_valid() const {
   slipstream::require_valid(Sinusoid{steps, high}, "pcps");
-  if (steps % 2 != 0 || steps > 64) {
-    throw Error(fmt::format("pcps: {} steps are out of range; even, 4 to 64", steps));
-  }
-  if (high < 2 || high != std::floor(high) || high > 1e6) {
-    throw Error(fmt::format("pcps: {} periods are out of range; whole, 2 or more", high));
-  }
+  throw_if(steps % 2 != 0 || steps > 64, "pcps: {} steps are out of range; even, 4 to 64", steps);
+  throw_if(high < 2 || high != std::floor(high) || high > 1e6,
+           "pcps: {} periods are out of range; whole, 2 or more", high);
 }
 
 double PeriodCoded::shape(int n, double y) const {

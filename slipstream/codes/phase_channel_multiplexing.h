@@ -1,44 +1,37 @@
 #pragma once
 
-#include <functional>
-#include <optional>
-#include <string_view>
-
-#include "slipstream/codes/layout.h"
-#include "slipstream/codes/sinusoid.h"
+#include "slipstream/codes/phase_shifting.h"
 
 namespace slipstream {
 
 /// Phase channel multiplexing, PCMP (Liu 2010, Section 3.2): a sinusoid of f_h periods measures,
-/// and a cue in a channel that it leaves free, in the same N frames, says which of the periods it
-/// is. N = 3: a monotonic reference R in the DC channel (3.53), which needs the ambient light; N =
-/// 4: R in the half phase channel (3.68); N >= 5: a sinusoid of one period in the second full phase
-/// channel (3.83).
+/// and a cue in a free channel of the same N frames names the period. N = 3: a monotonic reference
+/// R in the DC channel (3.53), which needs the ambient light; N = 4: R in the half phase channel
+/// (3.68); N >= 5: a sinusoid of one period in the second phase channel (3.83).
 struct PhaseChannelMultiplexing {
   static constexpr std::string_view name = "pcmp";
 
   int steps = 5;                 ///< N, >= 3
   std::optional<double> high{};  ///< f_h, whole, >= 2; by default 3, 6, 12 for N = 3, 4, 5 and more
   std::optional<double> share{};  ///< c_1, in (1 / f_h, 1); by default 0.5, 0.6, 0.6; c_2 = 1 - c_1
-  /// R for N = 3 and 4: monotonic, within [-1, 1], for y in [0, 1]. By default 2 y - 1 for N = 3
-  /// and cos(pi y) for N = 4. A file or a command line cannot name another.
+  /// R for N = 3 and 4: monotonic, within [-1, 1], for y in [0, 1]; default 2 y - 1 and cos(pi y).
+  /// Files and command lines cannot name another.
   std::function<double(double y)> reference{};
   Shifts
       shifts{};  ///< of the sinusoids; with another origin or backwards the engine is the reference
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("high", "periods of the high frequency across the field", self.high);
     visit("share", "of the modulation for the high frequency, the rest for the cue", self.share);
     visit_shifts(self.shifts, visit);
   }
 
-  /// Throws Error for settings outside their ranges: Eq. (3.64) among them, past which PMP of unit
-  /// frequency measures as well.
+  /// Throws Error for settings out of range, or past Eq. (3.64), where unit-frequency PMP is as
+  /// good.
   void require_valid() const;
-  [[nodiscard]] double f_h() const;
-  [[nodiscard]] double c1() const;
+  [[nodiscard]] double f_h() const { return high.value_or(steps == 3 ? 3 : steps == 4 ? 6 : 12); }
+  [[nodiscard]] double c1() const { return share.value_or(steps == 3 ? 0.5 : 0.6); }
   [[nodiscard]] double c2() const { return 1 - c1(); }
   /// What the cue of N = 3 and 4 follows.
   [[nodiscard]] CueReference cue_reference() const;
@@ -62,8 +55,7 @@ struct PeriodCoded {
   double high = 12;  ///< f, whole
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("high", "periods of the high frequency across the field", self.high);
     visit_shifts(self.shifts, visit);

@@ -1,17 +1,13 @@
 #include "slipstream/codes/phase_shifting.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
-#include <span>
 #include <tuple>
-#include <utility>
 
-#include <fmt/format.h>
+#include <Eigen/QR>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
@@ -19,21 +15,36 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr std::array band_unwrappings{Unwrapping::hierarchical, Unwrapping::beats,
-                                      Unwrapping::likelihood};
+/// Weights of the mean in the frames that show the sinusoid, where no sinusoid is left in it.
+std::optional<std::vector<double>> own_mean(const Eigen::MatrixXd& made,
+                                            const ShownSinusoid& sinusoid) {
+  constexpr double rounding = 1e-12;
+  Eigen::VectorXd weights(made.rows());
+  std::copy(sinusoid.shown.begin(), sinusoid.shown.end(), weights.begin());
+  weights /= weights.sum();
+  if ((weights.transpose() * made.rightCols(made.cols() - 1)).norm() > rounding)
+    return std::nullopt;
+  return std::vector<double>(weights.begin(), weights.end());
+}
+
+const std::array band_unwrappings{Unwrapping::hierarchical, Unwrapping::beats,
+                                  Unwrapping::likelihood};
 
 const Unwrapping* band_unwrapping_named(std::string_view name) {
   const auto* const found = std::find_if(band_unwrappings.begin(), band_unwrappings.end(),
-                                         [&](Unwrapping way) { return way_of(way).name == name; });
+                                         [&](Unwrapping way) { return way->name == name; });
   return found == band_unwrappings.end() ? nullptr : found;
 }
 
 /// The margin of the bands so unwrapped; 0 where they cannot be.
 double margin_by(Layout layout, Unwrapping way) {
   layout.unwrapping = way;
-  const bool begins = way == Unwrapping::hierarchical ? least_periods(layout) <= 1
-                                                      : !unwrapping_chain(layout).empty();
-  return begins ? unwrapping_margin(layout) : 0;
+  try {
+    way->require(layout, "");
+  } catch (const Error&) {
+    return 0;
+  }
+  return unwrapping_margin(layout);
 }
 
 Unwrapping safest(const Layout& layout) {
@@ -56,8 +67,22 @@ void require_count(std::string_view name, const std::vector<double>& periods, st
   throw Error(fmt::format("{}: {} periods are given; {} to {}", name, periods.size(), least, most));
 }
 
-/// N-step sinusoids one after the other.
-Layout layout_of(std::span<const Sinusoid> runs, Unwrapping unwrapping) {
+constexpr int micro_steps = 3;
+
+}  // namespace
+
+double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y) {
+  const auto& [N, f, shifts] = sinusoid;
+  return 0.5 + 0.5 * std::cos(shifted_phase(shifts, 2 * pi * f * y) - 2 * pi * n / N);
+}
+
+double intensity_of(const std::vector<Sinusoid>& runs, int n, double y) {
+  auto run = runs.begin();
+  while (n >= run->steps) n -= run++->steps;
+  return sinusoid_intensity(*run, n, y);
+}
+
+Layout layout_of(const std::vector<Sinusoid>& runs, Unwrapping unwrapping) {
   Layout layout{.unwrapping = unwrapping};
   for (const Sinusoid& run : runs) layout.frames += run.steps;
   int first = 0;
@@ -68,79 +93,114 @@ Layout layout_of(std::span<const Sinusoid> runs, Unwrapping unwrapping) {
   return layout;
 }
 
-constexpr int micro_steps = 3;
-
-}  // namespace
-
-void PhaseMeasuring::require_valid() const {
-  slipstream::require_valid(Sinusoid{steps, frequency}, "pmp");
+Band band_of(const Sinusoid& sinusoid, int frames, int first, double share) {
+  const auto& [N, f, shifts] = sinusoid;
+  return phase_shifted_band(frames, first, N, f, 1, share, shifts);
 }
 
-double PhaseMeasuring::shape(int n, double y) const {
-  return sinusoid_intensity({steps, frequency, shifts}, n, y);
+void require_valid(const Sinusoid& sinusoid, const char* name) {
+  throw_if(sinusoid.steps < 3 || sinusoid.steps > most_steps,
+           "{}: {} steps are out of range; a sinusoid takes 3 to {}", name, sinusoid.steps,
+           most_steps);
+  throw_if(!std::isfinite(sinusoid.frequency) || sinusoid.frequency <= 0,
+           "{}: frequency {} is out of range; it is a positive number of periods", name,
+           sinusoid.frequency);
 }
 
-Layout PhaseMeasuring::layout() const {
-  return layout_of(std::array{Sinusoid{steps, frequency, shifts}}, Unwrapping::none);
+ShownSinusoid turned(ShownSinusoid sinusoid, const Shifts& shifts) {
+  for (double& angle : sinusoid.angle) angle = (shifts.backwards ? -angle : angle) - shifts.origin;
+  return sinusoid;
+}
+
+double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, double y,
+                           double across) {
+  const auto frame = static_cast<std::size_t>(n);
+  double sum = 0;
+  for (const ShownSinusoid& sinusoid : sinusoids) {
+    const double phi = 2 * std::numbers::pi * (sinusoid.periods * y + sinusoid.carrier * across);
+    if (sinusoid.shown[frame]) sum += sinusoid.share * std::cos(phi - sinusoid.angle[frame]);
+  }
+  return 0.5 + 0.5 * sum;
+}
+
+std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std::string_view name) {
+  const std::size_t frames = sinusoids.front().angle.size();
+  const auto count = static_cast<Eigen::Index>(sinusoids.size());
+  Eigen::MatrixXd made = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(frames), 1 + 2 * count);
+  made.col(0).setOnes();
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ShownSinusoid& sinusoid = sinusoids[static_cast<std::size_t>(i)];
+    for (std::size_t n = 0; n < frames; ++n) {
+      if (!sinusoid.shown[n]) continue;
+      made(static_cast<Eigen::Index>(n), 1 + 2 * i) = std::cos(sinusoid.angle[n]);
+      made(static_cast<Eigen::Index>(n), 2 + 2 * i) = std::sin(sinusoid.angle[n]);
+    }
+  }
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver(made);
+  throw_if(solver.rank() < made.cols(), "{}: {} frames do not tell {} sinusoids apart", name,
+           frames, count);
+  const Eigen::MatrixXd weights = solver.pseudoInverse();
+  const auto row = [&](Eigen::Index i) {
+    std::vector<double> values(frames);
+    for (std::size_t n = 0; n < frames; ++n) {
+      constexpr double fine = 1e12;  // so that 1 is 1, and not next to it
+      values[n] = std::round(fine * weights(i, static_cast<Eigen::Index>(n))) / fine;
+    }
+    return values;
+  };
+  std::vector<Band> bands;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ShownSinusoid& sinusoid = sinusoids[static_cast<std::size_t>(i)];
+    Band band{.periods = sinusoid.periods,
+              .share = sinusoid.share,
+              .cosine = row(1 + 2 * i),
+              .sine = row(2 + 2 * i),
+              .mean = own_mean(made, sinusoid).value_or(row(0))};
+    if (sinusoid.carrier < 0 && !bands.empty()) {
+      bands.back().mirrored.push_back(std::move(band));
+      continue;
+    }
+    if (sinusoid.carrier > 0) band.periods *= 2;
+    band.carrier = sinusoid.carrier;
+    bands.push_back(std::move(band));
+  }
+  return bands;
 }
 
 void DualFrequency::require_valid() const {
-  slipstream::require_valid(Sinusoid{steps, high}, "dual-frequency, high");
-  slipstream::require_valid(Sinusoid{low_step_count(), low}, "dual-frequency, low");
-  if (low > 1) {
-    throw Error(fmt::format(
-        "dual-frequency: low frequency {} is out of range; at most 1 period covers the field",
-        low));
-  }
+  slipstream::require_valid(runs()[0], "dual-frequency, high");
+  slipstream::require_valid(runs()[1], "dual-frequency, low");
+  throw_if(low > 1,
+           "dual-frequency: low frequency {} is out of range; at most 1 period covers the field",
+           low);
   const double ratio = high / low;
-  if (ratio < 1 || std::abs(ratio - std::round(ratio)) > 1e-9) {
-    throw Error(fmt::format(
-        "dual-frequency: high frequency {} does not fit; it is a whole multiple of the low one, {}",
-        high, low));
+  throw_if(
+      ratio < 1 || std::abs(ratio - std::round(ratio)) > 1e-9,
+      "dual-frequency: high frequency {} does not fit; it is a whole multiple of the low one, {}",
+      high, low);
+}
+
+std::vector<Sinusoid> MultiFrequency::runs() const {
+  std::vector<Sinusoid> runs;
+  for (std::size_t i = 0; i < periods.size(); ++i) {
+    runs.push_back({steps.size() == 1 ? steps.front() : steps[i], periods[i], shifts});
   }
-}
-
-double DualFrequency::shape(int n, double y) const {
-  return n < steps ? sinusoid_intensity({steps, high, shifts}, n, y)
-                   : sinusoid_intensity({low_step_count(), low, shifts}, n - steps, y);
-}
-
-Layout DualFrequency::layout() const {
-  const std::array runs{Sinusoid{steps, high, shifts}, Sinusoid{low_step_count(), low, shifts}};
-  return layout_of(runs, Unwrapping::hierarchical);
-}
-
-Sinusoid MultiFrequency::band(std::size_t i) const {
-  return {steps.size() == 1 ? steps.front() : steps[i], periods[i], shifts};
+  return runs;
 }
 
 void MultiFrequency::require_valid() const {
   require_count(name, periods, 1, 8);
-  if (steps.size() != 1 && steps.size() != periods.size()) {
-    throw Error(
-        fmt::format("multi-frequency: {} steps for {} periods; one for all, or one for each",
-                    steps.size(), periods.size()));
-  }
-  for (std::size_t i = 0; i < periods.size(); ++i) {
-    slipstream::require_valid(band(i), "multi-frequency");
-  }
-  if (!unwrapping.empty() && band_unwrapping_named(unwrapping) == nullptr) {
-    throw Error(fmt::format(
-        "multi-frequency: unwrapping '{}' is none of hierarchical, heterodyne, number-theory",
-        unwrapping));
-  }
-}
-
-double MultiFrequency::shape(int n, double y) const {
-  std::size_t i = 0;
-  while (n >= band(i).steps) n -= band(i++).steps;
-  return sinusoid_intensity(band(i), n, y);
+  throw_if(steps.size() != 1 && steps.size() != periods.size(),
+           "multi-frequency: {} steps for {} periods; one for all, or one for each", steps.size(),
+           periods.size());
+  for (const Sinusoid& run : runs()) slipstream::require_valid(run, "multi-frequency");
+  throw_if(!unwrapping.empty() && band_unwrapping_named(unwrapping) == nullptr,
+           "multi-frequency: unwrapping '{}' is none of hierarchical, heterodyne, number-theory",
+           unwrapping);
 }
 
 Layout MultiFrequency::layout() const {
-  std::vector<Sinusoid> runs;
-  for (std::size_t i = 0; i < periods.size(); ++i) runs.push_back(band(i));
-  Layout layout = layout_of(runs, Unwrapping::none);
+  Layout layout = layout_of(runs(), Unwrapping::none);
   const Unwrapping* const asked = band_unwrapping_named(unwrapping);
   layout.unwrapping = asked != nullptr ? *asked : safest(layout);
   return layout;
@@ -175,10 +235,8 @@ void ModulatedPhaseShifting::require_valid() const {
   for (const double f : periods) slipstream::require_valid(Sinusoid{steps, f}, "modulated");
   slipstream::require_valid(Sinusoid{3, carrier}, "modulated, carrier");
   const int M = carrier_steps.value_or(2);
-  if (M < 2 || M > most_carrier_steps) {
-    throw Error(fmt::format("modulated: {} carrier steps are out of range; 2 to {}", M,
-                            most_carrier_steps));
-  }
+  throw_if(M < 2 || M > most_carrier_steps, "modulated: {} carrier steps are out of range; 2 to {}",
+           M, most_carrier_steps);
 }
 
 std::vector<ShownSinusoid> ModulatedPhaseShifting::sinusoids() const {
@@ -217,9 +275,8 @@ ShownSinusoid shown_in_frames(double periods, double share, const std::vector<do
 
 void TwoFrequency2N::require_valid() const {
   slipstream::require_valid(Sinusoid{steps, 1.0 * steps}, "two-frequency-2n");
-  if (!(share > 0 && share < 1)) {
-    throw Error(fmt::format("two-frequency-2n: share {} is out of range; above 0, below 1", share));
-  }
+  throw_if(!(share > 0 && share < 1),
+           "two-frequency-2n: share {} is out of range; above 0, below 1", share);
 }
 
 std::vector<ShownSinusoid> TwoFrequency2N::sinusoids() const {

@@ -1,21 +1,69 @@
 #pragma once
 
 #include <limits>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "slipstream/codes/layout.h"
-#include "slipstream/codes/sinusoid.h"
 
-// Codings of phase-shifted sinusoids, one after the other or several in one frame. See Strategy for
-// the members that all of them have.
+// Codings of phase-shifted sinusoids, one after the other or several in one frame, and of Gray
+// codes. See Strategy.
 namespace slipstream {
 
-/// Phase measuring profilometry, PMP: N phase-shifted sinusoids of one frequency f (Liu 2010, Eqs.
-/// 1.1, 3.1). At f <= 1 the phase is the projector coordinate (1.8); above, it is known only up to
-/// whole periods and there is no coordinate.
+/// N phase-shifted patterns, `steps`, of f periods across the projector field, `frequency`.
+struct Sinusoid {
+  int steps = 3;
+  double frequency = 1;
+  Shifts shifts{};
+};
+
+/// More frames than this for one sinusoid are a mistake in a settings file.
+inline constexpr int most_steps = 4096;
+
+/// Intensity of pattern n at y, in [0, 1]: the bracket of Liu 2010, Eq. (3.1), 1/2 + 1/2 cos(2 pi f
+/// y - 2 pi n / N), the phase as Shifts has it; Eq. (1.1) up to scale if A^p = B^p.
+double sinusoid_intensity(const Sinusoid& sinusoid, int n, double y);
+
+/// The same of runs one after the other, pattern n of all, and the layout of their frames.
+double intensity_of(const std::vector<Sinusoid>& runs, int n, double y);
+Layout layout_of(const std::vector<Sinusoid>& runs, Unwrapping unwrapping);
+
+/// Throws Error, naming `name`, unless 3 <= steps <= most_steps and frequency is finite and
+/// positive.
+void require_valid(const Sinusoid& sinusoid, const char* name);
+
+/// Its first phase channel in frames from `first` on of `frames`.
+Band band_of(const Sinusoid& sinusoid, int frames, int first = 0, double share = 1);
+
+/// The settings of every coding of sinusoids, which describe patterns made elsewhere: see Strategy.
+void visit_shifts(auto& shifts, const auto& visit) {
+  visit("origin", "phase of the first frame at the field's edge, rad", shifts.origin);
+  visit("backwards", "phases fall from frame to frame by what else they rise", shifts.backwards);
+}
+
+/// A sinusoid as frames show it, alone or with others in the same frames.
+struct ShownSinusoid {
+  double periods = 1;
+  double share = 1;             ///< of the modulation; those of all together at most 1
+  double carrier = 0;           ///< periods across the axis
+  std::vector<double> angle{};  ///< rad, in each frame: cos(2 pi (f y + carrier x) - angle)
+  std::vector<bool> shown{};    ///< whether it is in the frame at all
+};
+
+/// The same with origin and direction of its shifts: angle - origin, or - angle - origin.
+ShownSinusoid turned(ShownSinusoid sinusoid, const Shifts& shifts);
+
+/// Intensity of frame n at y and `across` in [0, 1]: 1/2 and half of each sinusoid.
+double composite_intensity(const std::vector<ShownSinusoid>& sinusoids, int n, double y,
+                           double across = 0);
+
+/// Weights of least noise that take each sinusoid's C and S and the mean out of frames that show
+/// them together: the pseudo-inverse of the frames' matrix. A sinusoid with a carrier and the next
+/// one, its mirror image of negative carrier, make one band: see Band::carrier. Throws Error,
+/// beginning with `name`, if the frames do not tell them apart.
+std::vector<Band> fitted_bands(const std::vector<ShownSinusoid>& sinusoids, std::string_view name);
+
+/// Phase measuring profilometry, PMP: N phase-shifted sinusoids of frequency f (Liu 2010, Eqs. 1.1,
+/// 3.1). At f <= 1 the phase is the coordinate (1.8); above, it is known up to whole periods only.
 struct PhaseMeasuring {
   static constexpr std::string_view name = "pmp";
 
@@ -23,20 +71,18 @@ struct PhaseMeasuring {
   double frequency = 1;  ///< f, periods across the projector field, > 0
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("frequency", "periods across the projector field", self.frequency);
     visit_shifts(self.shifts, visit);
   }
-  void require_valid() const;
-  [[nodiscard]] double shape(int n, double y) const;
-  [[nodiscard]] Layout layout() const;
+  void require_valid() const { slipstream::require_valid(runs().front(), "pmp"); }
+  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, frequency, shifts}}; }
+  [[nodiscard]] Layout layout() const { return layout_of(runs(), Unwrapping::none); }
 };
 
-/// Two PMP scans in one: N_h frames at the high frequency f_h measure, N_l frames at the low
-/// frequency f_l say which of the periods it is (multi-step temporal unwrapping, Liu 2010, Eq.
-/// 1.17). High frames first.
+/// Two PMP scans in one: N_h frames of high frequency f_h measure, N_l of low frequency f_l name
+/// the period (Liu 2010, Eq. 1.17). High frames first.
 struct DualFrequency {
   static constexpr std::string_view name = "dual-frequency";
 
@@ -46,8 +92,7 @@ struct DualFrequency {
   double low = 1;    ///< f_l, in (0, 1]
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("low_steps", "frames of the low frequency, where not as many", self.low_steps);
     visit("high", "periods of the high frequency across the field", self.high);
@@ -55,49 +100,45 @@ struct DualFrequency {
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const;
-  [[nodiscard]] int low_step_count() const { return low_steps.value_or(steps); }
-  [[nodiscard]] double shape(int n, double y) const;
-  [[nodiscard]] Layout layout() const;
+  [[nodiscard]] std::vector<Sinusoid> runs() const {
+    return {{steps, high, shifts}, {low_steps.value_or(steps), low, shifts}};
+  }
+  [[nodiscard]] Layout layout() const { return layout_of(runs(), Unwrapping::hierarchical); }
 };
 
-/// Several PMP scans in one, each of any number of periods: Liu 2010, Eq. (1.17) from band to band,
-/// beats of the bands (heterodyne), or all of them at once (the number-theoretical way).
+/// Several PMP scans in one, of any periods: unwrapped from band to band (Liu 2010, Eq. 1.17), by
+/// beats (heterodyne) or by all bands at once (number-theoretical).
 struct MultiFrequency {
   static constexpr std::string_view name = "multi-frequency";
 
   std::vector<int> steps{3};              ///< N of each band, or of all
   std::vector<double> periods{1, 6, 36};  ///< of each band, in the order shown
-  /// "hierarchical", "heterodyne" or "number-theory"; empty: the first of these whose fringe orders
-  /// six standard deviations of the noise leave right, else the one that noise disturbs least.
+  /// "hierarchical", "heterodyne" or "number-theory"; empty: the first of these that is right at
+  /// six standard deviations of the noise, else the most robust.
   std::string unwrapping{};
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("periods", "across the projector field, of each sinusoid", self.periods);
     visit("unwrapping", "hierarchical, heterodyne or number-theory", self.unwrapping);
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const;
-  [[nodiscard]] double shape(int n, double y) const;
+  [[nodiscard]] std::vector<Sinusoid> runs() const;
   [[nodiscard]] Layout layout() const;
-
- private:
-  [[nodiscard]] Sinusoid band(std::size_t i) const;
 };
 
-/// Micro phase shifting (Gupta and Nayar, CVPR 2012): sinusoids whose many periods differ little,
-/// three steps of the first and one frame of each other. Light that is reflected from surface to
-/// surface or scattered below one averages out over such narrow fringes, in all frames alike.
+/// Micro phase shifting (Gupta and Nayar, CVPR 2012): sinusoids of many, slightly different
+/// periods, three steps of the first and one frame of each other. Interreflections and subsurface
+/// scattering average out over such narrow fringes, in all frames alike.
 struct MicroPhaseShifting {
   static constexpr std::string_view name = "micro";
 
   std::vector<double> periods{64, 61, 59, 57, 53};  ///< of the steps, and of each frame after them
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("periods", "across the projector field, of each sinusoid", self.periods);
     visit_shifts(self.shifts, visit);
   }
@@ -107,12 +148,11 @@ struct MicroPhaseShifting {
 };
 
 /// Modulated phase shifting (after Chen, Seidel and Lensch, CVPR 2008): a base along the axis times
-/// a carrier across it, 1/2 + 1/2 cos(pi f y - 2 pi n / N) cos(2 pi c x - pi m / M), the carrier
-/// shifted M times for each of N shifts of the base. The product is a sum of two oblique sinusoids,
-/// of pi f y + 2 pi c x and pi f y - 2 pi c x: shown one after the other, each in N steps at full
-/// modulation, they give half the variance of as many frames that show both. Light that is
-/// reflected from surface to surface or scattered below one reaches a pixel from many periods of
-/// the carrier: it adds to the mean and to no phase, however wide the base.
+/// a carrier across it, 1/2 + 1/2 cos(pi f y - 2 pi n / N) cos(2 pi c x - pi m / M), M shifts of
+/// the carrier for each of N of the base. The product is a sum of two oblique sinusoids, of pi f y
+/// + 2 pi c x and pi f y - 2 pi c x; shown one after the other in N steps each, at full modulation,
+/// they have half the variance of as many frames of both. Interreflections and subsurface
+/// scattering mix many periods of the carrier: they add to the mean and to no phase.
 struct ModulatedPhaseShifting {
   static constexpr std::string_view name = "modulated";
 
@@ -122,8 +162,7 @@ struct ModulatedPhaseShifting {
   double carrier = 64;                 ///< c, periods along the other axis
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("carrier_steps", "shifts of the carrier for each of the base; else oblique sinusoids",
           self.carrier_steps);
@@ -147,8 +186,7 @@ struct OneSinusoid {
   double frequency = 1;  ///< periods across the field
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("frequency", "periods across the projector field", self.frequency);
     visit_shifts(self.shifts, visit);
   }
@@ -164,29 +202,28 @@ struct TwoPlusOneFrames {
   static constexpr const char* name = "two-plus-one";
   static std::vector<double> degrees() { return {90, 0, std::numeric_limits<double>::quiet_NaN()}; }
 };
-/// 2+1: a sine, a cosine and the mean (Wizinowich 1990; Zhang 2007). Where things move, two frames
-/// alone must fall together.
+/// 2+1: sine, cosine and mean (Wizinowich 1990; Zhang 2007). Motion matters between two frames
+/// only.
 using TwoPlusOne = OneSinusoid<TwoPlusOneFrames>;
 
 struct FastThreeStepFrames {
   static constexpr const char* name = "fast-three-step";
   static std::vector<double> degrees() { return {120, 0, -120}; }
 };
-/// Three frames shifted by -120, 0 and 120 degrees, as fast three-step phase shifting shows them
-/// (Huang and Zhang 2006). See PhaseMethod::intensity_ratio for its way to the phase.
+/// Shifts of -120, 0 and 120 degrees, as in fast three-step phase shifting (Huang and Zhang 2006):
+/// see PhaseMethod::intensity_ratio.
 using FastThreeStep = OneSinusoid<FastThreeStepFrames>;
 
 struct DoubleThreeStepFrames {
   static constexpr const char* name = "double-three-step";
   static std::vector<double> degrees() { return {0, 120, 240, 60, 180, 300}; }
 };
-/// Two runs of three steps, the second 60 degrees after the first: the error that a response makes
-/// twice in a period has opposite signs in both (Huang, Hu and Chiang 2002).
+/// Two runs of three steps, 60 degrees apart: a response's error of twice the frequency has
+/// opposite signs in both (Huang, Hu and Chiang 2002).
 using DoubleThreeStep = OneSinusoid<DoubleThreeStepFrames>;
 
-/// One period and N of them in one grating (Li, Su and Su 1997): 2 N frames, the grating moved by
-/// parts of the long period, which leaves the short one where it is, and then by parts of the
-/// short.
+/// One period and N of them in one grating (Li, Su and Su 1997): N frames shifted by parts of the
+/// long period, which are whole short ones, then N by parts of the short.
 struct TwoFrequency2N {
   static constexpr std::string_view name = "two-frequency-2n";
 
@@ -194,8 +231,7 @@ struct TwoFrequency2N {
   double share = 0.6;  ///< of the modulation for the high frequency
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
     visit("share", "of the modulation for the high frequency, the rest for the cue", self.share);
     visit_shifts(self.shifts, visit);
@@ -204,21 +240,89 @@ struct TwoFrequency2N {
   [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
 };
 
-/// N sinusoids in all of 4 N frames, each shifted by quarters of its period in four of them (after
-/// Kim et al. 1997).
+/// N sinusoids in all of 4 N frames, each shifted by quarters of its period in four (after Kim et
+/// al. 1997).
 struct TwoFrequency4N {
   static constexpr std::string_view name = "two-frequency-4n";
 
   std::vector<double> periods{1, 8};  ///< N of them, 2 or more
   Shifts shifts{};
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit("periods", "across the projector field, of each sinusoid", self.periods);
     visit_shifts(self.shifts, visit);
   }
   void require_valid() const;
   [[nodiscard]] std::vector<ShownSinusoid> sinusoids() const;
+};
+
+/// Stripes numbered by a Gray or plain binary code: y to half a stripe, whatever the response.
+struct GrayCode {
+  static constexpr std::string_view name = "gray";
+
+  int bits = 10;
+  /// What separates bright from dark: "white-black", two frames after the bits; "inverse", the
+  /// negative after each bit; "mean" of all frames; "none", half way from the darkest to the
+  /// brightest bit.
+  std::string reference = "white-black";
+  std::optional<double> stripes{};  ///< across the field; 2^bits where not given
+  bool plain = false;               ///< binary numbers
+  bool least_first = false;         ///< the narrowest stripes first
+
+  static void for_each_setting(auto& self, const auto& visit) {
+    visit("bits", "pictures of the code", self.bits);
+    visit("reference", "white-black, inverse, mean or none: what is bright", self.reference);
+    visit("stripes", "across the projector field, at most 2^bits", self.stripes);
+    visit("plain", "a plain binary code, no Gray code", self.plain);
+    visit("least_first", "the least significant bit first", self.least_first);
+  }
+  void require_valid() const;
+  [[nodiscard]] Layout layout() const;
+};
+
+/// A Gray code whose wide stripes are in exclusive-or with narrow ones, so that interreflections
+/// and subsurface scattering average out in every frame (Gupta et al., IJCV 102, 2013).
+struct ExclusiveOrGray {
+  static constexpr std::string_view name = "xor-gray";
+
+  int bits = 10;
+  int base = 1;  ///< 1: the narrowest stripes (XOR-02), 2: the next ones (XOR-04)
+  std::string reference = "inverse";  ///< as GrayCode's
+
+  static void for_each_setting(auto& self, const auto& visit) {
+    visit("bits", "pictures of the code", self.bits);
+    visit("base", "1: all bits with the narrowest stripes, 2: with the next", self.base);
+    visit("reference", "white-black, inverse, mean or none: what is bright", self.reference);
+  }
+  void require_valid() const;
+  [[nodiscard]] Layout layout() const;
+};
+
+/// N-step sinusoids of many periods and a Gray code of the period: Liu 2010, Eq. (1.18).
+struct GrayPhase {
+  static constexpr std::string_view name = "gray-phase";
+
+  int steps = 4;
+  double periods = 32;
+  std::optional<int> bits{};  ///< enough for a stripe of each period where not given
+  /// One bit more, of half as wide stripes, tolerates code edges up to a quarter of a period from
+  /// where the phase wraps; default: shown.
+  std::optional<bool> complementary{};
+  /// As GrayCode's, but "mean" is that of the sinusoids, as is "none".
+  std::string reference = "mean";
+  Shifts shifts{};
+
+  static void for_each_setting(auto& self, const auto& visit) {
+    visit("steps", "frames of each sinusoid (N >= 3)", self.steps);
+    visit("periods", "across the projector field, of each sinusoid", self.periods);
+    visit("bits", "pictures of the code", self.bits);
+    visit("complementary", "one bit more, of half a period: true or false", self.complementary);
+    visit("reference", "white-black, inverse, mean or none: what is bright", self.reference);
+    visit_shifts(self.shifts, visit);
+  }
+  void require_valid() const;
+  [[nodiscard]] std::vector<Sinusoid> runs() const { return {{steps, periods, shifts}}; }
+  [[nodiscard]] Layout layout() const;
 };
 
 }  // namespace slipstream

@@ -1,12 +1,8 @@
 #include "slipstream/codes/predicted_variance.h"
 
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 #include <numeric>
-#include <vector>
-
-#include <Eigen/Dense>
 
 #include "slipstream/codes/unwrapping.h"
 
@@ -19,29 +15,6 @@ constexpr double square(double x) {
 
 double sum_of_squares(const std::vector<double>& weights) {
   return std::inner_product(weights.begin(), weights.end(), weights.begin(), 0.0);
-}
-
-/// Of y by all frames of one mean and modulation, on average over the field, at sigma_w = B = 1.
-double single_frames_variance(const Layout& layout) {
-  constexpr int places = 509;
-  constexpr double two_pi = 2 * std::numbers::pi;
-  const Band& band = layout.bands.front();
-  double sum = 0;
-  for (int i = 0; i < places; ++i) {
-    const double y = (i + 0.5) / places;
-    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-    const auto add = [&](double periods, double shift) {
-      const double a = two_pi * periods * y - shift;
-      const Eigen::Vector3d row(1, std::cos(a), -two_pi * periods * std::sin(a));
-      products += row * row.transpose();
-    };
-    for (std::size_t n = 0; n < band.mean.size(); ++n) {
-      if (band.mean[n] != 0) add(band.periods, std::atan2(band.sine[n], band.cosine[n]));
-    }
-    for (const SingleFrame& single : layout.single_frames) add(single.periods, -single.origin);
-    sum += products.inverse()(2, 2);
-  }
-  return sum / places;
 }
 
 }  // namespace
@@ -67,9 +40,10 @@ double phase_variance(const Band& band, double modulation, double noise_variance
 }
 
 double coordinate_variance(const Layout& layout, double modulation, double noise_variance) {
-  if (way_of(layout.unwrapping).whole_stripes) return 1 / (12 * square(layout.code->stripes));
-  if (layout.unwrapping == Unwrapping::single_frames) {
-    return single_frames_variance(layout) * noise_variance / square(modulation);
+  const UnwrappingWay& way = *layout.unwrapping;
+  if (way.whole_stripes) return 1 / (12 * square(layout.code->stripes));
+  if (way.coordinate_variance != nullptr) {
+    return way.coordinate_variance(layout) * noise_variance / square(modulation);
   }
   const std::vector<double> weights = band_weights(layout);
   double variance = 0;
@@ -81,24 +55,11 @@ double coordinate_variance(const Layout& layout, double modulation, double noise
   return variance;
 }
 
-double reflectivity_variance(int steps, double alpha_p, double noise_variance, double share) {
-  return 8 * noise_variance / (steps * square(alpha_p * share));
-}
-
-double weighted_reflectivity_variance(int steps, double alpha_p, double noise_variance) {
-  return 16 * noise_variance / (steps * square(alpha_p));
-}
-
 double dc_reference_variance(double alpha, const PatternLight& light, double ambient, double c1,
                              double R) {
   const double c2 = 1 - c1;
   const double lever = 1 / c2 + 2 * (light.beta_p + ambient) / (light.alpha_p * c2) + R;
   return 4 / (3 * square(alpha * light.alpha_p)) * (1 / square(c2) + 2 * square(lever / c1));
-}
-
-double half_phase_reference_variance(double alpha, double alpha_p, double c1, double R) {
-  const double c2 = 1 - c1;
-  return (1 / square(c2) + 2 * square(R / c1)) / square(alpha * alpha_p);
 }
 
 }  // namespace slipstream

@@ -1,18 +1,19 @@
 #include "slipstream/codes/registry.h"
 
-#include <algorithm>
-#include <cstddef>
-#include <optional>
-#include <type_traits>
+#include <cmath>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/did_you_mean.h"
 #include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
+
+int whole(double number) {
+  throw_if(number != std::floor(number) || std::abs(number) > std::numeric_limits<int>::max(),
+           "{} is not a whole number", number);
+  return static_cast<int>(number);
+}
 
 /// Calls `visit` with every coding of the registry at its default settings.
 template <class Visit>
@@ -55,18 +56,140 @@ Strategy configured(Coding coding, const StrategySettings& settings) {
       set(target, wanted, value);
       found = true;
     });
-    if (!found) {
-      throw Error(fmt::format("strategy {} has no setting '{}'; it has {}", Coding::name, wanted,
-                              setting_names(coding)));
-    }
+    throw_if(!found, "strategy {} has no setting '{}'; it has {}", Coding::name, wanted,
+             setting_names(coding));
   }
   return coding;
 }
 
 }  // namespace
 
-Strategy default_strategy() {
-  return DualFrequency{};
+SettingValue::SettingValue(const std::vector<double>& numbers)
+    : text_(fmt::format("{}", fmt::join(numbers, ","))) {}
+
+std::string SettingValue::text_of(double number) {
+  return fmt::format("{}", number);
+}
+
+void SettingValue::read(std::vector<double>& values) const {
+  values = numbers_in<double>(text_, ',');
+  const bool finite = std::all_of(values.begin(), values.end(),
+                                  [](double number) { return std::isfinite(number); });
+  throw_if(values.empty() || !finite, "'{}' is no number, nor numbers with commas between", text_);
+}
+
+void SettingValue::read(std::vector<int>& values) const {
+  std::vector<double> numbers;
+  read(numbers);
+  values.clear();
+  for (const double number : numbers) values.push_back(whole(number));
+}
+
+double SettingValue::number() const {
+  std::vector<double> numbers;
+  read(numbers);
+  throw_if(numbers.size() != 1, "'{}' is not one number", text_);
+  return numbers.front();
+}
+
+void SettingValue::read(int& value) const {
+  value = whole(number());
+}
+
+void SettingValue::read(bool& value) const {
+  value = text_ == "true" || text_ == "1";
+  throw_if(!value && text_ != "false" && text_ != "0", "'{}' is neither true nor false", text_);
+}
+
+Strategy::Strategy() : Strategy(PhaseMeasuring{}) {}
+
+void Strategy::show(std::vector<ShownSinusoid> sinusoids) {
+  layout_ = {.frames = static_cast<int>(sinusoids.front().angle.size()),
+             .bands = fitted_bands(sinusoids, name_),
+             .unwrapping = sinusoids.size() > 1 ? Unwrapping::hierarchical : Unwrapping::none};
+  shape_ = [sinusoids = std::move(sinusoids)](int n, double y, double across) {
+    return composite_intensity(sinusoids, n, y, across);
+  };
+}
+
+void Strategy::show(std::vector<Sinusoid> runs) {
+  if (runs.empty() && !layout_.code) return;
+  shape_ = [runs = std::move(runs), code = layout_.code](int n, double y) {
+    const bool in_runs = !code || n < *std::min_element(code->frames.begin(), code->frames.end());
+    return in_runs ? intensity_of(runs, n, y) : code_intensity(*code, n, y);
+  };
+}
+
+void Strategy::show(Demodulation grid) {
+  layout_ = fringes_of(grid);
+  shape_ = [grid = grid.grid](int n, double y, double across) {
+    return grid_intensity(grid, n, y, across);
+  };
+  read_shape_ = [frames = grid.frames](int n, double y) {
+    return sine_cosine_mean_shape(n % 3, frames[static_cast<std::size_t>(n)].periods, y);
+  };
+  demodulation_ = std::move(grid);
+}
+
+Strategy Strategy::read_as() const {
+  Strategy read = *this;
+  if (demodulation_) {
+    read.shape_ = read_shape_;
+    read.read_ = true;
+  }
+  return read;
+}
+
+Strategy Strategy::in_motion(int extra, int first) const {
+  Strategy window = *this;
+  window.layout_ = motion_window(layout_, extra, first);
+  window.shape_ = [shape = shape_, first, N = layout_.frames](int n, double y, double across) {
+    return shape((n + first) % N, y, across);
+  };
+  return window;
+}
+
+int frame_count(const Strategy& strategy) {
+  const auto demodulation = strategy.demodulation();
+  return demodulation ? demodulation->shown : strategy.layout().frames;
+}
+
+double carrier_periods(const Strategy& strategy) {
+  double most = carrier_periods(strategy.layout());
+  const auto demodulation = strategy.demodulation();
+  if (!demodulation) return most;
+  if (demodulation->grid.rows() > 1) most = std::max<double>(most, demodulation->grid.rows());
+  for (const SpectralFrame& frame : demodulation->frames) {
+    if (frame.across) most = std::max(most, frame.periods);
+  }
+  return most;
+}
+
+void require_resolved(const Strategy& strategy, Axis axis, Size projector) {
+  const int projector_length = length_along(axis, projector);
+  const auto& code = strategy.layout().code;
+  if (code && code->stripes > projector_length) {
+    throw Error(fmt::format("{}: {} stripes are too narrow for {} projector pixels; at most {}",
+                            strategy.name(), code->stripes, projector_length, projector_length));
+  }
+  const auto require_shown = [](const char* what, double periods, int length) {
+    if (2 * periods <= length) return;
+    throw Error(
+        fmt::format("{} {} is too high for {} projector pixels; at most {} periods can be shown",
+                    what, periods, length, length / 2));
+  };
+  require_shown("frequency", highest_frequency(strategy), projector_length);
+  require_shown("carrier", carrier_periods(strategy), length_along(across(axis), projector));
+}
+
+PatternSet pattern_set(const Strategy& strategy, Axis axis, const PatternLight& light) {
+  require_valid(light);
+  return {
+      .count = frame_count(strategy),
+      .axis = axis,
+      .light = light,
+      .shape = [strategy](int n, double y, double across) { return strategy.shape(n, y, across); },
+      .carrier = carrier_periods(strategy) > 0};
 }
 
 std::vector<Strategy> usual_strategies() {
@@ -90,10 +213,8 @@ Strategy strategy_labelled(std::string_view label) {
     const std::string_view setting = rest.substr(0, rest.find(", "));
     rest.remove_prefix(setting.size());
     const std::string_view word = setting.substr(0, setting.find(' '));
-    if (word.empty() || word.size() + 1 >= setting.size()) {
-      throw Error(fmt::format("'{}' in '{}' is no setting; give a name and a value, as steps 4",
-                              setting, label));
-    }
+    throw_if(word.empty() || word.size() + 1 >= setting.size(),
+             "'{}' in '{}' is no setting; give a name and a value, as steps 4", setting, label);
     settings[std::string(word)] = std::string(setting.substr(word.size() + 1));
   }
   return make_strategy(name, settings);
@@ -147,11 +268,8 @@ Strategy make_strategy(std::string_view name, const StrategySettings& settings) 
   for_each_coding([&](const auto& coding) {
     if (coding.name == name) made = configured(coding, settings);
   });
-  if (!made) {
-    throw Error(fmt::format("strategy '{}' is not known; it is one of: {}{}", name,
-                            fmt::join(strategy_names(), ", "),
-                            did_you_mean(name, strategy_names())));
-  }
+  throw_if(!made, "strategy '{}' is not known; it is one of: {}{}", name,
+           fmt::join(strategy_names(), ", "), did_you_mean(name, strategy_names()));
   return *made;
 }
 

@@ -1,38 +1,14 @@
 #include "slipstream/codes/response.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numeric>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
 
-/// Points of one curve, by rising value.
-struct Points {
-  std::vector<double> values;
-  std::vector<double> intensities;
-};
-
-Points sorted(std::span<const double> values, std::span<const double> intensities) {
-  std::vector<std::size_t> order(values.size());
-  std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
-  Points points;
-  for (const std::size_t i : order) {
-    points.values.push_back(values[i]);
-    points.intensities.push_back(intensities[i]);
-  }
-  return points;
-}
-
-/// The rising sequence nearest to that one in least squares: neighbours in the wrong order share
-/// their mean.
+/// The nearest rising sequence, least squares: neighbours in the wrong order share their mean.
 std::vector<double> nearest_rising(const std::vector<double>& sequence) {
   struct Run {
     double mean;
@@ -109,40 +85,37 @@ bool is_linear(const Response& response) {
 }
 
 void require_gamma(double gamma, std::string_view what) {
-  if (!(gamma >= least_gamma && gamma <= largest_gamma)) {
-    throw Error(
-        fmt::format("{} {} is out of range; {} to {}", what, gamma, least_gamma, largest_gamma));
-  }
+  throw_if(!(gamma >= least_gamma && gamma <= largest_gamma), "{} {} is out of range; {} to {}",
+           what, gamma, least_gamma, largest_gamma);
 }
 
 ResponseCurve response_curve(std::span<const double> values, std::span<const double> intensities) {
-  if (values.size() < 3 || values.size() != intensities.size()) {
-    throw Error(
-        fmt::format("response curve: {} values with {} intensities; at least 3 and as many of each",
-                    values.size(), intensities.size()));
-  }
+  throw_if(values.size() < 3 || values.size() != intensities.size(),
+           "response curve: {} values with {} intensities; at least 3 and as many of each",
+           values.size(), intensities.size());
   const auto finite = [](double number) { return std::isfinite(number); };
-  if (!std::all_of(values.begin(), values.end(), finite) ||
-      !std::all_of(intensities.begin(), intensities.end(), finite)) {
-    throw Error("response curve: a number in it is not finite");
+  throw_if(!std::all_of(values.begin(), values.end(), finite) ||
+               !std::all_of(intensities.begin(), intensities.end(), finite),
+           "response curve: a number in it is not finite");
+  std::vector<std::pair<double, double>> points;
+  for (std::size_t i = 0; i < values.size(); ++i) points.emplace_back(values[i], intensities[i]);
+  std::sort(points.begin(), points.end());
+  std::vector<double> x, light;
+  for (const auto& [value, intensity] : points) {
+    x.push_back(value);
+    light.push_back(intensity);
   }
-  Points points = sorted(values, intensities);
-  if (points.values.front() != 0 || points.values.back() != 1) {
-    throw Error(fmt::format("response curve: its values go from {} to {}; 0 to 1 is wanted",
-                            points.values.front(), points.values.back()));
-  }
-  const auto twice = std::adjacent_find(points.values.begin(), points.values.end());
-  if (twice != points.values.end()) {
+  throw_if(x.front() != 0 || x.back() != 1,
+           "response curve: its values go from {} to {}; 0 to 1 is wanted", x.front(), x.back());
+  const auto twice = std::adjacent_find(x.begin(), x.end());
+  if (twice != x.end())
     throw Error(fmt::format("response curve: value {} stands in it twice", *twice));
-  }
-  std::vector<double> light = nearest_rising(points.intensities);
+  light = nearest_rising(light);
   const double dark = light.front(), span = light.back() - dark;
-  if (!(span > 0)) {
-    throw Error("response curve: the intensity does not rise with the pattern's value");
-  }
+  throw_if(!(span > 0), "response curve: the intensity does not rise with the pattern's value");
   for (double& intensity : light) intensity = (intensity - dark) / span;
-  std::vector<double> slopes = monotone_slopes(points.values, light);
-  return {std::move(points.values), std::move(light), std::move(slopes)};
+  std::vector<double> slopes = monotone_slopes(x, light);
+  return {std::move(x), std::move(light), std::move(slopes)};
 }
 
 double light_at(const Response& response, double value) {

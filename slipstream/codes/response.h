@@ -18,8 +18,7 @@ struct PowerLaw {
   friend bool operator==(const PowerLaw&, const PowerLaw&) = default;
 };
 
-/// A measured response: value of the pattern to light, both from 0 to 1, rising throughout; a
-/// monotone cubic passes through the points.
+/// A measured response: monotone cubic from pattern value to light, both 0 to 1, rising throughout.
 struct ResponseCurve {
   std::vector<double> values;  ///< of the pattern, from 0 to 1, rising
   std::vector<double> light;   ///< at each of them, from 0 to 1, rising
@@ -46,11 +45,11 @@ struct MeasuredResponse {
 /// Throws Error, naming `what`, unless gamma is in [least_gamma, largest_gamma].
 void require_gamma(double gamma, std::string_view what);
 
-/// The curve through the intensities (grey levels of the camera) measured at the values of uniform
-/// patterns, [0, 1] of the projector's range, in any order. Scaled so that the darkest is 0 and the
-/// brightest 1: ambient light and reflectivity drop out. Neighbours that noise put in the wrong
-/// order are averaged. Throws Error unless there are 3 or more values, all different, 0 and 1 among
-/// them, and the intensity rises from 0 to 1.
+/// The curve through camera intensities (grey levels) measured at uniform patterns of those values,
+/// [0, 1] of the projector's range, in any order; scaled to 0 to 1, so that ambient light and
+/// reflectivity drop out. Neighbours in the wrong order, by noise, are averaged. Throws Error
+/// unless there are 3 or more different values, 0 and 1 among them, and the intensity rises from 0
+/// to 1.
 ResponseCurve response_curve(std::span<const double> values, std::span<const double> intensities);
 
 /// Light, [0, 1], at a pattern's value; values outside [0, 1] are taken for the nearest inside.

@@ -1,16 +1,8 @@
 #include "slipstream/codes/sequence.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <utility>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/codes/motion_window.h"
-#include "slipstream/codes/registry.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -21,9 +13,9 @@ constexpr std::string_view both = "both";
 void add_settings_in_pixels(const SequenceChanges& changes, int length,
                             StrategySettings& settings) {
   if (!changes.period_pixels && !changes.stripe_pixels) return;
-  if (length == 0) throw Error("lengths in projector pixels need its size: --projector 1920x1080");
+  throw_if(length == 0, "lengths in projector pixels need its size: --projector 1920x1080");
   const auto across_field = [length](double pixels) {
-    if (!(pixels > 0)) throw Error(fmt::format("{} projector pixels are no length", pixels));
+    throw_if(!(pixels > 0), "{} projector pixels are no length", pixels);
     return length / pixels;
   };
   if (changes.stripe_pixels) settings["stripes"] = across_field(*changes.stripe_pixels);
@@ -46,9 +38,8 @@ std::string_view axes_of(const Sequence& sequence) {
 }
 
 void set_axes(Sequence& sequence, std::string_view axes) {
-  if (axes != both && axes != "x" && axes != "y") {
-    throw Error(fmt::format("axis '{}' is not known; it is x, y or both", axes));
-  }
+  throw_if(axes != both && axes != "x" && axes != "y", "axis '{}' is not known; it is x, y or both",
+           axes);
   sequence.both_axes = axes == both;
   sequence.axis = sequence.both_axes ? Axis::x : axis_named(axes);
 }
@@ -57,10 +48,6 @@ int frame_count(const Sequence& sequence) {
   return static_cast<int>(sequence.exposures.size()) * (sequence.both_axes ? 2 : 1) *
              frame_count(sequence.strategy) +
          sequence.motion;
-}
-
-int cycle_length(const Sequence& sequence) {
-  return frame_count(cycle_of(sequence)) + (sequence.marker ? 1 : 0);
 }
 
 Sequence cycle_of(Sequence sequence) {
@@ -96,30 +83,24 @@ void require_mergeable(const Sequence& sequence) {
   const std::vector<double>& exposures = sequence.exposures;
   const bool positive = std::all_of(exposures.begin(), exposures.end(),
                                     [](double t) { return t > 0 && std::isfinite(t); });
-  if (exposures.empty() || exposures.size() > most || !positive) {
-    throw Error(fmt::format("exposures {} are out of range; 1 to {} numbers above 0",
-                            fmt::join(exposures, ", "), most));
-  }
+  throw_if(exposures.empty() || exposures.size() > most || !positive,
+           "exposures {} are out of range; 1 to {} numbers above 0", fmt::join(exposures, ", "),
+           most);
   if (sequence.motion != 0) {
-    if (exposures.size() > 1 || sequence.both_axes || sequence.marker) {
-      throw Error(
-          "frames of things that move come at one pace from one cycle: without several exposures, "
-          "both axes or a marker");
-    }
+    throw_if(
+        exposures.size() > 1 || sequence.both_axes || sequence.marker,
+        "frames of things that move come at one pace from one cycle: without several exposures, "
+        "both axes or a marker");
     motion_window(sequence.strategy.layout(), sequence.motion);
   }
-  if (sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0)) {
-    throw Error(
-        fmt::format("{} is read from the surroundings in each frame: of one exposure, and "
-                    "without frames of motion",
-                    sequence.strategy.name()));
-  }
-  if (exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout())) {
-    throw Error(
-        fmt::format("{} of {} frames takes one exposure: its cue is read from the ambient "
-                    "light, which merged frames do not hold alike",
-                    sequence.strategy.name(), frame_count(sequence.strategy)));
-  }
+  throw_if(sequence.strategy.demodulation() && (exposures.size() > 1 || sequence.motion != 0),
+           "{} is read from the surroundings in each frame: of one exposure, and "
+           "without frames of motion",
+           sequence.strategy.name());
+  throw_if(exposures.size() > 1 && needs_ambient_light(sequence.strategy.layout()),
+           "{} of {} frames takes one exposure: its cue is read from the ambient "
+           "light, which merged frames do not hold alike",
+           sequence.strategy.name(), frame_count(sequence.strategy));
 }
 
 std::vector<PatternSet> along_both_axes(const Sequence& sequence) {
@@ -141,10 +122,6 @@ void require_shown(const Sequence& sequence) {
     if (!sequence.both_axes && axis != sequence.axis) continue;
     require_resolved(sequence.strategy, axis, sequence.projector);
   }
-}
-
-SequenceChanges changes_to(const Sequence& sequence) {
-  return {.strategy = sequence.strategy.name(), .known = sequence};
 }
 
 Sequence changed(const Sequence& first, const SequenceChanges& changes) {

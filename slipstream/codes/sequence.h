@@ -1,14 +1,6 @@
 #pragma once
 
-#include <map>
-#include <optional>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include "slipstream/base/size.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/strategy.h"
+#include "slipstream/codes/registry.h"
 
 namespace slipstream {
 
@@ -18,18 +10,16 @@ struct Sequence {
   Axis axis = Axis::x;
   PatternLight light{};  ///< of the patterns
   Size projector{};      ///< pixels; empty where not said
-  /// Shown again and again, a dark frame after the last pattern marks where each cycle ends. It is
-  /// no frame of the scan.
+  /// A dark frame after the last pattern marks the end of each cycle; no frame of the scan.
   bool marker = false;
-  /// Relative exposures of the camera, in any unit: all patterns are shown again for each, exposure
-  /// by exposure. Several are merged to one set of frames: see merged_exposures.
+  /// Relative exposures of the camera, any unit: all patterns are shown for each in turn. Several
+  /// are merged to one set of frames: see merged_exposures.
   std::vector<double> exposures{1};
   bool binary = false;  ///< shown a bit at a time, see PatternSet; the frames hold the same
-  /// All patterns along x, which is then the axis, and after them all along y. The frames are read
-  /// as two scans, one along each: see along and Scan.
+  /// All patterns along x, which is then the axis, and after them along y: two scans, see along and
+  /// Scan.
   bool both_axes = false;
-  /// Frames of a scan beyond one cycle of the patterns, which are shown over and over: for things
-  /// that move, see motion_window.
+  /// Frames of a scan beyond one cycle of patterns shown over and over: see motion_window.
   int motion = 0;
 
   friend bool operator==(const Sequence&, const Sequence&) = default;
@@ -43,34 +33,32 @@ std::string_view axes_of(const Sequence& sequence);
 /// Sets what axes_of gives. Throws Error for another word.
 void set_axes(Sequence& sequence, std::string_view axes);
 
-/// Frames of one scan: those of the strategy along each axis, for each exposure, and those of
-/// motion.
+/// Frames of one scan: of the strategy, for each axis and exposure, and those of motion.
 int frame_count(const Sequence& sequence);
-
-/// Frames after which the patterns come again: with the marker.
-int cycle_length(const Sequence& sequence);
 
 /// The patterns of a scan, for each exposure, and the marker, where there is one, as the last.
 PatternSet pattern_set(const Sequence& sequence);
 /// Those of a cycle: without the frames of motion.
 Sequence cycle_of(Sequence sequence);
+/// Frames after which the patterns come again: with the marker.
+inline int cycle_length(const Sequence& sequence) {
+  return frame_count(cycle_of(sequence)) + (sequence.marker ? 1 : 0);
+}
 
-/// What the frames show once their exposures are merged into one and what they hold at once is
-/// taken apart; a window that begins with pattern `first`.
+/// What frames show once exposures are merged and single frames taken apart; of a window that
+/// begins with pattern `first`.
 Sequence merged_sequence(Sequence sequence, int first = 0);
 
-/// Throws Error unless the frames of motion are 0, or those of one cycle of one sinusoid without
-/// marker; and unless there are 1 to 16 exposures above 0, and several only of a strategy that is
-/// read without knowing the ambient light, whose share of the merged frames differs from pixel to
-/// pixel.
+/// Throws Error unless motion is 0, or of one cycle of one sinusoid without marker; there are 1 to
+/// 16 exposures above 0; and several only if reading needs no ambient light, whose share of merged
+/// frames varies from pixel to pixel.
 void require_mergeable(const Sequence& sequence);
 
-/// The patterns along x and then those along y that a board is calibrated by, the marker, where
-/// there is one, after the last of all: whatever axis the sequence has.
+/// The patterns along x and along y that calibrate a board, whatever the sequence's axis; a marker
+/// follows the last.
 std::vector<PatternSet> along_both_axes(const Sequence& sequence);
 
-/// Throws Error, of what `asked` names, unless three patterns of the sequence each make a picture
-/// in colour.
+/// Throws Error, naming `asked`, unless three patterns each make a colour picture.
 void require_in_colour(const Sequence& sequence, const std::string& asked);
 
 /// Throws Error where the projector's size is known and cannot show the strategy.
@@ -95,14 +83,14 @@ struct SequenceChanges {
 };
 
 /// Those after which a sequence is that one, whatever was known.
-SequenceChanges changes_to(const Sequence& sequence);
+inline SequenceChanges changes_to(const Sequence& sequence) {
+  return {.strategy = sequence.strategy.name(), .known = sequence};
+}
 
-/// The sequence with those changes. Throws Error for a strategy, a setting or a light that there is
-/// not.
+/// The sequence with those changes. Throws Error for an unknown strategy, setting or light.
 Sequence changed(const Sequence& known, const SequenceChanges& changes);
 
-/// The default strategy for that projector, with those changes. Throws Error where the projector
-/// cannot show it.
+/// The default strategy, changed so. Throws Error if the projector cannot show it.
 Sequence default_sequence(Size projector, const SequenceChanges& changes);
 
 }  // namespace slipstream

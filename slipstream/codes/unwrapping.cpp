@@ -1,18 +1,11 @@
 #include "slipstream/codes/unwrapping.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <limits>
-#include <numbers>
-#include <optional>
-#include <utility>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <Eigen/Dense>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -104,9 +97,9 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> s
   };
   std::vector<Way> ways(sums.size());
   for (std::size_t fine = 0; fine < sums.size(); ++fine) {
-    const bool begins = circle_of ? sums[fine].periods <= *circle_of + chain_rounding
-                                  : sums[fine].periods <= 1 + chain_rounding;
-    if (begins) ways[fine] = {infinity, fine, 0};
+    if (sums[fine].periods <= circle_of.value_or(1) + chain_rounding) {
+      ways[fine] = {infinity, fine, 0};
+    }
     for (std::size_t coarse = 0; coarse < fine; ++coarse) {
       if (ways[coarse].surest == 0 || ways[fine].surest == infinity) continue;
       const double surest = std::min(ways[coarse].surest, margin(layout, sums[coarse], sums[fine]));
@@ -116,11 +109,10 @@ std::vector<PhaseSum> surest_chain(const Layout& layout, std::vector<PhaseSum> s
       if (way.surest > ways[fine].surest + chain_rounding || shorter) ways[fine] = way;
     }
   }
-  std::vector<PhaseSum> chain;
-  if (ways.back().surest == 0) return chain;
+  if (ways.back().surest == 0) return {};
   std::size_t at = sums.size() - 1;
-  for (; ways[at].from != at; at = ways[at].from) chain.insert(chain.begin(), sums[at]);
-  chain.insert(chain.begin(), sums[at]);
+  std::vector<PhaseSum> chain{sums[at]};
+  for (; ways[at].from != at; at = ways[at].from) chain.insert(chain.begin(), sums[ways[at].from]);
   return chain;
 }
 
@@ -138,30 +130,25 @@ double nearest_of(const std::vector<WrongOrder>& wrong) {
   return nearest;
 }
 
-double worst_step(const Layout& layout, const std::vector<PhaseSum>& chain) {
-  return nearest_of(wrong_steps(layout, chain));
-}
-
 /// One that is a circle does not mind the field's ends; it may be somewhat less sure for that.
 std::vector<PhaseSum> chain_of_beats(const Layout& layout) {
   constexpr double worth = 0.7;
+  const auto surest_of = [&](const std::vector<PhaseSum>& chain) {
+    return nearest_of(wrong_steps(layout, chain));
+  };
   const std::vector<PhaseSum> sums = beats(layout);
   std::vector<PhaseSum> any = surest_chain(layout, sums, std::nullopt), circle;
   for (const PhaseSum& first : sums) {
     if (first.periods > 1 + chain_rounding) break;
     std::vector<PhaseSum> chain = surest_chain(layout, sums, first.periods);
     if (chain.empty()) continue;
-    const double sure = worst_step(layout, chain);
-    if (circle.empty() || sure > worst_step(layout, circle) + chain_rounding)
+    if (circle.empty() || surest_of(chain) > surest_of(circle) + chain_rounding)
       circle = std::move(chain);
   }
-  const bool good =
-      !circle.empty() && worst_step(layout, circle) >= worth * worst_step(layout, any);
-  return good ? circle : any;
+  return !circle.empty() && surest_of(circle) >= worth * surest_of(any) ? circle : any;
 }
 
-/// The coordinates at which the measuring band has the same phase: half way to what fits all bands
-/// best there.
+/// At coordinates of the same measuring phase: half way to what fits all bands best there.
 std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
   const double f_h = measuring_band(layout).periods;
   std::vector<WrongOrder> wrong;
@@ -181,6 +168,28 @@ std::vector<WrongOrder> wrong_likelihoods(const Layout& layout) {
     wrong.push_back({std::sqrt(square), 2 * (f_h - k) / f_h});
   }
   return wrong;
+}
+
+/// By all frames, which have one mean and modulation.
+double single_frames_variance(const Layout& layout) {
+  constexpr int places = 509;
+  const Band& band = layout.bands.front();
+  double sum = 0;
+  for (int i = 0; i < places; ++i) {
+    const double y = (i + 0.5) / places;
+    Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+    const auto add = [&](double periods, double shift) {
+      const double a = two_pi * periods * y - shift;
+      const Eigen::Vector3d row(1, std::cos(a), -two_pi * periods * std::sin(a));
+      products += row * row.transpose();
+    };
+    for (std::size_t n = 0; n < band.mean.size(); ++n) {
+      if (band.mean[n] != 0) add(band.periods, std::atan2(band.sine[n], band.cosine[n]));
+    }
+    for (const SingleFrame& single : layout.single_frames) add(single.periods, -single.origin);
+    sum += products.inverse()(2, 2);
+  }
+  return sum / places;
 }
 
 std::vector<PhaseSum> chain_of_bands(const Layout& layout) {
@@ -205,17 +214,13 @@ std::string periods_text(const Layout& layout) {
 }
 
 void require_hierarchy(const Layout& layout, std::string_view name) {
-  if (fewest_periods(layout) > 1) {
-    throw Error(
-        fmt::format("{}: no band has at most 1 period, from which the others are unwrapped", name));
-  }
+  throw_if(fewest_periods(layout) > 1,
+           "{}: no band has at most 1 period, from which the others are unwrapped", name);
 }
 
 void require_beats(const Layout& layout, std::string_view name) {
-  if (chain_of_beats(layout).empty()) {
-    throw Error(fmt::format("{}: no sum or difference of {} periods has at most 1", name,
-                            periods_text(layout)));
-  }
+  throw_if(chain_of_beats(layout).empty(), "{}: no sum or difference of {} periods has at most 1",
+           name, periods_text(layout));
 }
 
 [[noreturn]] void refuse_repeating(const Layout& layout, std::string_view name) {
@@ -231,27 +236,30 @@ void require_unlike(const Layout& layout, std::string_view name) {
 }
 
 void require_code(const Layout& layout, std::string_view name) {
-  if (!layout.code) throw Error(fmt::format("{}: no code to unwrap by", name));
+  throw_if(!layout.code, "{}: no code to unwrap by", name);
   require_valid(*layout.code, layout.frames, name);
 }
 
 void require_code_of_periods(const Layout& layout, std::string_view name) {
   require_code(layout, name);
   const double f = measuring_band(layout).periods;
-  if (layout.code->stripes < f - chain_rounding) {
-    throw Error(fmt::format("{}: a code of {} stripes is too short for {} periods", name,
-                            layout.code->stripes, f));
-  }
+  throw_if(layout.code->stripes < f - chain_rounding,
+           "{}: a code of {} stripes is too short for {} periods", name, layout.code->stripes, f);
+}
+
+/// One band, and single frames of the scan, of at most so many periods.
+bool has_single_frames(const Layout& layout, double most_periods) {
+  return layout.bands.size() == 1 && !layout.single_frames.empty() &&
+         std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
+                     [&](const SingleFrame& single) {
+                       return single.frame >= 0 && single.frame < layout.frames &&
+                              single.periods > 0 && single.periods <= most_periods;
+                     });
 }
 
 void require_surfaces(const Layout& layout, std::string_view name) {
   if (layout.bands.size() == 2 && layout.single_frames.empty()) return require_unlike(layout, name);
-  const bool all = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
-                               [&](const SingleFrame& single) {
-                                 return single.frame >= 0 && single.frame < layout.frames &&
-                                        single.periods > 0 && single.periods <= 1;
-                               });
-  if (all && layout.bands.size() == 1 && layout.single_frames.size() >= 3) return;
+  if (has_single_frames(layout, 1) && layout.single_frames.size() >= 3) return;
   throw Error(
       fmt::format("{}: surfaces are told by two bands, or one and three frames or more of at "
                   "most one period each",
@@ -259,21 +267,13 @@ void require_surfaces(const Layout& layout, std::string_view name) {
 }
 
 void require_single_frames(const Layout& layout, std::string_view name) {
-  const bool all = std::all_of(
-      layout.single_frames.begin(), layout.single_frames.end(), [&](const SingleFrame& single) {
-        return single.frame >= 0 && single.frame < layout.frames && single.periods > 0;
-      });
-  if (layout.single_frames.empty() || !all || layout.bands.size() != 1 ||
-      !step_run(layout.bands.front())) {
-    throw Error(fmt::format("{}: a run of steps and frames of one sinusoid each are wanted", name));
-  }
+  throw_if(!has_single_frames(layout, infinity) || !step_run(layout.bands.front()),
+           "{}: a run of steps and frames of one sinusoid each are wanted", name);
   const double f = layout.bands.front().periods;
   for (int k = 1; k < f; ++k) {
-    const bool repeats = std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
-                                     [&](const SingleFrame& single) {
-                                       const double periods = single.periods * k / f;
-                                       return is_whole(periods);
-                                     });
+    const bool repeats =
+        std::all_of(layout.single_frames.begin(), layout.single_frames.end(),
+                    [&](const SingleFrame& single) { return is_whole(single.periods * k / f); });
     if (repeats) refuse_repeating(layout, name);
   }
 }
@@ -281,69 +281,71 @@ void require_single_frames(const Layout& layout, std::string_view name) {
 void require_cue(const Layout& layout, std::string_view name) {
   if (layout.cue) {
     require_valid(*layout.cue, layout.frames, name);
-    if (layout.bands.size() != 1) {
-      throw Error(fmt::format("{}: a cue with {} bands; it takes one", name, layout.bands.size()));
-    }
+    throw_if(layout.bands.size() != 1, "{}: a cue with {} bands; it takes one", name,
+             layout.bands.size());
   } else if (layout.bands.size() != 2 || layout.bands[1].periods != 1) {
     throw Error(fmt::format("{}: no cue, and no second band of 1 period, to vote with", name));
   }
   const double f_h = layout.bands[0].periods;
-  if (f_h != std::floor(f_h)) {
-    throw Error(fmt::format("{}: {} periods are not a whole number", name, f_h));
-  }
+  throw_if(f_h != std::floor(f_h), "{}: {} periods are not a whole number", name, f_h);
 }
 
-/// In the order of Unwrapping.
-constexpr std::array<UnwrappingWay, 9> ways{{
-    {.name = "none", .order_source = OrderSource::bands, .least_periods = fewest_periods},
-    {.name = "hierarchical",
-     .order_source = OrderSource::bands,
-     .require = require_hierarchy,
-     .chain = chain_of_bands,
-     .least_periods = fewest_periods},
-    {.name = "surfaces", .order_source = OrderSource::surface, .require = require_surfaces},
-    {.name = "vote", .order_source = OrderSource::neighbours, .require = require_cue},
-    {.name = "heterodyne",
-     .order_source = OrderSource::pixel,
-     .weighs_bands = true,
-     .require = require_beats,
-     .chain = chain_of_beats,
-     .least_periods = fewest_beats},
-    {.name = "number-theory",
-     .order_source = OrderSource::pixel,
-     .weighs_bands = true,
-     .in_kernels = false,
-     .require = require_unlike,
-     .wrong_orders = wrong_likelihoods},
-    {.name = "code",
-     .order_source = OrderSource::pixel,
-     .reads_code = true,
-     .require = require_code_of_periods},
-    {.name = "code-alone",
-     .order_source = OrderSource::pixel,
-     .reads_code = true,
-     .whole_stripes = true,
-     .in_kernels = false,
-     .require = require_code},
-    {.name = "single-frames",
-     .order_source = OrderSource::pixel,
-     .in_kernels = false,
-     .require = require_single_frames},
-}};
-static_assert(ways[static_cast<std::size_t>(Unwrapping::single_frames)].name == "single-frames");
-
+constexpr UnwrappingWay none_way{.name = "none",
+                                 .order_source = OrderSource::bands,
+                                 .gives_coordinate = false,
+                                 .least_periods = fewest_periods};
+constexpr UnwrappingWay hierarchical_way{.name = "hierarchical",
+                                         .order_source = OrderSource::bands,
+                                         .require = require_hierarchy,
+                                         .chain = chain_of_bands,
+                                         .least_periods = fewest_periods};
+constexpr UnwrappingWay surfaces_way{
+    .name = "surfaces", .order_source = OrderSource::surface, .require = require_surfaces};
+constexpr UnwrappingWay vote_way{
+    .name = "vote", .order_source = OrderSource::neighbours, .require = require_cue};
+constexpr UnwrappingWay beats_way{.name = "heterodyne",
+                                  .order_source = OrderSource::pixel,
+                                  .weighs_bands = true,
+                                  .require = require_beats,
+                                  .chain = chain_of_beats,
+                                  .least_periods = fewest_beats};
+constexpr UnwrappingWay likelihood_way{.name = "number-theory",
+                                       .order_source = OrderSource::pixel,
+                                       .weighs_bands = true,
+                                       .tries_orders = true,
+                                       .in_kernels = false,
+                                       .require = require_unlike,
+                                       .wrong_orders = wrong_likelihoods};
+constexpr UnwrappingWay code_way{.name = "code",
+                                 .order_source = OrderSource::pixel,
+                                 .reads_code = true,
+                                 .require = require_code_of_periods};
+constexpr UnwrappingWay code_alone_way{.name = "code-alone",
+                                       .order_source = OrderSource::pixel,
+                                       .reads_code = true,
+                                       .whole_stripes = true,
+                                       .in_kernels = false,
+                                       .require = require_code};
+constexpr UnwrappingWay single_frames_way{.name = "single-frames",
+                                          .order_source = OrderSource::pixel,
+                                          .tries_orders = true,
+                                          .in_kernels = false,
+                                          .require = require_single_frames,
+                                          .coordinate_variance = single_frames_variance};
 }  // namespace
 
-const UnwrappingWay& way_of(Unwrapping unwrapping) {
-  return ways[static_cast<std::size_t>(unwrapping)];
-}
-
-OrderSource order_source(const Layout& layout) {
-  return way_of(layout.unwrapping).order_source;
-}
+constinit const Unwrapping Unwrapping::none{none_way};
+constinit const Unwrapping Unwrapping::hierarchical{hierarchical_way};
+constinit const Unwrapping Unwrapping::surfaces{surfaces_way};
+constinit const Unwrapping Unwrapping::vote{vote_way};
+constinit const Unwrapping Unwrapping::beats{beats_way};
+constinit const Unwrapping Unwrapping::likelihood{likelihood_way};
+constinit const Unwrapping Unwrapping::code{code_way};
+constinit const Unwrapping Unwrapping::code_alone{code_alone_way};
+constinit const Unwrapping Unwrapping::single_frames{single_frames_way};
 
 std::vector<PhaseSum> unwrapping_chain(const Layout& layout) {
-  const UnwrappingWay& way = way_of(layout.unwrapping);
+  const UnwrappingWay& way = *layout.unwrapping;
   if (way.chain != nullptr) return way.chain(layout);
   return {band_alone(layout, measuring_band_index(layout))};
 }
@@ -359,7 +361,7 @@ std::vector<double> band_weights(const Layout& layout) {
   std::vector<double> weights(layout.bands.size());
   const std::size_t measuring = measuring_band_index(layout);
   weights[measuring] = 1;
-  if (!way_of(layout.unwrapping).weighs_bands) return weights;
+  if (!layout.unwrapping->weighs_bands) return weights;
   const auto precision = [](const Band& band) {
     return band.periods * band.periods / phase_noise(band);
   };
@@ -375,16 +377,12 @@ std::vector<double> band_weights(const Layout& layout) {
 }
 
 double least_periods(const Layout& layout) {
-  const UnwrappingWay& way = way_of(layout.unwrapping);
+  const UnwrappingWay& way = *layout.unwrapping;
   return way.least_periods != nullptr ? way.least_periods(layout) : 1;
 }
 
-double open_by_code(const Code& code, double periods) {
-  return std::min(periods / (2 * code.stripes), 0.4);
-}
-
 std::vector<WrongOrder> wrong_orders(const Layout& layout) {
-  const UnwrappingWay& way = way_of(layout.unwrapping);
+  const UnwrappingWay& way = *layout.unwrapping;
   return way.wrong_orders != nullptr ? way.wrong_orders(layout)
                                      : wrong_steps(layout, unwrapping_chain(layout));
 }

@@ -1,17 +1,12 @@
 #include "slipstream/decode/band_unwrapper.h"
 
-#include <algorithm>
-#include <cmath>
 #include <complex>
-#include <cstddef>
-#include <limits>
-#include <utility>
 
 #include <Eigen/Dense>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/decode/unwrap.h"
+#include "slipstream/decode/decoder.h"
 
 namespace slipstream {
 namespace {
@@ -51,7 +46,10 @@ BandUnwrapper::BandUnwrapper(Layout layout, int projector_length)
       chain_(unwrapping_chain(layout_)),
       circle_(is_circle(layout_)),
       weights_(band_weights(layout_)) {
-  if (layout_.unwrapping != Unwrapping::single_frames) return;
+  if (layout_.unwrapping->pixel != nullptr) {
+    own_ = layout_.unwrapping->pixel(layout_, projector_length_);
+  }
+  if (!layout_.unwrapping->tries_orders || layout_.single_frames.empty()) return;
   waves_.resize(static_cast<std::size_t>(layout_.frames));
   const Band& band = layout_.bands.front();
   const StepRun run = *step_run(band);
@@ -64,26 +62,16 @@ BandUnwrapper::BandUnwrapper(Layout layout, int projector_length)
   }
 }
 
-bool BandUnwrapper::can_doubt() const {
-  return chain_.size() > 1 || layout_.unwrapping == Unwrapping::likelihood ||
-         layout_.unwrapping == Unwrapping::code || layout_.unwrapping == Unwrapping::single_frames;
+PixelCoordinate BandUnwrapper::operator()(const PixelReading& reading) const {
+  const UnwrappingWay& way = *layout_.unwrapping;
+  if (own_) return own_(reading);
+  if (way.reads_code) return by_code(reading);
+  if (!way.tries_orders) return by_chain(reading.phases);
+  if (waves_.empty()) return likeliest(reading.phases, reading.modulations);
+  return by_single_frames(reading.phases.front(), reading.intensities);
 }
 
-BandUnwrapper::Coordinate BandUnwrapper::operator()(const Reading& reading) const {
-  switch (layout_.unwrapping) {
-    case Unwrapping::code_alone:
-    case Unwrapping::code:
-      return by_code(reading);
-    case Unwrapping::likelihood:
-      return likeliest(reading.phases, reading.modulations);
-    case Unwrapping::single_frames:
-      return by_single_frames(reading.phases.front(), reading.intensities);
-    default:
-      return by_chain(reading.phases);
-  }
-}
-
-BandUnwrapper::Coordinate BandUnwrapper::by_chain(std::span<const double> phases) const {
+PixelCoordinate BandUnwrapper::by_chain(std::span<const double> phases) const {
   const double widest = 1 / chain_.front().periods;
   double y = unwrapped_coordinate(phase_of(chain_.front(), phases), 0, chain_.front().periods);
   if (!circle_) y = coordinate_in_field(y, widest, projector_length_);
@@ -98,8 +86,8 @@ BandUnwrapper::Coordinate BandUnwrapper::by_chain(std::span<const double> phases
   return {circle_ ? coordinate_in_field(y, widest, projector_length_) : y, doubt};
 }
 
-BandUnwrapper::Coordinate BandUnwrapper::likeliest(std::span<const double> phases,
-                                                   std::span<const double> modulations) const {
+PixelCoordinate BandUnwrapper::likeliest(std::span<const double> phases,
+                                         std::span<const double> modulations) const {
   const double f_h = layout_.bands[measuring_].periods;
   const double first = -0.5 / projector_length_;
   const auto residual = [&](std::size_t i, double y) {
@@ -132,11 +120,11 @@ BandUnwrapper::Coordinate BandUnwrapper::likeliest(std::span<const double> phase
   return {weighed(phases, likeliest), doubt};
 }
 
-BandUnwrapper::Coordinate BandUnwrapper::by_code(const Reading& reading) const {
+PixelCoordinate BandUnwrapper::by_code(const PixelReading& reading) const {
   const auto [stripe, contrast] = read_code(*layout_.code, reading.intensities);
   const double y = (stripe + 0.5) / layout_.code->stripes;
   // Stripes begin between two pixels, whose centres are at whole numbers.
-  if (way_of(layout_.unwrapping).whole_stripes) {
+  if (layout_.unwrapping->whole_stripes) {
     return {y - 0.5 / projector_length_, 0, contrast};
   }
   const double f = layout_.bands[measuring_].periods, phi = reading.phases[measuring_];
@@ -146,8 +134,7 @@ BandUnwrapper::Coordinate BandUnwrapper::by_code(const Reading& reading) const {
   return {unwrapped_coordinate(phi, k, f), std::max(beyond, 0.0) / (1 - 2 * open)};
 }
 
-BandUnwrapper::Coordinate BandUnwrapper::by_single_frames(double phi,
-                                                          std::span<const double> I) const {
+PixelCoordinate BandUnwrapper::by_single_frames(double phi, std::span<const double> I) const {
   const double f = layout_.bands.front().periods, first = -0.5 / projector_length_;
   // The waves at the first place, and what they turn by from each place to the next.
   const auto count = static_cast<double>(I.size());
@@ -234,9 +221,12 @@ UnwrappedPhases unwrap_pixels(const Layout& layout, const LayoutPhases& phases,
   const BandUnwrapper unwrapped(layout, projector_length);
   const Size size = phases.bands.front().wrapped_phase.size();
   UnwrappedPhases result{.coordinate = Image<double>(size)};
-  if (unwrapped.can_doubt()) result.doubt = Image<double>(size);
+  const UnwrappingWay& way = *layout.unwrapping;
+  const bool contradicted = way.pixel != nullptr || unwrapping_chain(layout).size() > 1 ||
+                            way.tries_orders || (way.reads_code && !way.whole_stripes);
+  if (contradicted) result.doubt = Image<double>(size);
   const std::size_t bands = phases.bands.size();
-  if (way_of(layout.unwrapping).whole_stripes) result.contrast = Image<double>(size);
+  if (way.whole_stripes) result.contrast = Image<double>(size);
   phases.frames.visit([&](const auto& frames) {
     for_each_row(size.height, [&](int row) {
       std::vector<double> phase(bands), modulation(bands), I(frames.size());

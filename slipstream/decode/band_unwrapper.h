@@ -1,33 +1,26 @@
 #pragma once
 
-#include <span>
-#include <vector>
-
-#include "slipstream/codes/layout.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream {
 
-/// Fringe order k of Liu 2010, Eq. (1.17): the whole number of periods that must be added to
-/// `wrapped_phase` (rad, [0, 2 pi), of `frequency` periods across the field) to come nearest to
-/// `coarse_coordinate`, the projector coordinate that a lower frequency gave. Not limited to the
-/// field: see coordinate_in_field.
+/// Fringe order k of Liu 2010, Eq. (1.17): the periods to add to `wrapped_phase` (rad, [0, 2 pi),
+/// `frequency` periods across the field) to come nearest to `coarse_coordinate`, the coordinate by
+/// a lower frequency. Not limited to the field: see coordinate_in_field.
 int fringe_order(double wrapped_phase, double frequency, double coarse_coordinate);
 
-/// How far, in periods of `frequency`, the coarse coordinate lies from the one that this fringe
-/// order gives: within [-0.5, 0.5], near 0 where low and high frequency agree. Towards either end
-/// another fringe order is as likely.
+/// Distance, in periods of `frequency`, of the coarse coordinate from that of this fringe order:
+/// [-0.5, 0.5], near 0 where the frequencies agree; at either end another order is as likely.
 double fringe_order_residual(double wrapped_phase, double frequency, double coarse_coordinate,
                              int fringe_order);
 
 /// Projector coordinate (phi + 2 pi k) / (2 pi f), Eqs. (1.8) and (1.17).
 double unwrapped_coordinate(double wrapped_phase, int fringe_order, double frequency);
 
-/// Brings a coordinate that is known up to whole multiples of `period` (>= 1, in fields) into the
-/// field. Pixel centres are at integers, so the field of a projector `projector_length` pixels long
-/// runs from -0.5 / projector_length to 1 - 0.5 / projector_length; the circle is cut in the middle
-/// of what is not lit. Noise at one end of the field thereby stays at that end, up to half a pixel
-/// and half the unlit part.
+/// Brings a coordinate known up to whole multiples of `period` (>= 1, in fields) into the field:
+/// -0.5 / projector_length to 1 - 0.5 / projector_length, as pixel centres are at integers. The
+/// circle is cut in the middle of its unlit part, so that noise at one end of the field stays
+/// there, up to half a pixel and half the unlit part.
 double coordinate_in_field(double coordinate, double period, int projector_length);
 
 /// The projector coordinate of one pixel by every unwrapping that asks no other pixel.
@@ -36,24 +29,7 @@ class BandUnwrapper {
   /// `projector_length`: projector pixels along the axis.
   BandUnwrapper(Layout layout, int projector_length);
 
-  /// What one pixel's frames say.
-  struct Reading {
-    std::span<const double> phases;  ///< of all bands, rad, [0, 2 pi)
-    std::span<const double> modulations;
-    /// Of all frames, with a code or single frames; else what there is.
-    std::span<const double> intensities;
-  };
-  struct Coordinate {
-    double y = 0;      ///< see BasicMaps
-    double doubt = 0;  ///< the most of all steps, see fringe_order_residual; of a code beyond what
-                       ///< its stripes leave open; of single frames half of the least misfit over
-                       ///< that of the next order
-    double contrast = 0;  ///< with Unwrapping::code_alone: see CodeReading
-  };
-  [[nodiscard]] Coordinate operator()(const Reading& reading) const;
-
-  /// Whether anything could contradict the fringe order.
-  [[nodiscard]] bool can_doubt() const;
+  [[nodiscard]] PixelCoordinate operator()(const PixelReading& reading) const;
 
  private:
   struct Wave {
@@ -61,13 +37,13 @@ class BandUnwrapper {
     double shift = 0;  ///< cos(2 pi periods y - shift)
   };
 
-  [[nodiscard]] Coordinate by_chain(std::span<const double> phases) const;
-  [[nodiscard]] Coordinate likeliest(std::span<const double> phases,
-                                     std::span<const double> modulations) const;
-  [[nodiscard]] Coordinate by_code(const Reading& reading) const;
-  /// Of the places with the band's phase that under which all frames fit one mean and one
-  /// modulation best, by least squares, and then its neighbourhood.
-  [[nodiscard]] Coordinate by_single_frames(double phi, std::span<const double> intensities) const;
+  [[nodiscard]] PixelCoordinate by_chain(std::span<const double> phases) const;
+  [[nodiscard]] PixelCoordinate likeliest(std::span<const double> phases,
+                                          std::span<const double> modulations) const;
+  [[nodiscard]] PixelCoordinate by_code(const PixelReading& reading) const;
+  /// The place with the band's phase where one mean and modulation fit all frames best, refined.
+  [[nodiscard]] PixelCoordinate by_single_frames(double phi,
+                                                 std::span<const double> intensities) const;
   /// By Gauss and Newton, from a place within a part of a period.
   [[nodiscard]] double refined(double y, std::span<const double> intensities) const;
   /// That of all bands, at the fringe orders next to y.
@@ -79,7 +55,8 @@ class BandUnwrapper {
   std::vector<PhaseSum> chain_;
   bool circle_;
   std::vector<double> weights_;
-  std::vector<Wave> waves_;  ///< with single frames: of every frame
+  std::vector<Wave> waves_;                                  ///< with single frames: of every frame
+  std::function<PixelCoordinate(const PixelReading&)> own_;  ///< of a way that is not slipstream's
 };
 
 }  // namespace slipstream

@@ -1,21 +1,14 @@
-#include "slipstream/decode/carrier.h"
-
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
-#include <cstddef>
-#include <numbers>
 #include <numeric>
-#include <utility>
+
+#include "slipstream/base/numbers.h"
+#include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {
 
-constexpr double two_pi = 2 * std::numbers::pi;
-
-/// Short lines of a picture under a Hann window, spread over it, and how strong a frequency is
-/// there.
+/// Strength of a frequency on short lines, spread over a picture, under a Hann window.
 class Lines {
  public:
   /// `cycles`: per pixel along the lines.
@@ -43,8 +36,7 @@ class Lines {
     return power;
   }
 
-  /// How far the phase of what is near the frequency goes on from pixel to pixel, in cycles: along
-  /// the lines and from one to the next.
+  /// Phase advance near the frequency, cycles per pixel: along the lines and across them.
   [[nodiscard]] std::pair<double, double> advance() const {
     std::complex<double> along, across;
     for_each([&](int first, int line) {

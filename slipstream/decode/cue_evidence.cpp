@@ -1,15 +1,10 @@
 #include "slipstream/decode/cue_evidence.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <limits>
 #include <numbers>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/names.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/equations.h"
@@ -17,45 +12,31 @@
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<CueRule, std::string_view>, 3> rule_names{{
-    {CueRule::published, "published"},
-    {CueRule::likelihood, "likelihood"},
-    {CueRule::consensus, "consensus"},
-}};
+using std::numbers::pi;
+
+constexpr std::array<std::string_view, 3> rule_names{"published", "likelihood", "consensus"};
 
 }  // namespace
 
 std::string_view name_of(CueRule rule) {
-  for (const auto& [value, name] : rule_names) {
-    if (value == rule) return name;
-  }
-  return "";
+  return rule_names[static_cast<std::size_t>(rule)];
 }
 
 CueRule cue_rule_named(std::string_view name) {
-  for (const auto& [rule, known] : rule_names) {
-    if (known == name) return rule;
-  }
-  throw Error(
-      fmt::format("unwrapping '{}' is not known; it is published, likelihood or consensus", name));
+  const auto rule = value_named<CueRule>(name, rule_names);
+  throw_if(!rule, "unwrapping '{}' is not known; it is published, likelihood or consensus", name);
+  return *rule;
 }
 
 void require_valid(const CueSettings& settings) {
   require_valid(settings.light);
-  if (!(std::abs(settings.ambient) <= 255)) {
-    throw Error(
-        fmt::format("ambient light {} is out of range; -255 to 255 grey levels", settings.ambient));
-  }
-  if (!(settings.noise_variance > 0 && std::isfinite(settings.noise_variance))) {
-    throw Error(fmt::format("noise variance {} is out of range; above 0", settings.noise_variance));
-  }
-  if (!(settings.least_modulation >= 0)) {
-    throw Error(fmt::format("least modulation {} is out of range; 0 grey levels or more",
-                            settings.least_modulation));
-  }
+  throw_if(!(std::abs(settings.ambient) <= 255),
+           "ambient light {} is out of range; -255 to 255 grey levels", settings.ambient);
+  throw_if(!(settings.noise_variance > 0 && std::isfinite(settings.noise_variance)),
+           "noise variance {} is out of range; above 0", settings.noise_variance);
+  throw_if(!(settings.least_modulation >= 0),
+           "least modulation {} is out of range; 0 grey levels or more", settings.least_modulation);
 }
-
-using std::numbers::pi;
 
 CueEvidence::CueEvidence(const Layout& layout, const CueSettings& settings)
     : settings_(settings), f_h_(layout.bands[0].periods) {
@@ -76,17 +57,9 @@ CueEvidence::CueEvidence(const Layout& layout, const CueSettings& settings)
   cost_.steady = dc_ * (1 + 2 * (beta_p + settings.ambient) / alpha_p) / cost_.c1;
 }
 
-double CueEvidence::dimmest_lit() const {
-  return 4 * std::sqrt(cost_.component_variance);
-}
-
 bool CueEvidence::lit(const CuePixel& pixel) const {
   return pixel.modulation * pixel.modulation > 16 * cost_.component_variance &&
          pixel.modulation >= settings_.least_modulation;
-}
-
-double CueEvidence::slope(double y) const {
-  return cost_.steady + cost_.c2 / cost_.c1 * cost_.reference(y);
 }
 
 double CueEvidence::least_modulation() const {
@@ -139,10 +112,6 @@ double CueEvidence::cost(const CuePixel& pixel, double y) const {
   return difference * difference / (cost_.cue_variance * spread) + std::log(spread);
 }
 
-double CueEvidence::shade(const CuePixel& pixel, double y) const {
-  return dc_ == 0 ? 0 : dc_ * pixel.modulation * cost_.c2 / cost_.c1 * cost_.reference(y);
-}
-
 int CueEvidence::published_order(const CuePixel& pixel) const {
   const int k = fringe_order(pixel.wrapped_phase, f_h_, coordinate(pixel));
   return cost_.circle ? k : std::clamp(k, 0, static_cast<int>(f_h_) - 1);
@@ -172,15 +141,6 @@ int CueEvidence::likeliest_order(const CuePixel& pixel, int projector_length) co
     }
   }
   return best;
-}
-
-bool CueEvidence::near_field(double y, int projector_length) const {
-  const double past = margin(projector_length);
-  return y >= -past && y <= 1 + past;
-}
-
-double CueEvidence::margin(int projector_length) const {
-  return 0.5 / projector_length + 0.1 / f_h_;
 }
 
 }  // namespace slipstream

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <string_view>
+#include <cmath>
 
 #include "slipstream/codes/layout.h"
 #include "slipstream/codes/pattern_set.h"
@@ -51,11 +51,9 @@ struct CueCost {
   double component_variance = 1, cue_variance = 1;
 };
 
-/// What the frames of a pixel say about its fringe order. The cue alone gives a projector
-/// coordinate, Liu 2010, Eqs. (3.58), (3.74), (3.88); all channels together give the likelihood of
-/// any coordinate. A cue that is a second band of one period is a circle: it ends where it began,
-/// so that y = 0 and y = 1 are one place. A real cue rises or falls from one end of the field to
-/// the other.
+/// What the frames of a pixel say about its fringe order. The cue alone gives a coordinate, Liu
+/// 2010, Eqs. (3.58), (3.74), (3.88); all channels give the likelihood of any. A cue that is a
+/// second band, of one period, is a circle: y = 0 and y = 1 are one place. A real cue is monotonic.
 class CueEvidence {
  public:
   /// Of a layout with Unwrapping::vote.
@@ -63,17 +61,14 @@ class CueEvidence {
 
   /// Whether the cue is a second band.
   [[nodiscard]] bool is_circle() const { return cost_.circle; }
-  /// The largest modulation that noise may be taken for: four standard deviations of C and S of the
-  /// measuring band, grey levels of 8 bits.
-  [[nodiscard]] double dimmest_lit() const;
-  /// Whether the modulation is above dimmest_lit() and not below the least that the settings ask
-  /// for.
+  /// Largest modulation that may be noise: four standard deviations of C and S, 8-bit grey levels.
+  [[nodiscard]] double dimmest_lit() const { return 4 * std::sqrt(cost_.component_variance); }
+  /// Whether the modulation is above dimmest_lit() and not below the settings' least.
   [[nodiscard]] bool lit(const CuePixel& pixel) const;
 
-  /// The modulation below which noise hides the fringe order even from a pixel's neighbours: there
-  /// the standard deviation of the cue, (3.67), (3.76), (3.101), is 0.6 of what it changes over one
-  /// period. The ends of the field, 15 % on either side, where a cosine is flat, do not count. Grey
-  /// levels of 8 bits.
+  /// The modulation, 8-bit grey levels, below which noise hides the fringe order even from
+  /// neighbours: there the standard deviation of the cue, (3.67), (3.76), (3.101), is 0.6 of its
+  /// change over a period, 15 % of the field at either end, where a cosine is flat, left out.
   [[nodiscard]] double least_modulation() const;
 
   /// The projector coordinate that the cue alone gives, phi_u / (2 pi), in [0, 1].
@@ -84,13 +79,14 @@ class CueEvidence {
 
   [[nodiscard]] const CueCost& cost() const { return cost_; }
 
-  /// Minus twice the logarithm of the likelihood of y, up to a constant of the pixel. The
-  /// reflectivity, which is not known, has been eliminated from it. Each channel is weighed by its
-  /// noise, (3.14) and (3.27).
+  /// Minus twice the logarithm of the likelihood of y, up to a constant of the pixel; reflectivity
+  /// eliminated, each channel weighed by its noise, (3.14) and (3.27).
   [[nodiscard]] double cost(const CuePixel& pixel, double y) const;
 
   /// What a cue in the DC channel adds to the mean at y, grey levels; 0 for others.
-  [[nodiscard]] double shade(const CuePixel& pixel, double y) const;
+  [[nodiscard]] double shade(const CuePixel& pixel, double y) const {
+    return dc_ == 0 ? 0 : dc_ * pixel.modulation * cost_.c2 / cost_.c1 * cost_.reference(y);
+  }
 
   /// The fringe order by the published rule: the nearest to coordinate(). Where the cue is not a
   /// circle it is held to [0, f_h - 1].
@@ -104,15 +100,20 @@ class CueEvidence {
   [[nodiscard]] int likeliest_order(const CuePixel& pixel, int projector_length) const;
 
   /// Whether y lies in the field or at most margin() past its ends.
-  [[nodiscard]] bool near_field(double y, int projector_length) const;
-  /// Half a pixel and a tenth of a period: without it noise at an end would carry a pixel to
-  /// another period.
-  [[nodiscard]] double margin(int projector_length) const;
+  [[nodiscard]] bool near_field(double y, int projector_length) const {
+    const double past = margin(projector_length);
+    return y >= -past && y <= 1 + past;
+  }
+  /// Half a pixel and a tenth of a period, lest noise at an end carry a pixel a period on.
+  [[nodiscard]] double margin(int projector_length) const {
+    return 0.5 / projector_length + 0.1 / f_h_;
+  }
 
  private:
-  /// The cue's channel less the ambient light, over B, at y and any reflectivity: (3.56) / (3.57)
-  /// and (3.73) / (3.72).
-  [[nodiscard]] double slope(double y) const;
+  /// The cue's channel less ambient light, over B, at y: (3.56) / (3.57) and (3.73) / (3.72).
+  [[nodiscard]] double slope(double y) const {
+    return cost_.steady + cost_.c2 / cost_.c1 * cost_.reference(y);
+  }
 
   CueSettings settings_;
   CueCost cost_;

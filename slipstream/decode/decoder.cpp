@@ -1,14 +1,8 @@
 #include "slipstream/decode/decoder.h"
 
-#include <algorithm>
-#include <cstddef>
-#include <utility>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
-#include "slipstream/decode/unwrap.h"
 
 namespace slipstream {
 namespace {
@@ -25,6 +19,12 @@ UnwrappedPhases unwrap(const Layout& layout, const LayoutPhases& phases, const C
     default:
       return unwrap_pixels(layout, phases, projector_length);
   }
+}
+
+/// Of a layout that votes the measuring one alone.
+std::span<const Band> decoded_bands(const Layout& layout) {
+  const bool votes = order_source(layout) == OrderSource::neighbours;
+  return std::span(layout.bands).first(votes ? 1 : layout.bands.size());
 }
 
 /// The least modulation of all bands, the rest as the measuring band has it.
@@ -44,6 +44,19 @@ BasicMaps<double> maps_of(std::vector<PhaseMaps> bands, std::size_t measuring,
           .coordinate = std::move(unwrapped.coordinate)};
 }
 
+int agreeing_neighbours(const Image<double>& coordinate, const Image<std::uint8_t>& lit, int column,
+                        int row, double half_fringe) {
+  int agreeing = 0;
+  const double y = coordinate(column, row);
+  for (int r = std::max(row - 1, 0); r <= std::min(row + 1, lit.height() - 1); ++r) {
+    for (int c = std::max(column - 1, 0); c <= std::min(column + 1, lit.width() - 1); ++c) {
+      if (lit(c, r) == 0 || (c == column && r == row)) continue;
+      if (std::abs(coordinate(c, r) - y) < half_fringe) ++agreeing;
+    }
+  }
+  return agreeing;
+}
+
 }  // namespace
 
 Decoder::Decoder(Layout layout, int projector_length, PhaseMethod method,
@@ -60,22 +73,18 @@ BasicMaps<double> Decoder::operator()(const FrameViews& frames, double least_mod
 }
 
 LayoutPhases Decoder::demodulate(const FrameViews& frames) const {
-  if (frames.count() != layout_.frames) {
-    throw Error(
-        fmt::format("{} frames given; the patterns are {}", frames.count(), layout_.frames));
-  }
-  const bool votes = order_source(layout_) == OrderSource::neighbours;
-  const std::size_t decoded = votes ? 1 : layout_.bands.size();
+  throw_if(frames.count() != layout_.frames, "{} frames given; the patterns are {}", frames.count(),
+           layout_.frames);
   LayoutPhases phases;
-  for (std::size_t i = 0; i < decoded; ++i)
-    phases.bands.push_back(phase_(frames, layout_.bands[i]));
-  if (votes && layout_.cue) {
+  for (const Band& band : decoded_bands(layout_)) phases.bands.push_back(phase_(frames, band));
+  if (layout_.cue) {
     phases.cue = weighted_sum(frames, layout_.cue->weights);
-  } else if (votes) {
+  } else if (order_source(layout_) == OrderSource::neighbours) {
     phases.cue = weighted_sum(frames, layout_.bands[1].cosine);
     phases.cue_sine = weighted_sum(frames, layout_.bands[1].sine);
   }
-  if (layout_.code || !layout_.single_frames.empty()) phases.frames = frames;
+  if (layout_.code || !layout_.single_frames.empty() || layout_.unwrapping->pixel != nullptr)
+    phases.frames = frames;
   return phases;
 }
 
@@ -88,24 +97,38 @@ BasicMaps<double> Decoder::unwrapped(LayoutPhases phases, double full_scale,
   if (!unwrapped.contrast.empty()) {
     phases.bands.front().modulation = std::move(unwrapped.contrast);
   }
-  const std::size_t measuring =
-      order_source(layout_) == OrderSource::neighbours ? 0 : measuring_band_index(layout_);
-  return maps_of(std::move(phases.bands), measuring, std::move(unwrapped));
+  return maps_of(std::move(phases.bands), measuring_band_index(layout_), std::move(unwrapped));
 }
 
 std::string Decoder::method_for(const FrameViews& frames) const {
   std::string names;
-  const bool votes = order_source(layout_) == OrderSource::neighbours;
-  const std::size_t decoded = votes ? 1 : layout_.bands.size();
-  for (std::size_t i = 0; i < decoded; ++i) {
-    const std::string name(name_of(phase_.method_for(layout_.bands[i], frames)));
-    if (names.empty()) {
-      names = name;
-    } else if (names != name) {
-      names += ", " + name;
-    }
+  for (const Band& band : decoded_bands(layout_)) {
+    const std::string name(name_of(phase_.method_for(band, frames)));
+    if (names != name) names += names.empty() ? name : ", " + name;
   }
   return names;
+}
+
+Image<std::uint8_t> modulation_mask(const Image<double>& modulation, double minimum) {
+  Image<std::uint8_t> mask(modulation.size());
+  std::transform(modulation.begin(), modulation.end(), mask.begin(),
+                 [minimum](double B) -> std::uint8_t { return B >= minimum ? 1 : 0; });
+  return mask;
+}
+
+Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
+                                              const Image<double>& doubt,
+                                              const Image<std::uint8_t>& lit, double frequency,
+                                              const FringeOrderConsensus& settings) {
+  Image<std::uint8_t> unconfirmed(coordinate.size());
+  for_each_pixel(coordinate.size(), [&](int column, int row) {
+    if (lit(column, row) == 0) return;
+    const int wanted = doubt(column, row) > settings.largest_doubt ? settings.fewest_if_doubtful
+                                                                   : settings.fewest_neighbours;
+    const int agreeing = agreeing_neighbours(coordinate, lit, column, row, 0.5 / frequency);
+    unconfirmed(column, row) = agreeing >= wanted ? 0 : 1;
+  });
+  return unconfirmed;
 }
 
 }  // namespace slipstream

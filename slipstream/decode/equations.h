@@ -1,10 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cmath>
-#include <cstddef>
 #include <span>
-#include <vector>
 
 #include "slipstream/codes/pattern_set.h"
 
@@ -17,8 +14,7 @@ struct PhaseSample {
   double wrapped_phase = 0;  ///< phi, rad, [0, 2 pi)
 };
 
-/// Liu 2010, Eqs. (1.3)-(1.7), as printed, in double, for any N >= 3. Holds the N sines and cosines
-/// so that they are computed once.
+/// Liu 2010, Eqs. (1.3)-(1.7), as printed, in double, for N >= 3. Holds N sines and cosines.
 class PhaseEquations {
  public:
   /// Throws Error when `steps` (N) is below 3.
@@ -33,14 +29,15 @@ class PhaseEquations {
   std::vector<double> cosines_;
 };
 
-/// The angle whose sine and cosine are in the ratio of S to C, in [0, 2 pi): the arctangent of
-/// Eq. (1.7) with its quadrant. Angles less than 1e-12 rad below 2 pi are 0, so that the rounding
-/// of a sum never carries a phase of zero to the other end of the circle; no modulation (both
-/// below 1e-12 grey levels) has no angle and gives 0.
+/// The angle of C + i S, [0, 2 pi): the arctangent of Eq. (1.7) with its quadrant. 0 for angles
+/// less than 1e-12 rad below 2 pi, so that rounding never carries a phase of zero around the
+/// circle, and without modulation (both below 1e-12 grey levels).
 double wrapped_angle(double S, double C);
 
 /// The sum of two wrapped phases, in [0, 2 pi), as wrapped_angle has it.
-double wrapped_sum(double a, double b);
+inline double wrapped_sum(double a, double b) {
+  return wrapped_angle(std::sin(a + b), std::cos(a + b));
+}
 
 /// Modulation and phase of 3, 4 or 6 frames from two integers, Liu 2010, Eqs. (2.1)-(2.18):
 /// U = sum u_n I_n and V = sum v_n I_n are all that B and phi depend on.
@@ -83,22 +80,23 @@ TableIndex<Number> table_index(const ClosedForm& form, std::span<const Pixel> I)
 
 /// Reflectivity alpha of a pixel from the modulation B^c (grey levels) of N-step PMP: Liu 2010, Eq.
 /// (3.6). Of a sinusoid with a share c_1 of the modulation, Eq. (3.59), give c_1.
-double reflectivity(double modulation, double alpha_p, double share = 1);
+constexpr double reflectivity(double modulation, double alpha_p, double share = 1) {
+  return 2 * modulation / (alpha_p * share);
+}
 
 /// Ambient light beta (grey levels; negative where the camera takes an offset off) from the mean
 /// A^c of N-step PMP and the reflectivity: Eq. (3.5).
-double ambient_light(double mean, double alpha, const PatternLight& light);
+constexpr double ambient_light(double mean, double alpha, const PatternLight& light) {
+  return (mean - alpha * (light.alpha_p / 2 + light.beta_p)) / (alpha + 1);
+}
 
-/// The beta_p above which no frame underflows at that reflectivity: Eq. (3.7); 0 where the ambient
-/// light is not negative.
-double least_beta_p(double alpha, double ambient);
+/// Least beta_p without underflow at that reflectivity: Eq. (3.7); 0 if ambient >= 0.
+constexpr double least_beta_p(double alpha, double ambient) {
+  return ambient < 0 ? -(1 + 1 / alpha) * ambient : 0;
+}
 
-/// The reflectivity above which no frame underflows at that beta_p: Eq. (3.9); 0 where the ambient
-/// light is not negative, infinite where no reflectivity is enough.
+/// Least reflectivity without underflow at that beta_p: Eq. (3.9); 0 if ambient >= 0, else maybe
+/// infinite.
 double least_reliable_reflectivity(double beta_p, double ambient);
-
-/// The estimate of alpha that stays stable whatever c_1: Eq. (3.97), c_1 alpha_1 + c_2 alpha_2, of
-/// the estimates by either modulation.
-double weighted_reflectivity(double alpha_1, double alpha_2, double c1);
 
 }  // namespace slipstream

@@ -1,16 +1,11 @@
 #include "slipstream/decode/frame_motion.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
-
-bool MotionMeasurement::is_possible(const Band& window) {
-  return window.cycle && window.cycle->steps < static_cast<int>(window.mean.size());
-}
 
 MotionMeasurement::MotionMeasurement(const Band& window)
     : N_(static_cast<std::size_t>(window.cycle->steps)),
@@ -66,13 +61,11 @@ void MotionMeasurement::operator()(const FrameViews& frames, FrameMotion& motion
     if (image->size() != size) *image = Image<float>(size);
   }
   frames.visit([&](const auto& views) {
-    for_each_row(size.height, [&](int row) {
-      for (int column = 0; column < size.width; ++column) {
-        const PixelMotion pixel =
-            motion_at([&](std::size_t n) { return static_cast<float>(views[n](column, row)); });
-        motion.speed(column, row) = pixel.speed;
-        motion.unexplained(column, row) = pixel.unexplained;
-      }
+    for_each_pixel(size, [&](int column, int row) {
+      const PixelMotion pixel =
+          motion_at([&](std::size_t n) { return static_cast<float>(views[n](column, row)); });
+      motion.speed(column, row) = pixel.speed;
+      motion.unexplained(column, row) = pixel.unexplained;
     });
   });
 }

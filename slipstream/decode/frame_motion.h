@@ -1,9 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
-#include "slipstream/base/image.h"
 #include "slipstream/codes/layout.h"
 #include "slipstream/frames/frame_set.h"
 
@@ -15,28 +11,27 @@ struct FrameMotion {
   /// How far the phase moves from one frame to the next, rad, at most pi / N either way; to first
   /// order: where it moves by 0.04 rad in a cycle within 5 %, by 0.4 rad within 26 %.
   Image<float> speed;
-  /// Standard deviation of a frame that would explain what no such speed does between frames of one
-  /// pattern, grey levels of the frames: noise alone where the surface moved evenly, more where an
-  /// edge or paint passed. 0 for K = 1, which leaves nothing to be compared.
+  /// Standard deviation, grey levels of the frames, of what no such speed explains: noise where the
+  /// surface moved evenly, more where an edge or paint passed. 0 for K = 1.
   Image<float> unexplained;
 };
 
-/// From frame n to frame n + N of one pattern, N the steps of a cycle, I_n changes by
-/// -2 B sin(N v / 2) sin(phi_n - delta_n), v the speed, phi_n the phase half way between them and
-/// delta_n the pattern's shift: the v of least squares. No harmonic of the pattern disturbs it, as
-/// both frames show the same.
+/// From frame n to n + N of one pattern, N the steps of a cycle, I_n changes by -2 B sin(N v / 2)
+/// sin(phi_n - delta_n), v the speed, phi_n the phase half way, delta_n the pattern's shift: v by
+/// least squares. Harmonics cancel, as both frames show the same.
 class MotionMeasurement {
  public:
   /// Whether the band is a window of more than a cycle.
-  static bool is_possible(const Band& window);
+  static bool is_possible(const Band& window) {
+    return window.cycle && window.cycle->steps < static_cast<int>(window.mean.size());
+  }
   /// Only where it is possible.
   explicit MotionMeasurement(const Band& window);
 
   /// Of as many frames as the window has.
   void operator()(const FrameViews& frames, FrameMotion& motion) const;
-  /// Of the pixels that have that modulation, grey levels of the frames, one in 64 looked at, the
-  /// share whose phase moves: by 0.01 rad from frame to frame, and by what noise of that variance
-  /// rarely makes.
+  /// Share of the pixels (one in 64) of that modulation, grey levels of the frames, that move by
+  /// 0.01 rad a frame and more than noise of that variance explains.
   [[nodiscard]] double moving_share(const FrameViews& frames, double least_modulation,
                                     double noise_variance) const;
 

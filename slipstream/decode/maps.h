@@ -18,16 +18,15 @@ struct BasicMaps {
   /// see fringe_order_residual. Empty when only one frequency was shown.
   Image<Real> fringe_order_doubt;
   /// Projector coordinate y, [0, 1) across the field; past its ends by half a pixel, for
-  /// frequencies below 1 by half of what is not lit, for PCMP by a tenth of a period (half of one
-  /// by the published rule). A value stands at every pixel, lit or not: the modulation tells; but
-  /// NaN where the order comes from the range of depth and is open. Empty when the frames give
-  /// none.
+  /// frequencies below 1 by half the unlit part, for PCMP by a tenth of a period (half by the
+  /// published rule). At every pixel, lit or not; NaN where the range of depth leaves the order
+  /// open. Empty if there is none.
   Image<Real> coordinate;
   /// Where patterns were shown along both axes: how far the two coordinates lie from the pixel's
   /// epipolar line, projector pixels, signed; NaN where either was not measured. Else empty.
   Image<Real> epipolar_distance{};
-  /// Of a window over more than a cycle, see MotionMeasurement: how far the phase moves from frame
-  /// to frame, rad. Else empty.
+  /// Of a window over more than a cycle: phase change a frame, rad; see MotionMeasurement. Else
+  /// empty.
   Image<Real> motion{};
 };
 
@@ -44,8 +43,7 @@ void convert(const BasicMaps<From>& from, BasicMaps<To>& to) {
   convert(from.coordinate, to.coordinate);
 }
 
-/// 1 where the modulation B^c (grey levels) is at least `minimum`, 0 where the pixel is in shadow,
-/// too dark or unlit and its phase means nothing (Liu 2010, Section 1.1).
+/// 1 where B^c (grey levels) is at least `minimum`; elsewhere the phase means nothing.
 Image<std::uint8_t> modulation_mask(const Image<double>& modulation, double minimum);
 
 /// When a fringe order is believed.
@@ -56,8 +54,7 @@ struct FringeOrderConsensus {
   int fewest_neighbours = 1;   ///< of the 8, that agree with a pixel whose frequencies agree
   int fewest_if_doubtful = 3;  ///< of the 8, that agree with a pixel whose frequencies do not
 
-  template <class Self, class Visit>
-  static void for_each_setting(Self& self, const Visit& visit) {
+  static void for_each_setting(auto& self, const auto& visit) {
     visit({.name = "largest_doubt"}, self.largest_doubt);
     visit({.name = "fewest_neighbours"}, self.fewest_neighbours);
     visit({.name = "fewest_if_doubtful"}, self.fewest_if_doubtful);
@@ -66,10 +63,9 @@ struct FringeOrderConsensus {
   friend bool operator==(const FringeOrderConsensus&, const FringeOrderConsensus&) = default;
 };
 
-/// 1 where the fringe order must be taken for wrong: a lit pixel with too few lit neighbours that
-/// agree with it. Neighbours agree whose coordinates differ by less than half a fringe, 1 / (2
-/// frequency): a wrong order is a whole one away. A region off by the same order is not found.
-/// `coordinate`: y; `doubt`: 0 to 0.5, of each pixel; `lit`: 1 where the modulation suffices.
+/// 1 where the fringe order counts as wrong: at lit pixels with too few lit neighbours within half
+/// a fringe, 1 / (2 frequency), of y; a region off by one order is not found. `coordinate`: y;
+/// `doubt`: 0 to 0.5; `lit`: 1 where the modulation suffices.
 Image<std::uint8_t> unconfirmed_fringe_orders(const Image<double>& coordinate,
                                               const Image<double>& doubt,
                                               const Image<std::uint8_t>& lit, double frequency,

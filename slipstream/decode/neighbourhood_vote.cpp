@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "slipstream/decode/band_unwrapper.h"
-#include "slipstream/decode/unwrap.h"
+#include "slipstream/decode/decoder.h"
 
 namespace slipstream {
 namespace {
@@ -31,25 +31,15 @@ class ImageField {
     }
   }
   static void foresee(const std::vector<PixelPlace>&) {}
-  struct Window {
-    const ImageField& field;
-    int column = 0, row = 0;  ///< of its first pixel
-
-    [[nodiscard]] double against(int cell, int shift) const {
-      const int c = column + cell % 5, r = row + cell / 5, own = field.own_(c, r);
-      return field.cost_(c, r, own + shift) - field.cost_(c, r, own);
-    }
-    [[nodiscard]] int shift(int line, int place) const {
-      const int c = column + place, r = row + line;
-      return field.inside(c, r) ? field.shift_(c, r) : 0;
-    }
-  };
-  [[nodiscard]] Window window_around(int column, int row) const {
-    return {*this, column - 2, row - 2};
+  [[nodiscard]] double against(PixelPlace at, int shift) const {
+    const int own = own_(at.column, at.row);
+    return cost_(at.column, at.row, own + shift) - cost_(at.column, at.row, own);
   }
   [[nodiscard]] static bool own_order_costs_least() { return false; }
-  [[nodiscard]] int shift(int column, int row) const { return shift_(column, row); }
-  void set_shift(int column, int row, int shift) { shift_(column, row) = shift; }
+  [[nodiscard]] int shift(PixelPlace at) const {
+    return inside(at.column, at.row) ? shift_(at.column, at.row) : 0;
+  }
+  void set_shift(PixelPlace at, int shift) { shift_(at.column, at.row) = shift; }
 
  private:
   [[nodiscard]] bool inside(int column, int row) const {
@@ -70,10 +60,8 @@ void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_pha
   ImageField field(orders, wrapped_phase, lit, cost);
   NeighbourhoodVote vote(field);
   Image<std::uint8_t> open(orders.size());
-  for_each_row(orders.height(), [&](int row) {
-    for (int column = 0; column < orders.width(); ++column) {
-      open(column, row) = vote.disagrees(column, row) ? 1 : 0;
-    }
+  for_each_pixel(open.size(), [&](int column, int row) {
+    open(column, row) = vote.disagrees({row, column}) ? 1 : 0;
   });
   NeighbourhoodVoteLists lists;
   for (int row = 0; row < orders.height(); ++row) {
@@ -82,9 +70,7 @@ void choose_with_neighbours(Image<int>& orders, const Image<double>& wrapped_pha
     }
   }
   vote(lists);
-  for (const auto& [row, column] : lists.ever_moved) {
-    orders(column, row) += field.shift(column, row);
-  }
+  for (const PixelPlace at : lists.ever_moved) orders(at.column, at.row) += field.shift(at);
 }
 
 namespace {

@@ -58,27 +58,20 @@ struct NeighbourhoodVoteLists {
 ///   void periods_around(int column, int row, PhaseWindow& window)  the same around a pixel, less
 ///                                        those of the pixel
 ///   void foresee(const std::vector<PixelPlace>& open)  that the windows around them come next
-///   Window window_around(int column, int row)  5 x 5 pixels, numbered by rows:
-///     double against(int cell, int shift)        FringeOrderCost of a shifted order less that of
-///                                                the pixel's own
-///     int shift(int line, int column)        0 outside the picture
+///   double against(PixelPlace at, int shift)  FringeOrderCost of a shifted order less that of the
+///                                             pixel's own
 ///   bool own_order_costs_least()  whether no shift costs a pixel less than none
-///   int shift(int column, int row), void set_shift(int column, int row, int shift)
+///   int shift(PixelPlace at), void set_shift(PixelPlace at, int shift)  0 outside the picture
 /// and, where it is quicker at what most pixels need,
-///   void hold_ballots(std::span<ShiftedPixel>), void find_support(std::span<ShiftedPixel>)
+///   void hold_ballots(std::span<ShiftedPixel>, bool restores)
 template <class Field>
 class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
  public:
   explicit NeighbourhoodVote(Field& field) : field_(field) {}
 
   /// Whether a neighbour on the same surface implies another order.
-  [[nodiscard]] bool disagrees(int column, int row) const {
-    return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
-      const auto [dx, dy] = direction;
-      return linked(column, row, dx, dy) &&
-             field_.shift(column + dx, row + dy) !=
-                 field_.shift(column, row) + shift_step(column, row, dx, dy);
-    });
+  [[nodiscard]] bool disagrees(PixelPlace at) const {
+    return may_disagree(at) && disagrees(at, links_around(at));
   }
 
   /// `lists.open` holds, in any order but once, at least the pixels that disagree; the field's
@@ -94,38 +87,13 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     for (int pass = 0; pass < passes && !lists.moved.empty(); ++pass) {
       restore_at_hidden_edges(lists);
     }
-    std::erase_if(lists.ever_moved,
-                  [&](PixelPlace at) { return field_.shift(at.column, at.row) == 0; });
+    std::erase_if(lists.ever_moved, [&](PixelPlace at) { return field_.shift(at) == 0; });
   }
 
  private:
   static constexpr int passes = 3;
 
   static constexpr std::array<std::array<int, 2>, 4> directions{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
-
-  static double part(double periods) { return periods - nearest_whole(periods); }
-
-  /// Shift at the next pixel less shift here, where they agree.
-  [[nodiscard]] int shift_step(int column, int row, int dx, int dy) const {
-    return -static_cast<int>(
-        nearest_whole(field_.periods(column + dx, row + dy) - field_.periods(column, row)));
-  }
-
-  /// Whether the surface goes on across a step, given those before and after it, all less whole
-  /// periods: an edge differs from the steps on either side of it.
-  [[nodiscard]] bool goes_on(double before, double step, double after) const {
-    if (!(std::abs(step) <= steepest)) return false;
-    if (std::isnan(before) && std::isnan(after)) return true;
-    return std::abs(step - before) <= roughest || std::abs(step - after) <= roughest;
-  }
-
-  /// From a pixel to the next along (dx, dy), dx + dy = +-1.
-  [[nodiscard]] bool linked(int column, int row, int dx, int dy) const {
-    const double at = field_.periods(column, row);
-    const double next = field_.periods(column + dx, row + dy);
-    return goes_on(part(at - field_.periods(column - dx, row - dy)), part(next - at),
-                   part(field_.periods(column + 2 * dx, row + 2 * dy) - next));
-  }
 
   [[nodiscard]] Links links_around(PixelPlace at) const {
     PhaseWindow window;
@@ -142,13 +110,12 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
    public:
     Ballot(const NeighbourhoodVote& vote, PixelPlace at, const Surface& surface)
         : surface_(surface),
-          window_(vote.field_.window_around(at.column, at.row)),
+          field_(vote.field_),
+          at_(at),
           costs_least_(vote.field_.own_order_costs_least()) {
-      for (int line = 0, cell = 0; line < side; ++line) {
-        for (int column = 0; column < side; ++column, ++cell) {
-          shift_[index(cell)] = window_.shift(line, column);
-          moved_ |= Cells{shift_[index(cell)] != 0} << cell;
-        }
+      for (int cell = 0; cell < cells; ++cell) {
+        shift_[index(cell)] = field_.shift(place(at, cell));
+        moved_ |= Cells{shift_[index(cell)] != 0} << cell;
       }
     }
 
@@ -172,6 +139,11 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       int shift;
       Cells voters;
     };
+
+    [[nodiscard]] double against(int cell, int shift) const {
+      return field_.against(place(at_, cell), shift);
+    }
+
     using Candidates = std::array<Candidate, cells>;
 
     /// Fills `candidates_` with those that the pixel itself does not rule out; gives their end.
@@ -188,7 +160,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
         rest &= ~voters;
       }
       end = std::remove_if(candidates_.begin(), end, [&](const Candidate& candidate) {
-        return window_.against(middle, candidate.shift) > sure;
+        return against(middle, candidate.shift) > sure;
       });
       std::sort(candidates_.begin(), end, [](const auto& a, const auto& b) {
         const int votes = std::popcount(a.voters), of_b = std::popcount(b.voters);
@@ -207,9 +179,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
         const LineEvidence evidence = line_evidence(best, *candidate);
         if (!(evidence.for_candidate > most)) continue;
         const bool crossing = evidence.for_best > enough_along_a_line;
-        if (crossing &&
-            !(window_.against(middle, candidate->shift) < window_.against(middle, best)))
-          continue;
+        if (crossing && !(against(middle, candidate->shift) < against(middle, best))) continue;
         chosen = candidate->shift;
         most = evidence.for_candidate;
       }
@@ -234,8 +204,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
       std::array<double, cells> saved{};
       for_each_cell(surface_.pixels, [&](int cell) {
         const int step = surface_.shift_step[index(cell)];
-        saved[index(cell)] =
-            window_.against(cell, best + step) - window_.against(cell, candidate.shift + step);
+        saved[index(cell)] = against(cell, best + step) - against(cell, candidate.shift + step);
       });
       for (const Line& line : lines) {
         double sum = 0;
@@ -251,19 +220,20 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
     [[nodiscard]] double total(const Candidate& candidate, double enough) const {
       if (!costs_least_) enough = std::numeric_limits<double>::infinity();
       const Cells others = surface_.pixels & ~bit(middle);
-      double sum = window_.against(middle, candidate.shift) +
+      double sum = against(middle, candidate.shift) +
                    disagreement * std::popcount(others & ~candidate.voters);
       const Cells content = candidate.voters & ~moved_;  // it leaves them their own order
       for (Cells rest = others & ~content; rest != 0 && sum < enough; rest &= rest - 1) {
         const int cell = std::countr_zero(rest);
         const int implied = candidate.shift + surface_.shift_step[index(cell)];
-        if (implied != 0) sum += std::min(window_.against(cell, implied), most_evidence);
+        if (implied != 0) sum += std::min(against(cell, implied), most_evidence);
       }
       return sum;
     }
 
     const Surface& surface_;
-    typename Field::Window window_;
+    const Field& field_;
+    PixelPlace at_;
     bool costs_least_;
     Cells moved_ = 0;
     std::array<int, cells> shift_;
@@ -272,11 +242,11 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
 
   /// Whether one of the four neighbours implies another order.
   [[nodiscard]] bool disagrees(PixelPlace at, const Links& links) const {
-    const int own = field_.shift(at.column, at.row);
+    const int own = field_.shift(at);
     const auto implies_another = [&](int dx, int dy, const auto& linked, const auto& steps,
                                      int link, int sign) {
       return (linked & bit(link)) != 0 &&
-             field_.shift(at.column + dx, at.row + dy) != own + sign * steps[index(link)];
+             field_.shift({at.row + dy, at.column + dx}) != own + sign * steps[index(link)];
     };
     return implies_another(1, 0, links.right, links.right_step, middle, 1) ||
            implies_another(-1, 0, links.right, links.right_step, middle - 1, -1) ||
@@ -288,19 +258,19 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   [[nodiscard]] bool may_disagree(PixelPlace at) const {
     const double own = field_.periods(at.column, at.row);
     if (std::isnan(own)) return false;  // outside the picture there is no shift either
-    const int shift = field_.shift(at.column, at.row);
+    const int shift = field_.shift(at);
     return std::any_of(directions.begin(), directions.end(), [&](const auto& direction) {
       const int column = at.column + direction[0], row = at.row + direction[1];
       const double step = field_.periods(column, row) - own;
       const double nearest = nearest_whole(step);
       return std::abs(step - nearest) <= steepest &&
-             field_.shift(column, row) != shift - static_cast<int>(nearest);
+             field_.shift({row, column}) != shift - static_cast<int>(nearest);
     });
   }
 
   [[nodiscard]] int chosen_shift(PixelPlace at) const {
     const Links links = links_around(at);
-    if (!disagrees(at, links)) return field_.shift(at.column, at.row);
+    if (!disagrees(at, links)) return field_.shift(at);
     const Surface surface = same_surface(links, whole_window);
     return Ballot(*this, at, surface).least_cost_shift();
   }
@@ -318,7 +288,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
         const std::size_t last = std::min(first + share, lists.open.size());
         for (std::size_t i = first; i < last; ++i) lists.choices[i] = {lists.open[i], undecided};
         const auto choices = std::span(lists.choices).subspan(first, last - first);
-        if constexpr (is_quick) vote.field_.hold_ballots(choices);
+        if constexpr (is_quick) vote.field_.hold_ballots(choices, false);
         for (auto& [at, shift] : choices) {
           if (shift == undecided) shift = vote.chosen_shift(at);
         }
@@ -338,8 +308,8 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   void apply(NeighbourhoodVoteLists& lists) {
     lists.moved.clear();
     for (const auto& [at, shift] : lists.choices) {
-      if (field_.shift(at.column, at.row) == shift) continue;
-      field_.set_shift(at.column, at.row, shift);
+      if (field_.shift(at) == shift) continue;
+      field_.set_shift(at, shift);
       lists.moved.push_back(at);
     }
     lists.ever_moved.insert(lists.ever_moved.end(), lists.moved.begin(), lists.moved.end());
@@ -365,10 +335,9 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   /// said alone.
   [[nodiscard]] bool has_support(PixelPlace at) const {
     const Surface surface = same_surface(links_around(at), inner_window);
-    const auto window = field_.window_around(at.column, at.row);
     bool supported = false;
     for_each_cell(surface.pixels & ~bit(middle), [&](int cell) {
-      supported |= window.shift(cell / side, cell % side) == surface.shift_step[index(cell)];
+      supported |= field_.shift(place(at, cell)) == surface.shift_step[index(cell)];
     });
     return supported;
   }
@@ -379,15 +348,15 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   void restore_at_hidden_edges(NeighbourhoodVoteLists& lists) {
     lists.choices.clear();
     for (const PixelPlace at : lists.moved) {
-      if (field_.shift(at.column, at.row) != 0) lists.choices.push_back({at, undecided});
+      if (field_.shift(at) != 0) lists.choices.push_back({at, undecided});
     }
-    if constexpr (is_quick) field_.find_support(lists.choices);
+    if constexpr (is_quick) field_.hold_ballots(lists.choices, true);
     std::erase_if(lists.choices, [&](const ShiftedPixel& pixel) {
       return pixel.shift == undecided ? !has_support(pixel.place) : pixel.shift != 0;
     });
     lists.moved.clear();
     for (const auto& [at, shift] : lists.choices) {
-      field_.set_shift(at.column, at.row, 0);
+      field_.set_shift(at, 0);
       for_each_cell(inner_window, [&](int cell) { lists.moved.push_back(place(at, cell)); });
     }
     // Only those have a shift that have moved, and none is outside the picture.
@@ -398,8 +367,7 @@ class NeighbourhoodVote : private SurfaceWindow, private VoteLimits {
   }
 
   static constexpr bool is_quick = requires(Field & field, std::span<ShiftedPixel> pixels) {
-    field.hold_ballots(pixels);
-    field.find_support(pixels);
+    field.hold_ballots(pixels, false);
   };
 
   Field& field_;

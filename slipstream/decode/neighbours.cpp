@@ -1,12 +1,7 @@
-#include "slipstream/decode/neighbours.h"
-
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <limits>
 
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {
@@ -190,9 +185,7 @@ void fill(const Edges& edges, const std::vector<Image<float>>& channels, int row
 
 Image<float> transposed(const Image<float>& image) {
   Image<float> turned({image.height(), image.width()});
-  for (int row = 0; row < image.height(); ++row) {
-    for (int column = 0; column < image.width(); ++column) turned(row, column) = image(column, row);
-  }
+  for_each_pixel_in_order(image.size(), [&](int x, int y) { turned(y, x) = image(x, y); });
   return turned;
 }
 
@@ -220,9 +213,6 @@ LocatedPixels located_by_stripes(const SymbolGrid& grid,
                [&](int row) { fill(confirmed(rows, row), channels, row, grid.columns, located); });
   return located;
 }
-
-LocatedPixels::LocatedPixels(Size size)
-    : coordinate(size, std::numeric_limits<float>::quiet_NaN()), modulation(size) {}
 
 LocatedPixels located_by_neighbours(const SymbolGrid& grid, Axis axis,
                                     std::vector<Image<float>> frames) {

@@ -1,19 +1,15 @@
 #include "slipstream/decode/phase_decoder.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <limits>
 #include <numbers>
-#include <type_traits>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
+
+using std::numbers::pi;
 
 int largest_sum(const std::array<int, 6>& weights) {
   int positive = 0;
@@ -21,12 +17,8 @@ int largest_sum(const std::array<int, 6>& weights) {
   return 255 * positive;
 }
 
-constexpr std::array<std::pair<PhaseMethod, std::string_view>, 4> method_names{{
-    {PhaseMethod::equation, "equation"},
-    {PhaseMethod::closed_form, "closed-form"},
-    {PhaseMethod::tables, "lut"},
-    {PhaseMethod::intensity_ratio, "intensity-ratio"},
-}};
+constexpr std::array<std::string_view, 4> method_names{"equation", "closed-form", "lut",
+                                                       "intensity-ratio"};
 
 /// Walks the pixels; `sample` turns the N intensities of one into a PhaseSample.
 template <class Number, class Pixel, class Sample>
@@ -63,19 +55,26 @@ void demodulate(PhaseMaps& maps, const PhaseMaps& mirrored) {
                  mirrored.wrapped_phase.begin(), maps.wrapped_phase.begin(), wrapped_sum);
 }
 
+constexpr std::array<ClosedForm, 3> closed_forms{{
+    {.steps = 3, .u = {2, -1, -1}, .v = {0, 1, -1}, .divisor = 3, .sine_square = 3},
+    {.steps = 4, .u = {1, 0, -1, 0}, .v = {0, 1, 0, -1}, .divisor = 2, .sine_square = 1},
+    {.steps = 6,
+     .u = {2, 1, -1, -2, -1, 1},
+     .v = {0, 1, 1, 0, -1, -1},
+     .divisor = 6,
+     .sine_square = 3},
+}};
+
 }  // namespace
 
 void require_valid(const PhaseCorrection& correction, int steps) {
-  if (correction.steps != steps || steps < 3) {
-    throw Error(
-        fmt::format("the phase correction of {} steps stands at {}; both are one N, 3 or more",
-                    correction.steps, steps));
-  }
+  throw_if(correction.steps != steps || steps < 3,
+           "the phase correction of {} steps stands at {}; both are one N, 3 or more",
+           correction.steps, steps);
   const bool finite = std::all_of(correction.added.begin(), correction.added.end(),
                                   [](double added) { return std::isfinite(added); });
-  if (correction.added.empty() || !finite) {
-    throw Error(fmt::format("the phase correction of {} steps is empty or not finite", steps));
-  }
+  throw_if(correction.added.empty() || !finite,
+           "the phase correction of {} steps is empty or not finite", steps);
 }
 
 double corrected_phase(const PhaseCorrection& correction, double phi) {
@@ -92,9 +91,7 @@ double corrected_phase(const PhaseCorrection& correction, double phi) {
 }
 
 PhaseTables::PhaseTables(int steps, const PhaseCorrection* correction) : form_(closed_form(steps)) {
-  if (form_ == nullptr) {
-    throw Error(fmt::format("no phase table for {} steps; there is one for 3, 4 and 6", steps));
-  }
+  throw_if(form_ == nullptr, "no phase table for {} steps; there is one for 3, 4 and 6", steps);
   largest_U_ = largest_sum(form_->u);
   largest_V_ = largest_sum(form_->v);
   const std::size_t rows = static_cast<std::size_t>(2 * largest_V_ + 1);
@@ -135,10 +132,7 @@ double IntensityRatio::wrapped_phase(std::span<const double> I) const {
 }
 
 std::string_view name_of(PhaseMethod method) {
-  for (const auto& [value, name] : method_names) {
-    if (value == method) return name;
-  }
-  return "";
+  return method_names[static_cast<std::size_t>(method)];
 }
 
 PhaseDecoder::PhaseDecoder(PhaseMethod method, const std::vector<int>& steps,
@@ -188,8 +182,8 @@ PhaseMaps PhaseDecoder::operator()(const FrameViews& frames, int first, int step
     const auto decode = [&](const auto& sample) {
       return decode_pixels<double>(views, [&](std::span<const double> I) {
         PhaseSample pixel = sample(I);
-        if (correction != nullptr)
-          pixel.wrapped_phase = corrected_phase(*correction, pixel.wrapped_phase);
+        double& phi = pixel.wrapped_phase;
+        if (correction != nullptr) phi = corrected_phase(*correction, phi);
         return pixel;
       });
     };
@@ -226,18 +220,59 @@ PhaseMaps PhaseDecoder::sinusoid(const FrameViews& frames, const Band& band) con
                  weighted_sum(frames, band.sine)};
   const auto bent = bent_run(band);
   const PhaseCorrection* correction = bent ? correction_for(bent->steps) : nullptr;
-  for_each_row(frames.size().height, [&](int row) {
-    for (int column = 0; column < frames.size().width; ++column) {
-      const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);
-      maps.modulation(column, row) = std::sqrt(S * S + C * C);  // (1.4)
-      double& phi = maps.wrapped_phase(column, row);
-      phi = wrapped_angle(S, C);  // (1.7)
-      if (correction == nullptr) continue;
-      const double seen = unshifted_phase({}, shifted_phase(bent->shifts, phi));
-      phi = unshifted_phase(bent->shifts, corrected_phase(*correction, seen));
-    }
+  for_each_pixel(frames.size(), [&](int column, int row) {
+    const double C = maps.modulation(column, row), S = maps.wrapped_phase(column, row);
+    maps.modulation(column, row) = std::sqrt(S * S + C * C);  // (1.4)
+    double& phi = maps.wrapped_phase(column, row);
+    phi = wrapped_angle(S, C);  // (1.7)
+    if (correction == nullptr) return;
+    const double seen = unshifted_phase({}, shifted_phase(bent->shifts, phi));
+    phi = unshifted_phase(bent->shifts, corrected_phase(*correction, seen));
   });
   return maps;
+}
+
+PhaseEquations::PhaseEquations(int steps) {
+  throw_if(steps < 3, "{} steps are too few; phase needs 3 or more", steps);
+  for (int n = 0; n < steps; ++n) {
+    sines_.push_back(std::sin(2 * pi * n / steps));
+    cosines_.push_back(std::cos(2 * pi * n / steps));
+  }
+}
+
+PhaseSample PhaseEquations::operator()(std::span<const double> I) const {
+  const std::size_t N = sines_.size();
+  double sum = 0, S = 0, C = 0;
+  for (std::size_t n = 0; n < N; ++n) {
+    sum += I[n];
+    S += I[n] * sines_[n];
+    C += I[n] * cosines_[n];
+  }
+  S *= 2.0 / static_cast<double>(N);               // (1.5)
+  C *= 2.0 / static_cast<double>(N);               // (1.6)
+  return {.mean = sum / static_cast<double>(N),    // (1.3)
+          .modulation = std::sqrt(S * S + C * C),  // (1.4)
+          .wrapped_phase = wrapped_angle(S, C)};   // (1.7)
+}
+
+double wrapped_angle(double S, double C) {
+  if (std::abs(S) < 1e-12 && std::abs(C) < 1e-12) return 0;
+  double angle = std::atan2(S, C);
+  if (angle < 0) angle += 2 * pi;
+  return angle > 2 * pi - 1e-12 ? 0.0 : angle;
+}
+
+const ClosedForm* closed_form(int steps) {
+  for (const ClosedForm& form : closed_forms) {
+    if (form.steps == steps) return &form;
+  }
+  return nullptr;
+}
+
+double least_reliable_reflectivity(double beta_p, double ambient) {
+  if (ambient >= 0) return 0;
+  const double lift = beta_p + ambient;
+  return lift > 0 ? -ambient / lift : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace slipstream

@@ -1,22 +1,15 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <map>
-#include <span>
-#include <string_view>
-#include <vector>
 
-#include "slipstream/base/image.h"
 #include "slipstream/codes/layout.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 
-/// What is added to the wrapped phase that N steps measure, so that the projector's response no
-/// longer shows in it: Delta phi of Liu 2010, Eqs. (4.45), (4.56), with its sign turned. It is a
-/// function of the measured phase alone and repeats N times around the circle.
+/// Added to the wrapped phase of N steps it removes the projector's response: minus Delta phi of
+/// Liu 2010, Eqs. (4.45), (4.56), a function of the measured phase, N times around the circle.
 struct PhaseCorrection {
   int steps = 0;              ///< N, >= 3
   std::vector<double> added;  ///< rad, at measured phase 2 pi i / (N added.size()); linear between
@@ -98,18 +91,15 @@ struct PhaseMaps {
   Image<double> wrapped_phase;
 };
 
-/// The bands of frames to phase, by the method asked for where it can and by the equations where it
-/// cannot.
+/// Bands to phase, by the method asked for if it can, else by the equations.
 class PhaseDecoder {
  public:
-  /// Tables are built here, once, for those of `steps` that have one. Every phase is corrected by
-  /// what `corrections` has for its N, whichever the method. Throws Error for a correction that is
-  /// empty or for another N than it stands at.
+  /// Builds tables for those of `steps` that have one. Any method corrects phases by what
+  /// `corrections` has for their N. Throws Error for an invalid correction.
   PhaseDecoder(PhaseMethod method, const std::vector<int>& steps,
                PhaseCorrections corrections = {});
 
-  /// The method that really decodes `steps` frames like those: `equation` where the one asked for
-  /// has no form for that N or that pixel.
+  /// The method used for such frames: `equation` if the one asked for has no form for N or pixel.
   [[nodiscard]] PhaseMethod method_for(int steps, const FrameViews& frames) const;
   [[nodiscard]] PhaseMethod method_for(const Band& band, const FrameViews& frames) const;
 

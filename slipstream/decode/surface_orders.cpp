@@ -1,42 +1,30 @@
 #include "slipstream/decode/surface_orders.h"
 
-#include <algorithm>
-#include <cmath>
 #include <complex>
-#include <cstddef>
-#include <numbers>
 #include <numeric>
 
-#include "slipstream/base/image.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/decode/band_unwrapper.h"
-#include "slipstream/decode/unwrap.h"
+#include "slipstream/decode/decoder.h"
 
 namespace slipstream {
 namespace {
 
-/// Whole periods from a pixel's phase to that of the next; none across an edge.
-std::optional<int> periods_between(float phase, float next) {
-  constexpr auto pi = std::numbers::pi_v<float>;
-  constexpr float steepest = 0.5F * pi;  // per pixel
-  const float step = next - phase;
-  const int whole = step > pi ? 1 : step < -pi ? -1 : 0;
-  if (!(std::abs(step - 2 * pi * static_cast<float>(whole)) < steepest)) return {};
-  return whole;
-}
-
-/// The same between two pixels of a row or column, by both phases.
+/// Whole periods from a pixel's phase to the next one's; none across an edge of either phase.
 std::optional<int> periods_between(const Image<float>& phase, const SecondPhase* second, int column,
                                    int row, int next_column, int next_row) {
-  const auto whole = periods_between(phase(column, row), phase(next_column, next_row));
-  if (!whole || second == nullptr) return whole;
-  constexpr auto two_pi = 2 * std::numbers::pi_v<float>;
-  constexpr float most = 0.04F;  // rad; smoothed over an edge phases run on, too, but not alike
+  constexpr auto pi = std::numbers::pi_v<float>;
+  constexpr float steepest = 0.5F * pi;  // per pixel
   const float step = phase(next_column, next_row) - phase(column, row);
-  const float expected = second->ratio * (step - two_pi * static_cast<float>(*whole));
+  const int whole = step > pi ? 1 : step < -pi ? -1 : 0;
+  const float rest = step - 2 * pi * static_cast<float>(whole);
+  if (!(std::abs(rest) < steepest)) return std::nullopt;
+  if (second == nullptr) return whole;
+  constexpr float most = 0.04F;  // rad; smoothed over an edge phases run on, too, but not alike
   const float seen = second->wrapped(next_column, next_row) - second->wrapped(column, row);
-  return std::abs(std::remainder(seen - expected, two_pi)) < most ? whole : std::nullopt;
+  const bool alike = std::abs(std::remainder(seen - second->ratio * rest, 2 * pi)) < most;
+  return alike ? std::optional(whole) : std::nullopt;
 }
 
 /// How many pixels may have their order by each shift of all the orders of a surface.
@@ -74,6 +62,105 @@ class Votes {
   std::vector<int> changes_;  ///< from each shift to the next
 };
 
+/// The part of the single frames' squares that is left under `shift`.
+double misfit(const Layout& layout, const LayoutPhases& phases, const ConnectedSurface& surface,
+              int shift) {
+  constexpr std::size_t every = 7;
+  const PhaseMaps& measuring = phases.bands.front();
+  const std::vector<SingleFrame>& shown = layout.single_frames;
+  const std::size_t count = shown.size();
+  std::vector<double> squares(count), models(count), products(count);
+  phases.frames.visit([&](const auto& frames) {
+    std::size_t seen = 0;
+    surface.for_each([&](int column, int row, int order) {
+      if (seen++ % every != 0) return;
+      const double y = unwrapped_coordinate(measuring.wrapped_phase(column, row), order + shift,
+                                            layout.bands.front().periods);
+      const double B = measuring.modulation(column, row);
+      for (std::size_t n = 0; n < count; ++n) {
+        const auto& [frame, periods, origin] = shown[n];
+        const auto I = static_cast<double>(frames[static_cast<std::size_t>(frame)](column, row));
+        const double model = B * (1 + std::cos(two_pi * periods * y + origin));
+        squares[n] += I * I;
+        models[n] += model * model;
+        products[n] += I * model;
+      }
+    });
+  });
+  double left = 0, all = 0;
+  for (std::size_t n = 0; n < count; ++n) {
+    all += squares[n];
+    left += squares[n] - products[n] * products[n] / std::max(models[n], 1e-9);
+  }
+  return left / all;
+}
+
+/// First and last of a surface's own orders.
+std::pair<int, int> order_range(const ConnectedSurface& surface) {
+  int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
+  surface.for_each([&](int, int, int order) {
+    first = std::min(first, order);
+    last = std::max(last, order);
+  });
+  return {first, last};
+}
+
+/// Of all shifts that leave some order in the field, the one under which least is left; how much
+/// that is, and how much is left under the next best.
+struct BestShift {
+  std::optional<int> shift{};
+  double least = std::numeric_limits<double>::infinity(), next = least;
+};
+
+template <class Left>
+BestShift best_shift(std::pair<int, int> orders, double periods, const Left& left_by) {
+  BestShift best;
+  const int most = static_cast<int>(std::ceil(periods)) - orders.second;
+  for (int shift = -orders.first - 1; shift <= most; ++shift) {
+    const double left = left_by(shift);
+    if (left < best.least) {
+      best = {shift, left, best.least};
+    } else {
+      best.next = std::min(best.next, left);
+    }
+  }
+  return best;
+}
+
+SurfaceChoice by_single_frames(const Layout& layout, const LayoutPhases& phases) {
+  return [&](const ConnectedSurface& surface) -> std::optional<int> {
+    constexpr std::size_t fewest = 2000;
+    constexpr int least_span = 4;  // periods
+    constexpr double most_left = 0.04, decided = 1.2;
+    const std::pair orders = order_range(surface);
+    if (surface.pixels < fewest || orders.second - orders.first < least_span) return {};
+    const auto [shift, least, next] =
+        best_shift(orders, layout.bands.front().periods,
+                   [&](int tried) { return misfit(layout, phases, surface, tried); });
+    return least < most_left && next > decided * least ? shift : std::nullopt;
+  };
+}
+
+/// The order under which two bands agree: the mean of what the second's phase is off turns on by
+/// the same angle from each order to the next.
+SurfaceChoice by_two_bands(const Layout& layout, const LayoutPhases& phases) {
+  return [&](const ConnectedSurface& surface) -> std::optional<int> {
+    constexpr double least_agreement = 0.9, decided = 2;
+    const double periods = layout.bands[0].periods, ratio = layout.bands[1].periods / periods;
+    const auto &first = phases.bands[0].wrapped_phase, &second = phases.bands[1].wrapped_phase;
+    std::complex<double> sum;
+    surface.for_each([&](int column, int row, int order) {
+      sum += std::polar(1.0, ratio * (first(column, row) + two_pi * order) - second(column, row));
+    });
+    if (std::abs(sum) < least_agreement * static_cast<double>(surface.pixels)) return {};
+    const double off = std::arg(sum);
+    const auto [shift, least, next] = best_shift(order_range(surface), periods, [&](int tried) {
+      return std::abs(std::remainder(off + two_pi * ratio * tried, two_pi));
+    });
+    return next > decided * least ? shift : std::nullopt;
+  };
+}
+
 }  // namespace
 
 void SurfaceOrders::find_runs(const Image<float>& wrapped_phase, const SecondPhase* second) {
@@ -89,9 +176,8 @@ void SurfaceOrders::find_runs(const Image<float>& wrapped_phase, const SecondPha
       orders[column] = none;
       if (!std::isfinite(phase[column])) continue;
       orders[column] = 0;
-      const auto whole = column > 0
-                             ? periods_between(wrapped_phase, second, column - 1, row, column, row)
-                             : std::nullopt;
+      std::optional<int> whole;
+      if (column > 0) whole = periods_between(wrapped_phase, second, column - 1, row, column, row);
       if (whole) {
         orders[column] = orders[column - 1] - *whole;
         ++runs.back().last;
@@ -112,8 +198,7 @@ std::size_t SurfaceOrders::root_of(std::size_t run) {
   return run;
 }
 
-/// `further`: what the other run's orders are more than its own say, where those of `run` are as
-/// they say.
+/// `further`: order offset of `other` relative to `run` where they touch.
 void SurfaceOrders::join(std::size_t run, std::size_t other, int further) {
   const std::size_t root = root_of(run), joined = root_of(other);
   if (root == joined) return;
@@ -174,7 +259,7 @@ const Image<int>& SurfaceOrders::operator()(const Image<float>& wrapped_phase,
   std::size_t begin = 0;
   for (std::size_t root = 0; root < runs_.size(); ++root) {
     const std::size_t end = place_[root];
-    const Surface surface{{sorted_.data() + begin, end - begin}, orders_, pixels_[root]};
+    const ConnectedSurface surface{{sorted_.data() + begin, end - begin}, orders_, pixels_[root]};
     begin = end;
     if (surface.runs.empty()) continue;
     const auto shift = surface.pixels < fewest ? std::nullopt : choose(surface);
@@ -189,7 +274,7 @@ const Image<int>& SurfaceOrders::operator()(const Image<float>& wrapped_phase,
 }
 
 SurfaceChoice by_possible_orders(const Image<OrderRange>& possible) {
-  return [&possible](const Surface& surface) {
+  return [&possible](const ConnectedSurface& surface) {
     Votes votes;
     surface.for_each([&](int column, int row, int order) {
       const auto [first, last] = possible(column, row);
@@ -198,108 +283,6 @@ SurfaceChoice by_possible_orders(const Image<OrderRange>& possible) {
     return votes.chosen(surface.pixels);
   };
 }
-
-namespace {
-
-/// The part of the single frames' squares that is left under `shift`.
-double misfit(const Layout& layout, const LayoutPhases& phases, const Surface& surface, int shift) {
-  constexpr std::size_t every = 7;
-  const PhaseMaps& measuring = phases.bands.front();
-  const std::vector<SingleFrame>& shown = layout.single_frames;
-  const std::size_t count = shown.size();
-  std::vector<double> squares(count), models(count), products(count);
-  phases.frames.visit([&](const auto& frames) {
-    std::size_t seen = 0;
-    surface.for_each([&](int column, int row, int order) {
-      if (seen++ % every != 0) return;
-      const double y = unwrapped_coordinate(measuring.wrapped_phase(column, row), order + shift,
-                                            layout.bands.front().periods);
-      const double B = measuring.modulation(column, row);
-      for (std::size_t n = 0; n < count; ++n) {
-        const auto& [frame, periods, origin] = shown[n];
-        const auto I = static_cast<double>(frames[static_cast<std::size_t>(frame)](column, row));
-        const double model = B * (1 + std::cos(two_pi * periods * y + origin));
-        squares[n] += I * I;
-        models[n] += model * model;
-        products[n] += I * model;
-      }
-    });
-  });
-  double left = 0, all = 0;
-  for (std::size_t n = 0; n < count; ++n) {
-    all += squares[n];
-    left += squares[n] - products[n] * products[n] / std::max(models[n], 1e-9);
-  }
-  return left / all;
-}
-
-/// First and last of a surface's own orders.
-std::pair<int, int> order_range(const Surface& surface) {
-  int first = std::numeric_limits<int>::max(), last = std::numeric_limits<int>::min();
-  surface.for_each([&](int, int, int order) {
-    first = std::min(first, order);
-    last = std::max(last, order);
-  });
-  return {first, last};
-}
-
-/// Of all shifts that leave some order in the field, the one under which least is left; how much
-/// that is, and how much is left under the next best.
-struct BestShift {
-  std::optional<int> shift{};
-  double least = std::numeric_limits<double>::infinity(), next = least;
-};
-
-template <class Left>
-BestShift best_shift(std::pair<int, int> orders, double periods, const Left& left_by) {
-  BestShift best;
-  const int most = static_cast<int>(std::ceil(periods)) - orders.second;
-  for (int shift = -orders.first - 1; shift <= most; ++shift) {
-    const double left = left_by(shift);
-    if (left < best.least) {
-      best = {shift, left, best.least};
-    } else {
-      best.next = std::min(best.next, left);
-    }
-  }
-  return best;
-}
-
-SurfaceChoice by_single_frames(const Layout& layout, const LayoutPhases& phases) {
-  return [&](const Surface& surface) -> std::optional<int> {
-    constexpr std::size_t fewest = 2000;
-    constexpr int least_span = 4;  // periods
-    constexpr double most_left = 0.04, decided = 1.2;
-    const std::pair orders = order_range(surface);
-    if (surface.pixels < fewest || orders.second - orders.first < least_span) return {};
-    const auto [shift, least, next] =
-        best_shift(orders, layout.bands.front().periods,
-                   [&](int tried) { return misfit(layout, phases, surface, tried); });
-    return least < most_left && next > decided * least ? shift : std::nullopt;
-  };
-}
-
-/// The order under which two bands agree: the mean of what the second's phase is off turns on by
-/// the same angle from each order to the next.
-SurfaceChoice by_two_bands(const Layout& layout, const LayoutPhases& phases) {
-  return [&](const Surface& surface) -> std::optional<int> {
-    constexpr double least_agreement = 0.9, decided = 2;
-    const double periods = layout.bands[0].periods, ratio = layout.bands[1].periods / periods;
-    const auto &first = phases.bands[0].wrapped_phase, &second = phases.bands[1].wrapped_phase;
-    std::complex<double> sum;
-    surface.for_each([&](int column, int row, int order) {
-      sum += std::polar(1.0, ratio * (first(column, row) + two_pi * order) - second(column, row));
-    });
-    if (std::abs(sum) < least_agreement * static_cast<double>(surface.pixels)) return {};
-    const double off = std::arg(sum);
-    const auto [shift, least, next] = best_shift(order_range(surface), periods, [&](int tried) {
-      return std::abs(std::remainder(off + two_pi * ratio * tried, two_pi));
-    });
-    return next > decided * least ? shift : std::nullopt;
-  };
-}
-
-}  // namespace
 
 UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& phases,
                                    double least_modulation) {
@@ -322,19 +305,17 @@ UnwrappedPhases unwrap_by_surfaces(const Layout& layout, const LayoutPhases& pha
       by_surfaces(phase, two ? by_two_bands(layout, phases) : by_single_frames(layout, phases),
                   two ? &second : nullptr);
   UnwrappedPhases result{.coordinate = Image<double>(size, nan), .doubt = Image<double>(size, 0.5)};
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      const int order = orders(column, row);
-      if (order == SurfaceOrders::none) continue;
-      const double y = unwrapped_coordinate(band.wrapped_phase(column, row), order, periods);
-      if (two) {
-        constexpr double most = 0.125;  // periods
-        const double turns = phases.bands[1].wrapped_phase(column, row) / (2 * std::numbers::pi);
-        if (std::abs(std::remainder(layout.bands[1].periods * y - turns, 1)) > most) continue;
-      }
-      result.coordinate(column, row) = y;
-      result.doubt(column, row) = 0;
+  for_each_pixel(size, [&](int column, int row) {
+    const int order = orders(column, row);
+    if (order == SurfaceOrders::none) return;
+    const double y = unwrapped_coordinate(band.wrapped_phase(column, row), order, periods);
+    if (two) {
+      constexpr double most = 0.125;  // periods
+      const double turns = phases.bands[1].wrapped_phase(column, row) / two_pi;
+      if (std::abs(std::remainder(layout.bands[1].periods * y - turns, 1)) > most) return;
     }
+    result.coordinate(column, row) = y;
+    result.doubt(column, row) = 0;
   });
   return result;
 }

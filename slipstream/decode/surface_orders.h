@@ -11,14 +11,14 @@
 
 namespace slipstream {
 
-/// Pixels of a row from `first` to before `last` that are on one surface. The fringe order of each
-/// is its own in Surface::orders and `order`.
+/// Pixels [first, last) of a row on one surface, of fringe order ConnectedSurface::orders +
+/// `order`.
 struct SurfaceRun {
   int row = 0, first = 0, last = 0, order = 0;
 };
 
 /// Pixels whose orders are known but for one number that is added to all.
-struct Surface {
+struct ConnectedSurface {
   std::span<const SurfaceRun> runs;
   const Image<int>& orders;
   std::size_t pixels = 0;
@@ -34,7 +34,7 @@ struct Surface {
 };
 
 /// What is to be added to all orders of a surface; none where that is not sure.
-using SurfaceChoice = std::function<std::optional<int>(const Surface& surface)>;
+using SurfaceChoice = std::function<std::optional<int>(const ConnectedSurface& surface)>;
 
 /// A second phase of the same pixels: `ratio` times as many periods as the first.
 struct SecondPhase {
@@ -42,10 +42,9 @@ struct SecondPhase {
   float ratio = 1;
 };
 
-/// Fringe orders of a phase of many periods, surface by surface: pixels are on one surface where
-/// the phase goes on from each to the next by less than a quarter of a period, and so their orders
-/// are known to one whole number; where there is a second phase, it must go on likewise. Keeps its
-/// memory.
+/// Fringe orders of a phase of many periods, surface by surface: on one surface the phase changes
+/// by less than a quarter of a period from pixel to pixel, as must a second phase, so that all
+/// orders are known up to one number. Keeps its memory.
 class SurfaceOrders {
  public:
   static constexpr int none = std::numeric_limits<int>::min();

@@ -1,13 +1,7 @@
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstddef>
-#include <functional>
-#include <optional>
 
-#include "slipstream/base/moving_mean.h"
-#include "slipstream/decode/carrier.h"
-#include "slipstream/decode/neighbours.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream {
 namespace {
@@ -108,8 +102,7 @@ int nearest(const Spots& spots, const Image<int>& numbers, Vector at, Vector pit
   return found;
 }
 
-/// Neighbours that find each other, where the grid is as in all of the picture, and from these on
-/// where it is as beside them.
+/// Neighbours that find each other: at first at the picture's pitch, then as those beside them.
 void link(Spots& spots, const Image<int>& numbers, Vector pitch) {
   constexpr int rounds = 4;
   const auto link_all = [&](Link next, Link previous, Link beside, Link other_side, Vector usual) {
@@ -194,8 +187,7 @@ std::vector<int> square_about(Spots& spots, int middle) {
   return square;
 }
 
-/// Each square that is shown says where its spots are; a spot is where two say and hardly any other
-/// says else.
+/// Squares say where their spots are; a spot needs two that agree and hardly any that differ.
 void vote(Spots& spots, const SymbolGrid& grid) {
   static_assert(symbol_window == 3);
   std::vector<Place> shown(19683);  // 3^9: the middles of all squares
@@ -234,8 +226,7 @@ void vote(Spots& spots, const SymbolGrid& grid) {
   }
 }
 
-/// Whether the step to the next spot is about the one before or after: others go from one surface
-/// to another.
+/// Whether the step to the next spot is about that before or after: else surfaces differ.
 bool goes_on(const Spots& spots, const Spot& from, Link next, Link previous, Vector pitch) {
   constexpr float most = 0.15F;  // of a symbol
   const auto at = [&](int i) { return spots[static_cast<std::size_t>(i)].at; };

@@ -1,15 +1,11 @@
 #include "slipstream/devices/camera.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
-#include <utility>
+#include <bit>
+#include <cstring>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/devices/v4l2.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 
@@ -30,40 +26,132 @@ namespace {
 std::unique_ptr<FrameSource> open_numbered(const std::string& text,
                                            const CameraSettings& settings) {
   const auto number = number_in<int>(text);
-  if (!number || *number < 0) {
-    throw Error(fmt::format("source v4l2:{}: a number is wanted, as v4l2:0 for /dev/video0", text));
-  }
+  throw_if(!number || *number < 0, "source v4l2:{}: a number is wanted, as v4l2:0 for /dev/video0",
+           text);
   const std::string path = fmt::format("/dev/video{}", *number);
   return open_v4l2_camera(
       path, [path] { return open_video_device(path); }, settings);
 }
 
-struct CameraScheme {
+static_assert(std::endian::native == std::endian::little,
+              "pixels of two bytes come as this machine keeps them");
+
+void copy_words(int /*bits*/, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
+  std::memcpy(pixels.data(), bytes, pixels.size_bytes());
+}
+
+/// Pixels of `bits` one behind another, the low bits first.
+void unpack_bits(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
+  const std::uint32_t mask = (1U << bits) - 1;
+  std::uint32_t held = 0;
+  int held_bits = 0;
+  for (std::uint16_t& pixel : pixels) {
+    for (; held_bits < bits; held_bits += 8) {
+      held |= static_cast<std::uint32_t>(*bytes++) << held_bits;
+    }
+    pixel = static_cast<std::uint16_t>(held & mask);
+    held >>= bits;
+    held_bits -= bits;
+  }
+}
+
+/// Two pixels in three bytes: high bits, the low bits of both (the first's are low), high bits.
+void unpack_pairs(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) {
+  const int low_bits = bits - 8;
+  const int mask = (1 << low_bits) - 1;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const std::uint8_t* pair = bytes + i / 2 * 3;
+    const int high = i % 2 == 0 ? pair[0] : pair[2];
+    const int low = (i % 2 == 0 ? pair[1] : pair[1] >> 4) & mask;
+    pixels[i] = static_cast<std::uint16_t>(high << low_bits | low);
+  }
+}
+
+struct FormatDescription {
+  PixelFormat format;
   std::string_view name;
-  std::unique_ptr<FrameSource> (*open)(const std::string& what, const CameraSettings& settings);
-  std::vector<CameraDescription> (*list)();
+  int bits;         ///< of the camera
+  int stored_bits;  ///< that a value takes
+  /// Into pixels of 16 bits; null for those of 8.
+  void (*unpack)(int bits, const std::uint8_t* bytes, std::span<std::uint16_t> pixels) = nullptr;
 };
 
-constexpr std::array camera_schemes{
-    CameraScheme{"aravis", open_genicam_camera, list_genicam_cameras},
-    CameraScheme{"v4l2", open_numbered, list_v4l2_cameras}};
+constexpr std::array<FormatDescription, 9> formats{{
+    {PixelFormat::mono8, "Mono8", 8, 8},
+    {PixelFormat::mono10, "Mono10", 10, 16, copy_words},
+    {PixelFormat::mono12, "Mono12", 12, 16, copy_words},
+    {PixelFormat::mono16, "Mono16", 16, 16, copy_words},
+    {PixelFormat::mono10p, "Mono10p", 10, 10, unpack_bits},
+    {PixelFormat::mono12p, "Mono12p", 12, 12, unpack_bits},
+    {PixelFormat::mono10_packed, "Mono10Packed", 10, 12, unpack_pairs},
+    {PixelFormat::mono12_packed, "Mono12Packed", 12, 12, unpack_pairs},
+    {PixelFormat::rgb8, "RGB8", 8, 8},
+}};
+
+const FormatDescription& describe(PixelFormat format) {
+  return *std::find_if(formats.begin(), formats.end(),
+                       [&](const auto& known) { return known.format == format; });
+}
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSettings& settings) {
-  const std::size_t colon = std::min(name.find(':'), name.size());
-  for (const CameraScheme& scheme : camera_schemes) {
-    if (name.substr(0, colon) != scheme.name) continue;
-    return scheme.open(name.substr(std::min(colon + 1, name.size())), settings);
+std::string_view name_of(PixelFormat format) {
+  return describe(format).name;
+}
+
+std::vector<std::string_view> pixel_format_names() {
+  std::vector<std::string_view> names;
+  for (const FormatDescription& format : formats) names.push_back(format.name);
+  return names;
+}
+
+PixelFormat pixel_format_named(std::string_view name) {
+  for (const FormatDescription& format : formats) {
+    if (format.name == name) return format.format;
   }
+  throw Error(fmt::format("pixel format '{}' is not known; there are: {}", name,
+                          fmt::join(pixel_format_names(), ", ")));
+}
+
+int bits_of(PixelFormat format) {
+  return describe(format).bits;
+}
+
+int values_of(PixelFormat format) {
+  return format == PixelFormat::rgb8 ? 3 : 1;
+}
+
+std::size_t bytes_of(PixelFormat format, std::size_t values) {
+  if (describe(format).unpack == unpack_pairs) return (values + 1) / 2 * 3;
+  return (values * static_cast<std::size_t>(describe(format).stored_bits) + 7) / 8;
+}
+
+bool unpack(PixelFormat format, std::span<const std::uint8_t> bytes, Frame& frame) {
+  if (auto* image = std::get_if<Image<std::uint8_t>>(&frame.pixels)) {
+    if (bytes.size() < image->pixel_count()) return false;
+    std::copy_n(bytes.begin(), image->pixel_count(), image->begin());
+    return true;
+  }
+  auto& image = std::get<Image<std::uint16_t>>(frame.pixels);
+  if (bytes.size() < bytes_of(format, image.pixel_count())) return false;
+  describe(format).unpack(bits_of(format), bytes.data(), {image.begin(), image.pixel_count()});
+  return true;
+}
+
+std::unique_ptr<FrameSource> open_camera(const std::string& name, const CameraSettings& settings) {
+  const std::string scheme = name.substr(0, name.find(':'));
+  const std::string what = name.substr(std::min(scheme.size() + 1, name.size()));
+  if (scheme == "aravis") return open_genicam_camera(what, settings);
+  if (scheme == "v4l2") return open_numbered(what, settings);
   throw Error(fmt::format("camera '{}' is unknown; one of aravis:NAME, v4l2:NUMBER", name));
 }
 
 std::vector<CameraDescription> list_cameras() {
   std::vector<CameraDescription> cameras;
-  for (const auto& [name, open, list] : camera_schemes) {
+  for (const auto& [scheme, list] :
+       {std::pair{"aravis:", &list_genicam_cameras}, std::pair{"v4l2:", &list_v4l2_cameras}}) {
     for (CameraDescription& camera : list()) {
-      camera.name.insert(0, fmt::format("{}:", name));
+      camera.name.insert(0, scheme);
       cameras.push_back(std::move(camera));
     }
   }

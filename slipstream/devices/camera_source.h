@@ -1,12 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
-#include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,10 +10,9 @@
 
 namespace slipstream {
 
-/// Counts a camera's frames from 0 by the numbers that the camera gives them, and finds how many
-/// are missing. The count goes on for ever, while the camera's own numbers may begin again: GigE
-/// Vision counts 1 to 65535 and then from 1 (no frame is numbered 0). Numbers above 65535 are taken
-/// to be of a camera that never runs out of them.
+/// Counts a camera's frames from 0 by the camera's own numbers, and how many are missing. Those may
+/// begin again: GigE Vision counts 1 to 65535 and then from 1 (no frame is numbered 0). A camera
+/// with numbers above 65535 is taken never to run out of them.
 class FrameCount {
  public:
   /// `cycle`: patterns in a scan, at least 1. Frame k of a camera that was started at the first
@@ -53,8 +47,7 @@ class FrameCount {
     return count;
   }
 
-  /// Frames that never came. Those lost between begin() and the first frame that came are not
-  /// counted: the connection to the camera is then still being set up.
+  /// Frames that never came after the first: before it the connection is still being set up.
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
   /// A step back of more numbers than this is a camera that started again, not a late frame.
   static constexpr int far = 1000;
@@ -79,24 +72,11 @@ class FrameCount {
   std::int64_t unwrapped_ = 0;  ///< frames from `first_` to `last_`
 };
 
-/// Puts the value of a control, in its unit, where the settings have it.
-inline void put(CameraSettings& settings, CameraControl which, double value) {
-  if (which == CameraControl::exposure) {
-    settings.exposure = value / 1e3;
-  } else {
-    (which == CameraControl::gain ? settings.gain : settings.frame_rate) = value;
-  }
-}
-
-/// A camera that may go away and come back, for a source to build on: the connection, null while
-/// the camera is gone, what it is set to, which the next connection gets too, and its counters.
-/// `Connection` has control() and set_control() of CameraControls.
+/// Base of a camera that may go away and come back: its connection, null while it is gone, its
+/// settings, also for the next connection, and counters. `Connection` is like CameraControls.
 template <class Connection>
 class CameraSource : public FrameSource, public CameraControls {
  public:
-  CameraSource(const CameraSource&) = delete;
-  CameraSource& operator=(const CameraSource&) = delete;
-
   [[nodiscard]] FrameFormat format() const final { return format_; }
   [[nodiscard]] bool has_own_pace() const final { return true; }
   CameraControls* controls() final { return this; }
@@ -108,7 +88,10 @@ class CameraSource : public FrameSource, public CameraControls {
   void set_control(CameraControl which, double value) final {
     if (const auto connection = shared_connection()) connection->set_control(which, value);
     const std::lock_guard lock(mutex_);
-    put(settings_, which, value);
+    auto& setting = which == CameraControl::exposure ? settings_.exposure
+                    : which == CameraControl::gain   ? settings_.gain
+                                                     : settings_.frame_rate;
+    setting = which == CameraControl::exposure ? value / 1e3 : value;
   }
 
   [[nodiscard]] SourceCounters counters() const override {

@@ -1,18 +1,8 @@
 #include <algorithm>
-#include <atomic>
-#include <cstdint>
 #include <future>
-#include <memory>
-#include <string>
 #include <thread>
-#include <utility>
-#include <vector>
 
-#include <arv.h>
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/devices/aravis_connection.h"
+#include "slipstream/devices/aravis_connection-inl.h"
 #include "slipstream/devices/camera_source.h"
 
 namespace slipstream {
@@ -32,7 +22,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
   ~AravisSource() override { AravisSource::stop(); }
 
   void start() override {
-    if (!connection_) reopen();  // it was gone at the stop
+    if (!connection_) regain(open_again());  // it was gone at the stop
     connection_->start();
     begin();
   }
@@ -105,8 +95,7 @@ class AravisSource final : public CameraSource<AravisConnection> {
     return frame_size(picture, settings_.pixel_format) == format_.size;
   }
 
-  /// A camera that runs freely and has not been heard of for so long is gone, before its protocol
-  /// notices that. One that is triggered may be silent for ever.
+  /// A freely running camera that is silent for longer is gone; a triggered one may be for ever.
   [[nodiscard]] steady_clock::duration longest_silence() const {
     if (!settings_.trigger.empty()) return std::chrono::hours(24 * 365);
     return std::max<steady_clock::duration>(
@@ -164,27 +153,18 @@ class AravisSource final : public CameraSource<AravisConnection> {
   }
 
   [[nodiscard]] std::shared_ptr<AravisConnection> open_again() const {
-    return std::make_shared<AravisConnection>(name_, settings_now(), address_);
+    auto found = std::make_shared<AravisConnection>(name_, settings_now(), address_);
+    if (fits(found->size())) return found;
+    throw WorldError(fmt::format("camera {} is back with frames of another size", name_));
   }
 
-  void reopen() {
-    std::shared_ptr<AravisConnection> found = open_again();
-    if (!fits(found->size())) {
-      throw WorldError(fmt::format("camera {} is back with frames of another size", name_));
-    }
-    regain(std::move(found));
-  }
-
-  [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() const {
-    try {
-      std::shared_ptr<AravisConnection> connection = open_again();
-      if (!fits(connection->size())) return nullptr;
-      connection->start();
-      return connection;
-    } catch (const std::exception&) {
-      std::this_thread::sleep_for(100ms);
-      return nullptr;
-    }
+  [[nodiscard]] std::shared_ptr<AravisConnection> connect_again() const try {
+    std::shared_ptr<AravisConnection> connection = open_again();
+    connection->start();
+    return connection;
+  } catch (const std::exception&) {
+    std::this_thread::sleep_for(100ms);
+    return nullptr;
   }
 
   const CameraAddress address_;

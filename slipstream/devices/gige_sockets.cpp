@@ -1,14 +1,10 @@
 #include "slipstream/devices/gige_sockets.h"
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <filesystem>
 #include <memory>
-#include <optional>
-#include <system_error>
 
 #include <arpa/inet.h>
 #include <fmt/format.h>
@@ -26,16 +22,7 @@ namespace {
 
 constexpr std::uint16_t control_port = 3956;  // of GigE Vision
 
-/// All of 127.x.x.x may be bound on this machine, but a camera is found by an interface's own.
-[[noreturn]] void throw_no_interface(const std::string& address) {
-  const bool loopback = address.starts_with("127.");
-  throw WorldError(
-      fmt::format("cannot serve a camera at {}: no network interface has that address; give it to "
-                  "one first, as with: sudo ip address add {} dev {}",
-                  address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
-}
-
-/// Where what is meant for all goes on the network of the interface that has that address.
+/// Broadcast address of the interface that has that address.
 in_addr broadcast_of(const std::string& address) {
   const in_addr host = host_from(address);
   const auto host_of = [](const sockaddr* end) {
@@ -50,7 +37,12 @@ in_addr broadcast_of(const std::string& address) {
     const in_addr broadcast{host.s_addr | ~host_of(each->ifa_netmask)};
     return broadcast.s_addr == host.s_addr ? in_addr{INADDR_BROADCAST} : broadcast;
   }
-  throw_no_interface(address);
+  // All of 127.x.x.x may be bound on this machine, but a camera is found by an interface's own.
+  const bool loopback = address.starts_with("127.");
+  throw WorldError(
+      fmt::format("cannot serve a camera at {}: no network interface has that address; give it to "
+                  "one first, as with: sudo ip address add {} dev {}",
+                  address, address + (loopback ? "/8" : "/24"), loopback ? "lo" : "INTERFACE"));
 }
 
 bool is_discovery(std::span<const std::uint8_t> packet) {
@@ -182,8 +174,7 @@ bool pass_pictures_only(const PictureStream& stream) {
     const std::uint32_t each = stream.packet_size - 20 - udp - header;  // 20: of the internet
     return (stream.picture_bytes + each - 1) / each + 1;
   };
-  // An offset ends the header. Jumps count the lines between: where it holds, and where not. What
-  // is kept is how many packets are to come after this one.
+  // An offset ends the header. Jumps count lines between, if true, if not. Kept: packets to come.
   std::array<sock_filter, 31> lines{{{load_word, 0, 0, sender},
                                      {if_equal, 0, 28, stream.camera},
                                      {set_offset, 0, 0, udp + 8},

@@ -37,16 +37,14 @@ class UdpSocket {
   int descriptor_;
 };
 
-/// Where a GigE Vision camera of this machine is asked: at the address, port 3956, and by what is
-/// meant for all.
+/// Where a GigE Vision camera of this machine is asked: port 3956 of the address, and broadcasts.
 class GigeControlSockets {
  public:
   /// What a packet is answered with; empty: nothing.
   using Answer =
       std::function<std::vector<std::uint8_t>(std::span<const std::uint8_t>, const sockaddr_in&)>;
 
-  /// `address`: of a network interface. Throws Error for what is no address, WorldError where no
-  /// interface has it or its port is taken.
+  /// Throws Error for an invalid address, WorldError if no interface has it or its port is taken.
   explicit GigeControlSockets(const std::string& address);
 
   /// Answers at most one packet of each socket, so that a flood of them keeps nothing waiting.
@@ -67,10 +65,9 @@ struct PictureStream {
   std::uint32_t picture_bytes = 0;  ///< of the buffers that it goes to
 };
 
-/// From now on the kernel hands the socket only what the camera sends of pictures, and no packet of
-/// a number that they do not reach. Aravis 0.8.26 takes packets of any sender, writes past its
-/// buffers for numbers too large, and takes the sizes of other payloads as they come. Returns false
-/// where there is no such socket.
+/// From now on the kernel hands the socket only the camera's packets of pictures, none with a
+/// number beyond them: Aravis 0.8.26 takes packets of any sender, writes past its buffers for
+/// numbers too large, and trusts the sizes of other payloads. False if there is no such socket.
 bool pass_pictures_only(const PictureStream& stream);
 
 }  // namespace slipstream

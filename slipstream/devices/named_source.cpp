@@ -1,17 +1,9 @@
 #include "slipstream/devices/named_source.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string_view>
-#include <utility>
-#include <vector>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/did_you_mean.h"
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/replay_source.h"
 #include "slipstream/io/scanner_file.h"
@@ -20,11 +12,6 @@
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
-
-/// 0 is no rate: as fast as frames are asked for.
-std::optional<double> pace_from(std::optional<double> rate) {
-  return rate == 0.0 ? std::nullopt : rate;
-}
 
 /// Puts the scanner that the request names in place of the source's own.
 void set_scanner(NamedSource& opened, const SourceRequest& request,
@@ -47,22 +34,19 @@ int cycles_to_see(const Scene& scene, int patterns) {
 }
 
 NamedSource open_virtual(const std::string& what, const SourceRequest& request) {
-  if (!what.empty()) {
-    throw Error(fmt::format("source virtual:{}: virtual takes nothing after it", what));
-  }
+  throw_if(!what.empty(), "source virtual:{}: virtual takes nothing after it", what);
   if (!request.world) throw Error("source virtual: no virtual world is given");
   const auto& [scanner, scene, photometry] = *request.world;
   NamedSource opened;
   opened.sequence = default_sequence(scanner.projector.size, request.sequence);
   opened.sequence.marker |= request.marker;
-  if (opened.sequence.projector != scanner.projector.size) {
-    throw Error(fmt::format("--projector {} is not that of the scanner, {}",
-                            text_of(opened.sequence.projector), text_of(scanner.projector.size)));
-  }
+  throw_if(opened.sequence.projector != scanner.projector.size,
+           "--projector {} is not that of the scanner, {}", text_of(opened.sequence.projector),
+           text_of(scanner.projector.size));
   const PatternSet patterns = pattern_set(cycle_of(opened.sequence));
   opened.frames = std::make_unique<VirtualCamera>(
       virtual_frames(scanner, scene, patterns, photometry, cycles_to_see(scene, patterns.count)),
-      pace_from(request.rate));
+      request.rate == 0.0 ? std::nullopt : request.rate);
   opened.scanner = as_calibrated(*request.world);
   opened.scanner_name = "the virtual scanner";
   return opened;
@@ -74,10 +58,8 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
                            .loop = request.loop,
                            .scan = {.sequence = request.sequence, .scanner = request.scanner}});
   const RecordingHeader& header = replay->header();
-  if (!header.sequence && !request.sequence.strategy) {
-    throw Error(
-        fmt::format("{}: does not say what patterns it shows; say so with --strategy", path));
-  }
+  throw_if(!header.sequence && !request.sequence.strategy,
+           "{}: does not say what patterns it shows; say so with --strategy", path);
   NamedSource opened;
   opened.sequence = changed(header.sequence.value_or(Sequence{}), request.sequence);
   opened.sequence.marker |= request.marker;
@@ -92,15 +74,14 @@ NamedSource open_replay(const std::string& path, const SourceRequest& request) {
 
 /// Of a camera, which does not say what is projected.
 NamedSource open_camera_source(const std::string&, const SourceRequest& request) {
-  if (!request.sequence.strategy) {
-    throw Error(fmt::format(
-        "{}: a camera does not say what patterns it sees; say so with --strategy", request.source));
-  }
+  throw_if(!request.sequence.strategy,
+           "{}: a camera does not say what patterns it sees; say so with --strategy",
+           request.source);
   NamedSource opened;
   opened.sequence = changed({}, request.sequence);
   opened.sequence.marker |= request.marker;
   CameraSettings settings = request.camera;
-  settings.frame_rate = pace_from(request.rate);
+  settings.frame_rate = request.rate == 0.0 ? std::nullopt : request.rate;
   settings.cycle =
       cycle_length(opened.sequence) + (request.scans - 1) * frame_count(cycle_of(opened.sequence));
   const int patterns = values_of(settings.pixel_format);
@@ -129,10 +110,10 @@ constexpr std::array schemes{
     Scheme{"v4l2", "v4l2:NUMBER", open_camera_source},
 };
 
-std::vector<std::string_view> scheme_names() {
-  std::vector<std::string_view> names;
-  for (const Scheme& scheme : schemes) names.push_back(scheme.name);
-  return names;
+std::vector<std::string_view> each(std::string_view Scheme::*what) {
+  std::vector<std::string_view> all;
+  for (const Scheme& scheme : schemes) all.push_back(scheme.*what);
+  return all;
 }
 
 }  // namespace
@@ -147,9 +128,7 @@ std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels
 }
 
 std::string source_forms() {
-  std::vector<std::string_view> forms;
-  for (const Scheme& scheme : schemes) forms.push_back(scheme.form);
-  return fmt::format("{}", fmt::join(forms, ", "));
+  return fmt::format("{}", fmt::join(each(&Scheme::form), ", "));
 }
 
 std::string scheme_of(const std::string& source) {
@@ -158,8 +137,7 @@ std::string scheme_of(const std::string& source) {
 
 NamedSource open_source(const SourceRequest& request) {
   const std::string name = scheme_of(request.source);
-  const std::string what =
-      request.source.size() > name.size() ? request.source.substr(name.size() + 1) : std::string();
+  const std::string what = request.source.substr(std::min(name.size() + 1, request.source.size()));
   const auto scheme =
       std::find_if(schemes.begin(), schemes.end(), [&](const Scheme& s) { return s.name == name; });
   if (scheme == schemes.end()) {
@@ -167,13 +145,11 @@ NamedSource open_source(const SourceRequest& request) {
     throw Error(fmt::format("source '{}' is not known; it is one of: {}{}", request.source,
                             source_forms(),
                             is_path ? fmt::format("; did you mean replay:{}?", request.source)
-                                    : did_you_mean(name, scheme_names())));
+                                    : did_you_mean(name, each(&Scheme::name))));
   }
   const double rate = request.rate.value_or(0);
-  if (!(rate == 0 || (rate >= 1e-3 && rate <= 1e6))) {
-    throw Error(
-        fmt::format("--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate));
-  }
+  throw_if(!(rate == 0 || (rate >= 1e-3 && rate <= 1e6)),
+           "--rate {} is out of range; 0 (as fast as it goes), or 0.001 to 1e6 Hz", rate);
   NamedSource opened = scheme->open(what, request);
   if (!opened.in_colour) return opened;
   const bool mixed = opened.scanner && opened.scanner->photometry.colour_mixture;

@@ -1,14 +1,9 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
 
 #include "slipstream/codes/sequence.h"
 #include "slipstream/devices/camera.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {
@@ -39,8 +34,7 @@ struct NamedSource {
   FrameSet white{};            ///< of pictures in colour, as RecordingHeader has it
 };
 
-/// Of channels as they were taken, what an engine may read: taken apart by the mixture that is
-/// known and the white picture.
+/// Colour channels unmixed for an engine, by the known mixture and the white picture.
 std::unique_ptr<FrameSource> colours_apart(std::unique_ptr<FrameSource> channels,
                                            const NamedSource& opened);
 

@@ -1,25 +1,19 @@
-#include "slipstream/devices/v4l2.h"
-
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <limits>
-#include <span>
 #include <thread>
-#include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <linux/videodev2.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/devices/camera_source.h"
 
 namespace slipstream {
@@ -30,7 +24,11 @@ using std::chrono::steady_clock;
 
 class FileDevice : public VideoDevice {
  public:
-  explicit FileDevice(int descriptor) : descriptor_(descriptor) {}
+  explicit FileDevice(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC)) {
+    if (descriptor_ >= 0) return;
+    throw WorldError(fmt::format("cannot open camera {}: {}", path, std::strerror(errno)));
+  }
   FileDevice(const FileDevice&) = delete;
   FileDevice& operator=(const FileDevice&) = delete;
   ~FileDevice() override { ::close(descriptor_); }
@@ -80,10 +78,10 @@ constexpr std::array<PixelLayout, 5> layouts{{
 }};
 
 template <class Structure>
-Structure cleared(std::uint32_t type = V4L2_BUF_TYPE_VIDEO_CAPTURE) {
+Structure cleared() {
   Structure structure;
   std::memset(&structure, 0, sizeof(structure));
-  structure.type = type;
+  structure.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   return structure;
 }
 
@@ -91,8 +89,7 @@ std::string text_of(const std::uint8_t* letters) {
   return reinterpret_cast<const char*>(letters);
 }
 
-/// Of the device's clock; 0, as by a device without one, where its driver tells no time that can
-/// be.
+/// Of the device's clock; 0, as without one, for an impossible time.
 std::chrono::nanoseconds time_of(const timeval& time) {
   constexpr std::int64_t longest = std::int64_t{1} << 31;  // seconds: 68 years
   const bool possible = 0 <= time.tv_sec && time.tv_sec < longest && 0 <= time.tv_usec &&
@@ -101,15 +98,26 @@ std::chrono::nanoseconds time_of(const timeval& time) {
   return std::chrono::seconds(time.tv_sec) + std::chrono::microseconds(time.tv_usec);
 }
 
-bool is_camera(VideoDevice& device, v4l2_capability& capability) {
-  std::memset(&capability, 0, sizeof(capability));
-  if (device.control(VIDIOC_QUERYCAP, &capability) != 0) return false;
+/// None where it is no camera that gives a stream.
+std::optional<v4l2_capability> camera_of(VideoDevice& device) {
+  v4l2_capability capability{};
+  if (device.control(VIDIOC_QUERYCAP, &capability) != 0) return std::nullopt;
   const std::uint32_t capabilities = (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0
                                          ? capability.device_caps
                                          : capability.capabilities;
   constexpr std::uint32_t wanted = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
-  return (capabilities & wanted) == wanted;
+  return (capabilities & wanted) == wanted ? std::optional(capability) : std::nullopt;
 }
+
+/// A control as V4L2 counts it, in whole numbers.
+struct LightControl {
+  std::uint32_t id, automatic;
+  int manual;   ///< what `automatic` is set to, to have the control obeyed
+  double unit;  ///< of a step, in that of CameraControl
+};
+constexpr LightControl exposure_control{V4L2_CID_EXPOSURE_ABSOLUTE, V4L2_CID_EXPOSURE_AUTO,
+                                        V4L2_EXPOSURE_MANUAL, 0.1};
+constexpr LightControl gain_control{V4L2_CID_GAIN, V4L2_CID_AUTOGAIN, 0, 1};
 
 bool put_control(VideoDevice& device, std::uint32_t id, int value) {
   v4l2_control control{id, value};
@@ -132,34 +140,24 @@ void copy_rows(const std::uint8_t* bytes, std::size_t row_bytes, std::size_t pix
   }
 }
 
-constexpr double exposure_step_ms = 0.1;  // V4L2 counts exposure in 100 us
-
-/// V4L2 counts gain in whole numbers.
 double whole_gain(double gain) {
-  if (!(std::abs(gain) <= std::numeric_limits<int>::max())) {
-    throw Error(fmt::format("--gain {} is out of range; a whole number of 32 bits", gain));
-  }
+  throw_if(!(std::abs(gain) <= std::numeric_limits<int>::max()),
+           "--gain {} is out of range; a whole number of 32 bits", gain);
   return std::round(gain);
 }
 
 /// Throws Error for settings that no such camera has.
 FrameFormat format_from(const CameraSettings& settings) {
   const PixelFormat pixels = settings.pixel_format;
-  if (pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
-      pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8) {
-    throw Error(
-        fmt::format("--pixel-format {} is not of a v4l2 camera; Mono8, Mono10, Mono12 or RGB8 are",
-                    name_of(pixels)));
-  }
+  throw_if(pixels != PixelFormat::mono8 && pixels != PixelFormat::mono10 &&
+               pixels != PixelFormat::mono12 && pixels != PixelFormat::rgb8,
+           "--pixel-format {} is not of a v4l2 camera; Mono8, Mono10, Mono12 or RGB8 are",
+           name_of(pixels));
   const Rectangle region = settings.region.value_or(Rectangle{.size = {640, 480}});
-  if (region.x != 0 || region.y != 0) {
-    throw Error(
-        fmt::format("--region {}x{}+{}+{}: a v4l2 camera has sizes, but no region; as 640x480",
-                    region.size.width, region.size.height, region.x, region.y));
-  }
-  if (!settings.trigger.empty()) {
-    throw Error(fmt::format("--trigger {}: v4l2 cameras run freely", settings.trigger));
-  }
+  throw_if(region.x != 0 || region.y != 0,
+           "--region {}x{}+{}+{}: a v4l2 camera has sizes, but no region; as 640x480",
+           region.size.width, region.size.height, region.x, region.y);
+  throw_if(!settings.trigger.empty(), "--trigger {}: v4l2 cameras run freely", settings.trigger);
   if (settings.gain) (void)whole_gain(*settings.gain);
   return {{values_of(pixels) * region.size.width, region.size.height}, bits_of(pixels)};
 }
@@ -170,16 +168,12 @@ class V4l2Stream {
   V4l2Stream(std::string name, std::unique_ptr<VideoDevice> device, const FrameFormat& format,
              const CameraSettings& settings)
       : name_(std::move(name)), device_(std::move(device)) {
-    v4l2_capability capability;
-    if (!is_camera(*device_, capability)) {
-      throw Error(fmt::format("{} is no camera that gives a stream of frames", name_));
-    }
+    throw_if(!camera_of(*device_), "{} is no camera that gives a stream of frames", name_);
     set_format(format, values_of(settings.pixel_format));
-    set_rate(settings);
-    set_light(settings);
+    if (settings.frame_rate) set_rate(*settings.frame_rate);
+    if (settings.exposure) set_control(CameraControl::exposure, *settings.exposure * 1e3);
+    if (settings.gain) set_control(CameraControl::gain, *settings.gain);
   }
-  V4l2Stream(const V4l2Stream&) = delete;
-  V4l2Stream& operator=(const V4l2Stream&) = delete;
   ~V4l2Stream() { stop(); }
 
   void start() {
@@ -212,24 +206,33 @@ class V4l2Stream {
     device_->control(VIDIOC_REQBUFS, &request);
   }
 
-  /// Exposure in ms; none of another that V4L2 has a control for.
+  /// None of another that V4L2 has a control for.
   [[nodiscard]] std::optional<ControlValue> control(CameraControl which) const {
     if (which == CameraControl::frame_rate) return std::nullopt;
-    const bool exposure = which == CameraControl::exposure;
-    const double unit = exposure ? exposure_step_ms : 1;
+    const auto& [id, _, manual, unit] =
+        which == CameraControl::exposure ? exposure_control : gain_control;
     v4l2_queryctrl range{};
-    range.id = exposure ? V4L2_CID_EXPOSURE_ABSOLUTE : V4L2_CID_GAIN;
-    v4l2_control now{range.id, 0};
-    if (device_->control(VIDIOC_QUERYCTRL, &range) != 0) return std::nullopt;
-    if ((range.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return std::nullopt;
-    if (device_->control(VIDIOC_G_CTRL, &now) != 0) return std::nullopt;
+    range.id = id;
+    v4l2_control now{id, 0};
+    if (device_->control(VIDIOC_QUERYCTRL, &range) != 0 ||
+        (range.flags & V4L2_CTRL_FLAG_DISABLED) != 0 ||
+        device_->control(VIDIOC_G_CTRL, &now) != 0) {
+      return std::nullopt;
+    }
     return ControlValue{unit * now.value, unit * range.minimum, unit * range.maximum};
   }
 
   void set_control(CameraControl which, double value) const {
-    CameraSettings asked;
-    put(asked, which, value);
-    set_light(asked);
+    if (which == CameraControl::frame_rate) return;
+    const bool is_exposure = which == CameraControl::exposure;
+    const auto& [id, automatic, manual, unit] = is_exposure ? exposure_control : gain_control;
+    const double steps = is_exposure ? std::round(value / unit) : whole_gain(value);
+    put_control(*device_, automatic, manual);
+    throw_if((is_exposure && !(steps >= 1 && steps <= std::numeric_limits<int>::max())) ||
+                 !put_control(*device_, id, static_cast<int>(steps)),
+             "camera {} does not take {}", name_,
+             is_exposure ? fmt::format("an exposure of {} s", value / 1e3)
+                         : fmt::format("a gain of {}", steps));
   }
 
   /// None where the camera is gone.
@@ -276,10 +279,8 @@ class V4l2Stream {
       if (format.fmt.pix.pixelformat != layout.code) continue;  // the driver chose another
       const Size size{static_cast<int>(format.fmt.pix.width),
                       static_cast<int>(format.fmt.pix.height)};
-      if (size != wanted.size) {
-        throw Error(fmt::format("camera {} has no frames of {}x{}; the nearest are {}x{}", name_,
-                                wanted.size.width, wanted.size.height, size.width, size.height));
-      }
+      throw_if(size != wanted.size, "camera {} has no frames of {}; the nearest are {}", name_,
+               text_of(wanted.size), text_of(size));
       layout_ = layout;
       const auto tight = static_cast<std::size_t>(frames.size.width * layout.bytes);
       row_bytes_ = std::max<std::size_t>(format.fmt.pix.bytesperline, tight);
@@ -290,40 +291,14 @@ class V4l2Stream {
                             values == 1 ? "GREY, YUYV, Y10 or Y12" : "RGB24"));
   }
 
-  void set_rate(const CameraSettings& settings) const {
-    if (!settings.frame_rate) return;
-    if (!(*settings.frame_rate > 0 && *settings.frame_rate < 1e6)) {
-      throw Error(
-          fmt::format("camera {}: a rate of {} Hz; it is above 0", name_, *settings.frame_rate));
-    }
+  void set_rate(double rate) const {
+    throw_if(!(rate > 0 && rate < 1e6), "camera {}: a rate of {} Hz; it is above 0", name_, rate);
     auto parameters = cleared<v4l2_streamparm>();
     constexpr std::uint32_t precision = 1000;
     parameters.parm.capture.timeperframe = {
-        precision, static_cast<std::uint32_t>(std::lround(*settings.frame_rate * precision))};
-    if (device_->control(VIDIOC_S_PARM, &parameters) != 0) {
-      throw Error(fmt::format("camera {} does not take a rate of {} Hz: {}", name_,
-                              *settings.frame_rate, std::strerror(errno)));
-    }
-  }
-
-  void set_light(const CameraSettings& settings) const {
-    if (settings.exposure) {
-      const double steps = std::round(*settings.exposure * 1e4);  // of 100 us
-      const bool possible = steps >= 1 && steps <= std::numeric_limits<int>::max();
-      put_control(*device_, V4L2_CID_EXPOSURE_AUTO, V4L2_EXPOSURE_MANUAL);
-      if (!possible ||
-          !put_control(*device_, V4L2_CID_EXPOSURE_ABSOLUTE, static_cast<int>(steps))) {
-        throw Error(
-            fmt::format("camera {} does not take an exposure of {} s", name_, *settings.exposure));
-      }
-    }
-    if (settings.gain) {
-      put_control(*device_, V4L2_CID_AUTOGAIN, 0);
-      const int gain = static_cast<int>(whole_gain(*settings.gain));
-      if (!put_control(*device_, V4L2_CID_GAIN, gain)) {
-        throw Error(fmt::format("camera {} does not take a gain of {}", name_, gain));
-      }
-    }
+        precision, static_cast<std::uint32_t>(std::lround(rate * precision))};
+    throw_if(device_->control(VIDIOC_S_PARM, &parameters) != 0,
+             "camera {} does not take a rate of {} Hz: {}", name_, rate, std::strerror(errno));
   }
 
   Arrival take(const v4l2_buffer& buffer, Frame& frame) const {
@@ -405,11 +380,7 @@ class V4l2Source final : public CameraSource<V4l2Stream> {
 }  // namespace
 
 std::unique_ptr<VideoDevice> open_video_device(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) {
-    throw WorldError(fmt::format("cannot open camera {}: {}", path, std::strerror(errno)));
-  }
-  return std::make_unique<FileDevice>(descriptor);
+  return std::make_unique<FileDevice>(path);
 }
 
 std::unique_ptr<FrameSource> open_v4l2_camera(
@@ -424,13 +395,13 @@ std::vector<CameraDescription> list_v4l2_cameras() {
   for (int number = 0; number < most; ++number) {
     const std::string path = fmt::format("/dev/video{}", number);
     try {
-      v4l2_capability capability;
-      if (!is_camera(*open_video_device(path), capability)) continue;
+      const auto capability = camera_of(*open_video_device(path));
+      if (!capability) continue;
       cameras.push_back({.name = std::to_string(number),
-                         .vendor = text_of(capability.driver),
-                         .model = text_of(capability.card),
+                         .vendor = text_of(capability->driver),
+                         .model = text_of(capability->card),
                          .serial = "",
-                         .address = text_of(capability.bus_info),
+                         .address = text_of(capability->bus_info),
                          .protocol = "V4L2"});
     } catch (const WorldError&) {
       continue;

@@ -1,20 +1,9 @@
 #include "slipstream/devices/virtual_gige_camera.h"
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <mutex>
-#include <random>
-#include <thread>
-#include <utility>
 
-#include <arv.h>
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/devices/aravis_connection.h"
-#include "slipstream/devices/gige_block.h"
-#include "slipstream/devices/gige_sockets.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/devices/aravis_connection-inl.h"
 
 namespace slipstream {
 namespace {
@@ -45,129 +34,86 @@ std::vector<std::uint8_t> fake_camera_memory(const std::string& serial, in_addr 
   return memory;
 }
 
-void require_valid(const std::vector<Reel>& reels, const std::string& serial) {
+std::vector<Reel> valid(std::vector<Reel> reels, const std::string& serial) {
   for (const Reel& reel : reels) {
     if (reel.frames.empty()) throw Error("a virtual camera with no frames; at least one is wanted");
     for (const Frame& frame : reel.frames) {
-      if (frame.format() != reels.front().frames.front().format() || frame.bits != 8) {
-        throw Error("the virtual GigE camera gives frames of one size and 8 bits; others came");
-      }
+      throw_if(frame.format() != reels.front().frames.front().format() || frame.bits != 8,
+               "the virtual GigE camera gives frames of one size and 8 bits; others came");
     }
   }
-  if (serial.empty() || serial.size() > 15) {
-    throw Error(fmt::format("a serial number of {} letters, '{}'; 1 to 15 are possible",
-                            serial.size(), serial));
-  }
+  throw_if(serial.empty() || serial.size() > 15,
+           "a serial number of {} letters, '{}'; 1 to 15 are possible", serial.size(), serial);
+  return reels;
 }
 
 }  // namespace
 
-struct VirtualGigeCamera::Served {
-  std::vector<Reel> reels;
-  GigeControlSockets control_sockets;
-  UdpSocket stream_socket;
-  GigeControl control;
-  std::size_t reel = 0;     ///< that the client sees
-  bool seen_whole = false;  ///< by it, or one before
-  std::mutex mutex;         ///< of control
-  std::atomic<std::chrono::microseconds> trigger_period{std::chrono::milliseconds(40)};
-  std::atomic<double> packet_loss = 0;
-  std::atomic<std::uint64_t> sent = 0;
-  std::minstd_rand random;
-  std::jthread thread;  ///< uses the rest; goes first
-
-  Served(std::vector<Reel> frames, const std::string& address, const std::string& serial)
-      : reels(std::move(frames)),
-        control_sockets(address),
-        stream_socket(host_from(address), 0, false),
-        control(fake_camera_memory(serial, host_from(address),
-                                   reels.front().frames.front().format().size)),
-        thread([this](const std::stop_token& stop) { run(stop); }) {}
-
-  /// What frame k since the client's start shows.
-  const Image<std::uint8_t>& picture(std::size_t k) {
-    if (k == 0 && seen_whole && reel + 1 < reels.size()) {
-      ++reel;
-      seen_whole = false;
-    }
-    const auto& [frames, order, enough] = reels[reel];
-    seen_whole |= k + 1 == (enough > 0 ? enough : order.size());
-    return std::get<Image<std::uint8_t>>(frames[order[k % order.size()]].pixels);
-  }
-
-  /// Frame k since the client's start, and its number, counted from 1. Clients make room for frames
-  /// when the first packet has come: the rest of the first frame waits for that.
-  void send(const GigeStream& stream, std::size_t k) {
-    constexpr std::size_t largest_number = 65535;
-    const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
-    const GigeBlock block = block_of(picture(k), stream, number);
-    for_each_packet(block, [&, is_first = k == 0](auto packet) mutable {
-      const bool lost = std::uniform_real_distribution()(random) < packet_loss;
-      if (!lost) stream_socket.send(packet, stream.to);
-      if (std::exchange(is_first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    });
-    ++sent;
-  }
-
-  void answer_packets(std::chrono::nanoseconds longest_wait) {
-    control_sockets.answer(longest_wait, [this](auto packet, const sockaddr_in& from) {
-      const std::lock_guard lock(mutex);
-      return control.answer(packet, from, steady_clock::now());
-    });
-  }
-
-  void run(const std::stop_token& stop) {
-    constexpr std::chrono::nanoseconds idle = std::chrono::milliseconds(50);
-    steady_clock::time_point due = steady_clock::now();
-    for (std::size_t k = 0; !stop.stop_requested();) {
-      std::unique_lock lock(mutex);
-      const auto stream = control.stream(steady_clock::now());
-      const bool is_ready = stream && (stream->is_free || stream->is_triggered);
-      const bool is_due = is_ready && steady_clock::now() >= due;
-      if (is_due) control.write(GigeRegister::software_trigger, 0);
-      lock.unlock();
-      if (!stream) k = 0;  // who starts sees the first
-      if (is_due) {
-        send(*stream, k++);
-        const auto period = stream->is_free ? stream->period : trigger_period.load();
-        due = std::max(due + period, steady_clock::now());
-      }
-      answer_packets(is_ready ? std::min(due - steady_clock::now(), idle) : idle);
-    }
-  }
-};
-
-VirtualGigeCamera::VirtualGigeCamera(std::vector<Frame> loop, const std::string& address,
-                                     const std::string& serial)
-    : VirtualGigeCamera(std::vector<Reel>{reel_of(std::move(loop))}, address, serial) {}
-
 VirtualGigeCamera::VirtualGigeCamera(std::vector<Reel> reels, const std::string& address,
-                                     const std::string& serial) {
-  require_valid(reels, serial);
-  served_ = std::make_unique<Served>(std::move(reels), address, serial);
+                                     const std::string& serial)
+    : reels_(valid(std::move(reels), serial)),
+      control_sockets_(address),
+      stream_socket_(host_from(address), 0, false),
+      control_(fake_camera_memory(serial, host_from(address),
+                                  reels_.front().frames.front().format().size)),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+/// What frame k since the client's start shows.
+const Image<std::uint8_t>& VirtualGigeCamera::picture(std::size_t k) {
+  if (k == 0 && seen_whole_ && reel_ + 1 < reels_.size()) {
+    ++reel_;
+    seen_whole_ = false;
+  }
+  const auto& [frames, order, enough] = reels_[reel_];
+  seen_whole_ |= k + 1 == (enough > 0 ? enough : order.size());
+  return std::get<Image<std::uint8_t>>(frames[order[k % order.size()]].pixels);
 }
 
-VirtualGigeCamera::~VirtualGigeCamera() = default;
+/// Frame k since the client's start, and its number, counted from 1. Clients make room for frames
+/// when the first packet has come: the rest of the first frame waits for that.
+void VirtualGigeCamera::send(const GigeStream& stream, std::size_t k) {
+  constexpr std::size_t largest_number = 65535;
+  const auto number = static_cast<std::uint16_t>(1 + k % largest_number);
+  const GigeBlock block = block_of(picture(k), stream, number);
+  for_each_packet(block, [&, is_first = k == 0](auto packet) mutable {
+    const bool lost = std::uniform_real_distribution()(random_) < packet_loss_;
+    if (!lost) stream_socket_.send(packet, stream.to);
+    if (std::exchange(is_first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  });
+  ++sent_;
+}
+
+void VirtualGigeCamera::run(const std::stop_token& stop) {
+  constexpr std::chrono::nanoseconds idle = std::chrono::milliseconds(50);
+  constexpr std::chrono::microseconds trigger_period{40'000};  // software triggers come no faster
+  steady_clock::time_point due = steady_clock::now();
+  for (std::size_t k = 0; !stop.stop_requested();) {
+    std::unique_lock lock(mutex_);
+    const auto stream = control_.stream(steady_clock::now());
+    const bool is_ready = stream && (stream->is_free || stream->is_triggered);
+    const bool is_due = is_ready && steady_clock::now() >= due;
+    if (is_due) control_.write(GigeRegister::software_trigger, 0);
+    lock.unlock();
+    if (!stream) k = 0;  // who starts sees the first
+    if (is_due) {
+      send(*stream, k++);
+      due =
+          std::max(due + (stream->is_free ? stream->period : trigger_period), steady_clock::now());
+    }
+    control_sockets_.answer(is_ready ? std::min(due - steady_clock::now(), idle) : idle,
+                            [this](auto packet, const sockaddr_in& from) {
+                              const std::lock_guard answering(mutex_);
+                              return control_.answer(packet, from, steady_clock::now());
+                            });
+  }
+}
 
 void VirtualGigeCamera::set_frame_rate(double rate) {
   if (!(rate >= 1e-3 && rate <= 1e6)) {  // the register holds the period, us, in 32 bits
     throw Error(fmt::format("a rate of {} Hz; 0.001 to a million", rate));
   }
-  const std::lock_guard lock(served_->mutex);
-  served_->control.write(GigeRegister::frame_period, static_cast<std::uint32_t>(1e6 / rate));
-}
-
-void VirtualGigeCamera::set_trigger_rate(double rate) {
-  if (!(rate > 0)) throw Error(fmt::format("a trigger rate of {} Hz; it is above 0", rate));
-  served_->trigger_period = std::chrono::microseconds(static_cast<std::int64_t>(1e6 / rate));
-}
-
-void VirtualGigeCamera::set_packet_loss(double share) {
-  served_->packet_loss = share;
-}
-
-std::uint64_t VirtualGigeCamera::sent() const {
-  return served_->sent;
+  const std::lock_guard lock(mutex_);
+  control_.write(GigeRegister::frame_period, static_cast<std::uint32_t>(1e6 / rate));
 }
 
 }  // namespace slipstream

@@ -1,20 +1,13 @@
 #include "slipstream/frames/colour_channels.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <optional>
-#include <type_traits>
-#include <utility>
-#include <variant>
 
 #include <Eigen/Core>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
@@ -43,32 +36,64 @@ std::vector<double> lit_means(const Frames<Pixel>& frames, double grey_level) {
     return most;
   };
   double brightest = 0;
-  for (int row = 0; row < size.height; ++row) {
-    for (int column = 0; column < size.width; ++column) {
-      brightest = std::max(brightest, gain(column, row));
-    }
-  }
+  for_each_pixel_in_order(
+      size, [&](int column, int row) { brightest = std::max(brightest, gain(column, row)); });
   std::vector<double> sums(frames.size());
   std::size_t count = 0;
-  for (int row = 0; row < size.height; ++row) {
-    for (int column = 0; column < size.width; ++column) {
-      if (brightest == 0 || gain(column, row) < 0.1 * brightest) continue;
-      ++count;
-      for (std::size_t n = 0; n < frames.size(); ++n) {
-        sums[n] += static_cast<double>(frames[n](column, row)) / grey_level;
-      }
+  for_each_pixel_in_order(size, [&](int column, int row) {
+    if (brightest == 0 || gain(column, row) < 0.1 * brightest) return;
+    ++count;
+    for (std::size_t n = 0; n < frames.size(); ++n) {
+      sums[n] += static_cast<double>(frames[n](column, row)) / grey_level;
     }
-  }
+  });
   for (double& sum : sums) sum /= static_cast<double>(std::max<std::size_t>(count, 1));
   return sums;
 }
 
 FrameFormat format_of(const FrameSource& pictures) {
   const FrameFormat format = pictures.format();
-  if (format.bits != 8 || format.size.width % colour_channels != 0) {
-    throw Error("pictures in colour have three values of 8 bits a pixel");
-  }
+  throw_if(format.bits != 8 || format.size.width % colour_channels != 0,
+           "pictures in colour have three values of 8 bits a pixel");
   return {{format.size.width / colour_channels, format.size.height}, 8};
+}
+
+Eigen::Vector3f dark_of(const ColourMixture& mixture) {
+  return Eigen::Vector3d(mixture[0][3], mixture[1][3], mixture[2][3]).cast<float>();
+}
+
+/// Grey levels of 255 of three frames from `n` on.
+template <class Pixel>
+Eigen::Vector3f seen_at(const Frames<Pixel>& frames, std::size_t n, int column, int row,
+                        float grey) {
+  return grey * Eigen::Vector3f(static_cast<float>(frames[n](column, row)),
+                                static_cast<float>(frames[n + 1](column, row)),
+                                static_cast<float>(frames[n + 2](column, row)));
+}
+
+using Gains = std::array<float, colour_channels>;
+
+/// By what each channel's light is multiplied so that a painted surface looks grey: NaN where the
+/// white picture is dark, infinite where it is saturated; empty without one.
+Image<Gains> whitening(const ColourMixture& mixture, const FrameViews& white) {
+  if (white.count() == 0) return {};
+  constexpr float least = 8;  // grey levels
+  const Eigen::Vector3f sums = colours_of(mixture).rowwise().sum().cast<float>();
+  const Eigen::Vector3f dark = dark_of(mixture);
+  const Image<std::uint8_t> saturated = saturation_mask(white);
+  const auto grey = static_cast<float>(255 / white.full_scale());
+  Image<Gains> gains(white.size());
+  white.visit([&](const auto& views) {
+    for_each_pixel(white.size(), [&](int column, int row) {
+      const Eigen::Vector3f light = seen_at(views, 0, column, row, grey) - dark;
+      const Eigen::Vector3f kept = light.cwiseQuotient(sums);
+      Eigen::Map<Eigen::Vector3f> gain(gains(column, row).data());
+      gain = kept.mean() * kept.cwiseInverse();
+      if (light.minCoeff() < least) gain.setConstant(std::numeric_limits<float>::quiet_NaN());
+      if (saturated(column, row) != 0) gain.setConstant(std::numeric_limits<float>::infinity());
+    });
+  });
+  return gains;
 }
 
 }  // namespace
@@ -81,24 +106,21 @@ void require_valid(const ColourMixture& mixture) {
       colours.cwiseAbs().maxCoeff() * colours.inverse().cwiseAbs().rowwise().sum().maxCoeff();
   const bool dark_known = std::all_of(mixture.begin(), mixture.end(),
                                       [](const auto& row) { return std::isfinite(row[3]); });
-  if (!dark_known || !colours.allFinite() || !(condition <= worst)) {
-    throw Error(
-        "colour_mixture: the projector's red, green and blue cannot be told apart by the camera's "
-        "channels");
-  }
+  throw_if(
+      !dark_known || !colours.allFinite() || !(condition <= worst),
+      "colour_mixture: the projector's red, green and blue cannot be told apart by the camera's "
+      "channels");
 }
 
 ColourMixture measured_mixture(const FrameViews& pictures) {
   constexpr int wanted = 4 * colour_channels;
-  if (pictures.count() != wanted) {
-    throw Error(fmt::format("{} frames given; black, red, green and blue are {} of three channels",
-                            pictures.count(), wanted));
-  }
+  throw_if(pictures.count() != wanted,
+           "{} frames given; black, red, green and blue are {} of three channels", pictures.count(),
+           wanted);
   const Image<std::uint8_t> saturated = saturation_mask(pictures);
   const auto clipped = std::count(saturated.begin(), saturated.end(), 1);
-  if (20 * clipped > static_cast<std::ptrdiff_t>(saturated.pixel_count())) {
-    throw Error("more than a twentieth of the pixels is saturated; expose shorter");
-  }
+  throw_if(20 * clipped > static_cast<std::ptrdiff_t>(saturated.pixel_count()),
+           "more than a twentieth of the pixels is saturated; expose shorter");
   const std::vector<double> means = pictures.visit(
       [&](const auto& frames) { return lit_means(frames, pictures.full_scale() / 255); });
   ColourMixture mixture{};
@@ -110,7 +132,7 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
     mixture[c][colour_channels] = means[c];
     diagonal += mixture[c][c] / colour_channels;
   }
-  if (!(diagonal > 1)) throw Error("the pictures hold no light of the projector's three colours");
+  throw_if(!(diagonal > 1), "the pictures hold no light of the projector's three colours");
   for (auto& row : mixture) {
     for (std::size_t p = 0; p < colour_channels; ++p) row[p] /= diagonal;
   }
@@ -118,69 +140,17 @@ ColourMixture measured_mixture(const FrameViews& pictures) {
   return mixture;
 }
 
-namespace {
-
-/// By what each channel's light is multiplied so that a painted surface looks grey; NaN where the
-/// white picture says nothing.
-class Whitening {
- public:
-  Whitening(const ColourMixture& mixture, const FrameViews& white)
-      : sums_(colours_of(mixture).rowwise().sum().cast<float>()), dark_(dark_of(mixture)) {
-    if (white.count() == 0) return;
-    saturated_ = saturation_mask(white);
-    const auto grey = static_cast<float>(255 / white.full_scale());
-    white.visit([&](const auto& views) {
-      for (const auto& view : views) {
-        Image<float>& level = levels_.emplace_back(white.size());
-        for_each_row(level.height(), [&](int row) {
-          for (int column = 0; column < level.width(); ++column) {
-            level(column, row) = grey * static_cast<float>(view(column, row));
-          }
-        });
-      }
-    });
-  }
-
-  [[nodiscard]] Eigen::Vector3f operator()(int column, int row) const {
-    if (levels_.empty()) return Eigen::Vector3f::Ones();
-    constexpr float nan = std::numeric_limits<float>::quiet_NaN(), least = 8;  // grey levels
-    const Eigen::Vector3f seen(levels_[0](column, row), levels_[1](column, row),
-                               levels_[2](column, row));
-    const Eigen::Vector3f light = seen - dark_;
-    if (light.minCoeff() < least) return Eigen::Vector3f::Constant(nan);
-    const Eigen::Vector3f kept = light.cwiseQuotient(sums_);
-    return kept.mean() * kept.cwiseInverse();
-  }
-  [[nodiscard]] bool saturated(int column, int row) const {
-    return !levels_.empty() && saturated_(column, row) != 0;
-  }
-
-  static Eigen::Vector3f dark_of(const ColourMixture& mixture) {
-    return Eigen::Vector3d(mixture[0][colour_channels], mixture[1][colour_channels],
-                           mixture[2][colour_channels])
-        .cast<float>();
-  }
-
- private:
-  Eigen::Vector3f sums_, dark_;
-  std::vector<Image<float>> levels_;
-  Image<std::uint8_t> saturated_;
-};
-
-}  // namespace
-
 FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const FrameViews& white) {
-  if (frames.count() % colour_channels != 0) {
-    throw Error(fmt::format("{} frames are no pictures of three channels each", frames.count()));
-  }
-  if (white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size())) {
-    throw Error("the white picture is not one of three channels of the frames' size");
-  }
+  throw_if(frames.count() % colour_channels != 0,
+           "{} frames are no pictures of three channels each", frames.count());
+  throw_if(
+      white.count() != 0 && (white.count() != colour_channels || white.size() != frames.size()),
+      "the white picture is not one of three channels of the frames' size");
   require_valid(mixture);
   constexpr float levels = 257, brightest = 65535;  // of 16 bits
   const Eigen::Matrix3f inverse = colours_of(mixture).inverse().cast<float>();
-  const Eigen::Vector3f dark = Whitening::dark_of(mixture);
-  const Whitening whitening(mixture, white);
+  const Eigen::Vector3f dark = dark_of(mixture);
+  const Image<Gains> gains = whitening(mixture, white);
   const auto grey = static_cast<float>(255 / frames.full_scale());
   const Size size = frames.size();
   FrameSet::Images16 alone(static_cast<std::size_t>(frames.count()), Image<std::uint16_t>(size));
@@ -188,23 +158,19 @@ FrameSet unmixed(const FrameViews& frames, const ColourMixture& mixture, const F
     for (std::size_t n = 0; n < views.size(); n += colour_channels) {
       const Image<std::uint8_t> saturated =
           saturation_mask(frames.part(static_cast<int>(n), colour_channels));
-      for_each_row(size.height, [&](int row) {
-        for (int column = 0; column < size.width; ++column) {
-          const Eigen::Vector3f seen(static_cast<float>(views[n](column, row)),
-                                     static_cast<float>(views[n + 1](column, row)),
-                                     static_cast<float>(views[n + 2](column, row)));
-          const Eigen::Vector3f white_gain = whitening(column, row);
-          // The mean of the dark levels in all three: what is common says nothing of the phase.
-          const Eigen::Vector3f light =
-              (inverse * white_gain.cwiseProduct(grey * seen - dark)).array() + dark.mean();
-          const bool is_saturated = saturated(column, row) != 0 || whitening.saturated(column, row);
-          for (std::size_t p = 0; p < colour_channels; ++p) {
-            const float level = levels * light(static_cast<Eigen::Index>(p)) + 0.5F;
-            alone[n + p](column, row) = static_cast<std::uint16_t>(
-                is_saturated        ? brightest
-                : std::isnan(level) ? 0
-                                    : std::clamp(level, 0.0F, brightest - 1));
-          }
+      for_each_pixel(size, [&](int column, int row) {
+        const Gains white_gain = gains.empty() ? Gains{1, 1, 1} : gains(column, row);
+        const Eigen::Vector3f seen = seen_at(views, n, column, row, grey) - dark;
+        // The mean of the dark levels in all three: what is common says nothing of the phase.
+        const Eigen::Vector3f light =
+            (inverse * Eigen::Vector3f(white_gain.data()).cwiseProduct(seen)).array() + dark.mean();
+        const bool is_saturated = saturated(column, row) != 0 || std::isinf(white_gain[0]);
+        for (std::size_t p = 0; p < colour_channels; ++p) {
+          const float level = levels * light(static_cast<Eigen::Index>(p)) + 0.5F;
+          alone[n + p](column, row) = static_cast<std::uint16_t>(
+              is_saturated        ? brightest
+              : std::isnan(level) ? 0
+                                  : std::clamp(level, 0.0F, brightest - 1));
         }
       });
     }
@@ -223,19 +189,19 @@ std::string doubt_about_colours(bool mixture_known, bool white_known) {
 }
 
 ColourSource::ColourSource(std::unique_ptr<FrameSource> pictures)
-    : pictures_(std::move(pictures)),
-      format_(format_of(*pictures_)),
-      picture_(pictures_->format()),
+    : SourceOver(std::move(pictures)),
+      format_(format_of(*source_)),
+      picture_(source_->format()),
       given_(colour_channels) {}
 
 void ColourSource::start() {
   given_ = colour_channels;
-  pictures_->start();
+  source_->start();
 }
 
 Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   if (given_ == colour_channels) {
-    const Arrival arrival = pictures_->next(picture_, timeout);
+    const Arrival arrival = source_->next(picture_, timeout);
     if (arrival != Arrival::frame) return arrival;
     given_ = 0;
   }
@@ -256,7 +222,7 @@ Arrival ColourSource::next(Frame& frame, std::chrono::milliseconds timeout) {
 }
 
 SourceCounters ColourSource::counters() const {
-  SourceCounters counters = pictures_->counters();
+  SourceCounters counters = source_->counters();
   counters.delivered *= colour_channels;
   counters.lost *= colour_channels;
   return counters;
@@ -264,21 +230,21 @@ SourceCounters ColourSource::counters() const {
 
 UnmixedSource::UnmixedSource(std::unique_ptr<FrameSource> source, const ColourMixture& mixture,
                              FrameSet white)
-    : channels_(std::move(source)), mixture_(mixture), white_(std::move(white)) {}
+    : SourceOver(std::move(source)), mixture_(mixture), white_(std::move(white)) {}
 
 void UnmixedSource::start() {
   seen_.clear();
   given_ = stamps_.size();
-  channels_->start();
+  source_->start();
 }
 
 Arrival UnmixedSource::next(Frame& frame, std::chrono::milliseconds timeout) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point end = Clock::now() + timeout;
   while (given_ == stamps_.size()) {
-    Frame seen(channels_->format());
+    Frame seen(source_->format());
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - Clock::now());
-    const Arrival arrival = channels_->next(seen, std::max(left, std::chrono::milliseconds(0)));
+    const Arrival arrival = source_->next(seen, std::max(left, std::chrono::milliseconds(0)));
     if (arrival != Arrival::frame) return arrival;
     const std::uint64_t number = seen.stamp.sequence;
     if (!seen_.empty() && number != seen_.back().stamp.sequence + 1) seen_.clear();

@@ -1,12 +1,8 @@
-#include "slipstream/frames/cycle_alignment.h"
-
-#include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
-#include <utility>
 
 #include "slipstream/base/statistics.h"
+#include "slipstream/frames/pattern_windows.h"
 
 namespace slipstream {
 namespace {
@@ -57,32 +53,58 @@ double turn_between(const Fit& a, const Fit& b) {
   return a.modulation() * b.modulation() - a.cosine * b.cosine - a.sine * b.sine;
 }
 
+/// How much of each sample's range the frames are darker (`sign` 1) or brighter (-1) than all
+/// others, on average where the patterns show; negative where another one is.
+std::vector<double> extremity(const CycleSamples& cycle, double sign) {
+  std::vector<double> sums(cycle.size());
+  double used = 0;
+  for (std::size_t i = 0; i < cycle.front().size(); ++i) {
+    double first = std::numeric_limits<double>::infinity(), second = first, last = -first;
+    for (const auto& frame : cycle) {
+      const double I = sign * frame[i];
+      second = std::min(second, std::max(first, I));
+      first = std::min(first, I);
+      last = std::max(last, I);
+    }
+    if (last - first < least_range) continue;
+    ++used;
+    for (std::size_t index = 0; index < cycle.size(); ++index) {
+      const double I = sign * cycle[index][i];
+      sums[index] += ((I > first ? first : second) - I) / (last - first);
+    }
+  }
+  for (double& sum : sums) sum = used < fewest_samples ? -1 : sum / used;
+  return sums;
+}
+
 }  // namespace
 
-SampleGrid::SampleGrid(Size size) {
+std::vector<std::size_t> sample_places(Size size) {
+  constexpr int most_pairs = 384;
   const int beside = std::max(1, size.width / 64);
   const auto place = [](double part, int length) {
     return std::min(static_cast<int>(part * length), length - 1);
   };
-  for (int i = 0; i < std::min(pairs, size.width * size.height / 2); ++i) {
+  std::vector<std::size_t> places;
+  for (int i = 0; i < std::min(most_pairs, size.width * size.height / 2); ++i) {
     const auto [x, y] = spread_place(i);
     const int column = place(x, size.width), row = place(y, size.height);
     for (const int away : {0, beside}) {
-      pixels_.push_back(static_cast<std::size_t>(std::min(row + away, size.height - 1)) *
-                            static_cast<std::size_t>(size.width) +
-                        static_cast<std::size_t>(std::min(column + away, size.width - 1)));
+      places.push_back(at(std::min(row + away, size.height - 1)) * at(size.width) +
+                       at(std::min(column + away, size.width - 1)));
     }
   }
+  return places;
 }
 
-void SampleGrid::sample(const Frame& frame, std::vector<float>& samples) const {
-  samples.resize(pixels_.size());
+void sample(const Frame& frame, const std::vector<std::size_t>& places,
+            std::vector<float>& samples) {
+  samples.resize(places.size());
   const float scale = 255.0F / static_cast<float>((1 << frame.bits) - 1);
   std::visit(
       [&](const auto& image) {
-        const auto* const pixels = image.begin();
-        std::transform(pixels_.begin(), pixels_.end(), samples.begin(),
-                       [&](std::size_t i) { return scale * static_cast<float>(pixels[i]); });
+        std::transform(places.begin(), places.end(), samples.begin(),
+                       [&](std::size_t i) { return scale * static_cast<float>(image.begin()[i]); });
       },
       frame.pixels);
 }
@@ -93,10 +115,6 @@ SlipWatch::SlipWatch(int cycle, std::size_t samples)
       known_(at(cycle)),
       distances_(at(cycle)),
       suspects_(at(cycle), Seen{0, std::vector<float>(samples)}) {}
-
-int SlipWatch::moved(int index, int places) const {
-  return (index + places % count_ + count_) % count_;
-}
 
 bool SlipWatch::has_cycle() const {
   return std::find(known_.begin(), known_.end(), false) == known_.end();
@@ -125,12 +143,6 @@ void SlipWatch::measure_distances(const std::vector<float>& samples) {
 void SlipWatch::keep(int index, const std::vector<float>& samples) {
   std::copy(samples.begin(), samples.end(), last_[at(index)].begin());
   known_[at(index)] = true;
-}
-
-void SlipWatch::suspect(int index, const std::vector<float>& samples) {
-  Seen& seen = suspects_[at(suspected_++)];
-  seen.index = index;
-  std::copy(samples.begin(), samples.end(), seen.samples.begin());
 }
 
 void SlipWatch::settle(int places) {
@@ -162,7 +174,9 @@ SlipWatch::Finding SlipWatch::look(int index, const std::vector<float>& samples)
     keep(index, samples);
     return {};
   }
-  suspect(index, samples);
+  Seen& suspect = suspects_[at(suspected_++)];
+  suspect.index = index;
+  std::copy(samples.begin(), samples.end(), suspect.samples.begin());
   if (other) ++supporting_;
   if (suspected_ == count_) {
     const bool slipped = 2 * supporting_ >= count_;
@@ -259,35 +273,6 @@ int CycleAlignment::misalignment(const CycleSamples& cycle) {
   const bool sure = least < little * all && (!now.is_ordered || 4 * least < now.residual);
   return best != 0 && sure ? static_cast<int>(cycle.size()) - best : 0;
 }
-
-namespace {
-
-/// How much of each sample's range the frames are darker (`sign` 1) or brighter (-1) than all
-/// others, on average where the patterns show; negative where another one is.
-std::vector<double> extremity(const CycleSamples& cycle, double sign) {
-  constexpr double least_range = 16, fewest_samples = 16;
-  std::vector<double> sums(cycle.size());
-  double used = 0;
-  for (std::size_t i = 0; i < cycle.front().size(); ++i) {
-    double first = std::numeric_limits<double>::infinity(), second = first, last = -first;
-    for (const auto& frame : cycle) {
-      const double I = sign * frame[i];
-      second = std::min(second, std::max(first, I));
-      first = std::min(first, I);
-      last = std::max(last, I);
-    }
-    if (last - first < least_range) continue;
-    ++used;
-    for (std::size_t index = 0; index < cycle.size(); ++index) {
-      const double I = sign * cycle[index][i];
-      sums[index] += ((I > first ? first : second) - I) / (last - first);
-    }
-  }
-  for (double& sum : sums) sum = used < fewest_samples ? -1 : sum / used;
-  return sums;
-}
-
-}  // namespace
 
 std::optional<int> marker_misalignment(const CycleSamples& cycle) {
   /// Some pixels' darkest pattern is as dark as a dark marker, but for the noise; of two patterns

@@ -1,25 +1,23 @@
 #include "slipstream/frames/frame_set.h"
 
-#include <algorithm>
-#include <cstddef>
+#include <array>
+#include <cmath>
 #include <iterator>
+#include <numeric>
+#include <span>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
 
-template <class Pixel>
-void require_same_size(const Frames<Pixel>& frames) {
+template <class Images>
+void require_same_size(const Images& frames) {
   for (const auto& frame : frames) {
-    if (frame.size() != frames.front().size()) {
-      throw Error(fmt::format("frame {} is {}x{}, the first {}x{}; all frames have one size",
-                              &frame - frames.data(), frame.width(), frame.height(),
-                              frames.front().width(), frames.front().height()));
-    }
+    throw_if(frame.size() != frames.front().size(),
+             "frame {} is {}x{}, the first {}x{}; all frames have one size", &frame - frames.data(),
+             frame.width(), frame.height(), frames.front().width(), frames.front().height());
   }
 }
 
@@ -28,27 +26,93 @@ template <class Body>
 void for_each_level(const FrameViews& frames, const Body& body) {
   frames.visit([&](const auto& views) {
     for (const auto& view : views) {
-      for (int row = 0; row < view.height(); ++row) {
-        for (int column = 0; column < view.width(); ++column) {
-          body(static_cast<double>(view(column, row)), column, row);
-        }
-      }
+      for_each_pixel_in_order(view.size(), [&](int column, int row) {
+        body(static_cast<double>(view(column, row)), column, row);
+      });
     }
   });
 }
 
-/// Throws where the frames do not go together.
-template <class Images>
-Images checked(Images images, int bits = 8) {
-  using Pixel = std::remove_cvref_t<decltype(*images[0].begin())>;
-  Frames<Pixel> views(images.begin(), images.end());
-  if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-    static_cast<void>(FrameViews(std::move(views), bits));
-  } else {
-    static_cast<void>(FrameViews(std::move(views)));
-  }
-  return images;
+void require_bits(int bits) {
+  throw_if(bits < 8 || bits > 16, "{} bits per camera pixel are out of range; 8 to 16", bits);
 }
+
+/// Of no exposure's share is a merged level larger than sqrt(16) full scales: these bits, in 16.
+constexpr int merged_bits = 14;
+constexpr std::size_t most_exposures = 16;
+/// Pixels that are merged at a time, so that their weights need no memory of their own.
+constexpr int tile = 128;
+using TileRow = std::array<float, tile>;
+
+template <class Pixel>
+struct Merge {
+  const Frames<Pixel>& frames;
+  const std::vector<double>& exposures;
+  Pixel full;
+  float scale;  ///< merged grey levels for each of the frames
+  MergedFrames& merged;
+
+  [[nodiscard]] std::size_t count() const { return frames.size() / exposures.size(); }
+  [[nodiscard]] std::size_t shortest() const {
+    return static_cast<std::size_t>(std::min_element(exposures.begin(), exposures.end()) -
+                                    exposures.begin());
+  }
+  [[nodiscard]] const Pixel* levels(std::size_t e, std::size_t n, int row, int first) const {
+    return frames[e * count() + n].row(row) + first;
+  }
+
+  /// t_e where exposure e has no saturated frame, else 0.
+  void weigh(std::size_t e, int row, int first, int width, TileRow& weights) const {
+    std::array<Pixel, tile> greatest{};
+    for (std::size_t n = 0; n < count(); ++n) {
+      const Pixel* const I = levels(e, n, row, first);
+      for (int i = 0; i < width; ++i) greatest[i] = std::max(greatest[i], I[i]);
+    }
+    const auto t = static_cast<float>(exposures[e]);
+    for (int i = 0; i < width; ++i) weights[i] = greatest[i] < full ? t : 0;
+  }
+
+  void operator()(int row, int first, int width) const {
+    std::array<TileRow, most_exposures> weights;
+    TileRow squares{};
+    for (std::size_t e = 0; e < exposures.size(); ++e) {
+      weigh(e, row, first, width, weights[e]);
+      for (int i = 0; i < width; ++i) squares[i] += weights[e][i] * weights[e][i];
+    }
+    const auto least = static_cast<float>(exposures[shortest()]);
+    TileRow saturated{};
+    for (int i = 0; i < width; ++i) {
+      saturated[i] = squares[i] == 0 ? 1 : 0;
+      weights[shortest()][i] += saturated[i] * least;
+      squares[i] += saturated[i] * least * least;
+    }
+    float* const gain = merged.gain.row(row) + first;
+    TileRow norms;
+    for (int i = 0; i < width; ++i) {
+      gain[i] = std::sqrt(squares[i]) / least;
+      norms[i] = scale / std::sqrt(squares[i]);
+    }
+    for (std::size_t n = 0; n < count(); ++n) sum(n, row, first, width, weights, norms, saturated);
+  }
+
+  void sum(std::size_t n, int row, int first, int width,
+           const std::array<TileRow, most_exposures>& weights, const TileRow& norms,
+           const TileRow& saturated) const {
+    constexpr float marked = FrameViews::merged_saturation;
+    TileRow sums{};
+    for (std::size_t e = 0; e < exposures.size(); ++e) {
+      const Pixel* const I = levels(e, n, row, first);
+      for (int i = 0; i < width; ++i) sums[i] += weights[e][i] * static_cast<float>(I[i]);
+    }
+    const Pixel* const shortly = levels(shortest(), n, row, first);
+    std::uint16_t* const merged_levels = merged.images[n].row(row) + first;
+    for (int i = 0; i < width; ++i) {
+      const float level = norms[i] * sums[i] + 0.5F;
+      const bool clipped = saturated[i] != 0 && shortly[i] >= full;
+      merged_levels[i] = static_cast<std::uint16_t>(clipped ? marked : std::min(level, marked - 1));
+    }
+  }
+};
 
 }  // namespace
 
@@ -58,9 +122,7 @@ FrameViews::FrameViews(Frames<std::uint8_t> frames) : frames_(std::move(frames))
 
 FrameViews::FrameViews(Frames<std::uint16_t> frames, int bits)
     : frames_(std::move(frames)), bits_(bits) {
-  if (bits < 8 || bits > 16) {
-    throw Error(fmt::format("{} bits per camera pixel are out of range; 8 to 16", bits));
-  }
+  require_bits(bits);
   require_same_size(std::get<Frames<std::uint16_t>>(frames_));
 }
 
@@ -89,13 +151,9 @@ FrameViews FrameViews::chosen(const std::vector<int>& frames) const {
 }
 
 FrameViews FrameViews::part(int first, int count) const {
-  return visit([&]<class Pixel>(const Frames<Pixel>& views) {
-    FrameViews part;
-    part.frames_ = Frames<Pixel>(views.begin() + first, views.begin() + first + count);
-    part.bits_ = bits_;
-    part.gain_ = gain_;
-    return part;
-  });
+  std::vector<int> frames(static_cast<std::size_t>(count));
+  std::iota(frames.begin(), frames.end(), first);
+  return chosen(frames);
 }
 
 Image<std::uint8_t> saturation_mask(const FrameViews& frames) {
@@ -130,17 +188,19 @@ Image<double> weighted_sum(const FrameViews& frames, const std::vector<double>& 
   return sums;
 }
 
-FrameSet::FrameSet(Images8 images) : images_(checked(std::move(images))) {}
-
-FrameSet::FrameSet(Images16 images, int bits)
-    : images_(checked(std::move(images), bits)), bits_(bits) {}
-
-FrameSet::FrameSet(Images16 images, int bits, Image<float> gain)
-    : FrameSet(std::move(images), bits) {
-  gain_ = std::move(gain);
+FrameSet::FrameSet(Images8 images) : images_(std::move(images)) {
+  require_same_size(std::get<Images8>(images_));
 }
 
-FrameSet::FrameSet(ImagesUnquantised images) : images_(checked(std::move(images))) {}
+FrameSet::FrameSet(Images16 images, int bits, Image<float> gain)
+    : images_(std::move(images)), bits_(bits), gain_(std::move(gain)) {
+  require_bits(bits);
+  require_same_size(std::get<Images16>(images_));
+}
+
+FrameSet::FrameSet(ImagesUnquantised images) : images_(std::move(images)) {
+  require_same_size(std::get<ImagesUnquantised>(images_));
+}
 
 FrameViews FrameSet::views() const {
   return std::visit(
@@ -155,29 +215,16 @@ FrameViews FrameSet::views() const {
       images_);
 }
 
-int FrameSet::count() const {
-  return std::visit([](const auto& images) { return static_cast<int>(images.size()); }, images_);
-}
-
-Size FrameSet::size() const {
-  return std::visit(
-      [](const auto& images) { return images.empty() ? Size{} : images.front().size(); }, images_);
-}
-
 bool is_order_of(const std::vector<int>& order, int count) {
-  std::vector<int> sorted = order;
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t n = 0; n < sorted.size(); ++n) {
-    if (sorted[n] != static_cast<int>(n)) return false;
-  }
-  return static_cast<int>(sorted.size()) == count;
+  std::vector<int> all(static_cast<std::size_t>(count));
+  std::iota(all.begin(), all.end(), 0);
+  return std::is_permutation(order.begin(), order.end(), all.begin(), all.end());
 }
 
 FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
-  if (!is_order_of(order, frames.count())) {
-    throw Error(fmt::format("an order of {} frames has each of 0 to {} in it once", frames.count(),
-                            frames.count() - 1));
-  }
+  throw_if(!is_order_of(order, frames.count()),
+           "an order of {} frames has each of 0 to {} in it once", frames.count(),
+           frames.count() - 1);
   std::visit(
       [&](auto& images) {
         std::remove_cvref_t<decltype(images)> ordered;
@@ -191,19 +238,36 @@ FrameSet reordered(FrameSet frames, const std::vector<int>& order) {
   return frames;
 }
 
-std::pair<FrameSet, FrameSet> halves(FrameSet frames) {
-  FrameSet second;
-  second.bits_ = frames.bits_;
-  second.gain_ = frames.gain_;
+std::vector<FrameSet> parts_of(FrameSet frames, int count) {
+  std::vector<FrameSet> parts(static_cast<std::size_t>(count));
   std::visit(
-      [&](auto& images) {
-        const auto middle = images.begin() + static_cast<std::ptrdiff_t>(images.size() / 2);
-        second.images_ = std::remove_cvref_t<decltype(images)>(std::move_iterator(middle),
-                                                               std::move_iterator(images.end()));
-        images.erase(middle, images.end());
+      [&]<class Images>(Images& images) {
+        auto next = std::move_iterator(images.begin());
+        const auto each = std::ssize(images) / count;
+        for (FrameSet& part : parts) {
+          part.images_ = Images(next, next + each);
+          part.bits_ = frames.bits_;
+          part.gain_ = frames.gain_;
+          next += each;
+        }
       },
       frames.images_);
-  return {std::move(frames), std::move(second)};
+  return parts;
+}
+
+FrameSet joined(std::vector<FrameSet> sets) {
+  if (sets.empty()) return {};
+  std::visit(
+      [&]<class Images>(Images& images) {
+        for (FrameSet& set : std::span(sets).subspan(1)) {
+          auto* const more = std::get_if<Images>(&set.images_);
+          throw_if(more == nullptr, "frames of several formats cannot be merged");
+          std::move(more->begin(), more->end(), std::back_inserter(images));
+        }
+        require_same_size(images);
+      },
+      sets.front().images_);
+  return std::move(sets.front());
 }
 
 void MeanFrames::add(const FrameSet& frames) {
@@ -213,22 +277,18 @@ void MeanFrames::add(const FrameSet& frames) {
     sums_.assign(static_cast<std::size_t>(frames.count()), Image<double>(frames.size()));
     saturated_ = saturated;
   }
-  if (frames.count() != static_cast<int>(sums_.size()) || frames.bits() != bits_ ||
-      frames.size() != saturated_.size()) {
-    throw Error(fmt::format(
-        "scan {} has {} frames of {}x{} with {} bits, the first {} of {}x{} with {}; scans that "
-        "are averaged are alike",
-        count_, frames.count(), frames.size().width, frames.size().height, frames.bits(),
-        sums_.size(), saturated_.width(), saturated_.height(), bits_));
-  }
+  throw_if(frames.count() != static_cast<int>(sums_.size()) || frames.bits() != bits_ ||
+               frames.size() != saturated_.size(),
+           "scan {} has {} frames of {}x{} with {} bits, the first {} of {}x{} with {}; scans that "
+           "are averaged are alike",
+           count_, frames.count(), frames.size().width, frames.size().height, frames.bits(),
+           sums_.size(), saturated_.width(), saturated_.height(), bits_);
   const double grey_level = frames.full_scale() / 255;
   frames.visit([&](const auto& views) {
     for (std::size_t n = 0; n < views.size(); ++n) {
-      for (int row = 0; row < views[n].height(); ++row) {
-        for (int column = 0; column < views[n].width(); ++column) {
-          sums_[n](column, row) += static_cast<double>(views[n](column, row)) / grey_level;
-        }
-      }
+      for_each_pixel_in_order(views[n].size(), [&](int column, int row) {
+        sums_[n](column, row) += static_cast<double>(views[n](column, row)) / grey_level;
+      });
     }
   });
   std::transform(saturated.begin(), saturated.end(), saturated_.begin(), saturated_.begin(),
@@ -242,6 +302,45 @@ FrameSet MeanFrames::mean() const {
     for (double& intensity : image) intensity /= count_;
   }
   return FrameSet(std::move(means));
+}
+
+void merge_exposures(const FrameViews& frames, const std::vector<double>& exposures,
+                     MergedFrames& merged) {
+  const auto given = static_cast<std::size_t>(frames.count());
+  throw_if(exposures.empty() || exposures.size() > most_exposures || given == 0 ||
+               given % exposures.size() != 0,
+           "{} frames are not as many for each of {} exposures, at most {}", given,
+           exposures.size(), most_exposures);
+  const Size size = frames.size();
+  merged.images.resize(given / exposures.size());
+  for (auto& image : merged.images) {
+    if (image.size() != size) image = Image<std::uint16_t>(size);
+  }
+  if (merged.gain.size() != size) merged.gain = Image<float>(size);
+  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    if constexpr (std::is_integral_v<Pixel>) {
+      const double scale = ((1 << merged_bits) - 1) / frames.full_scale();
+      const Merge<Pixel> merge{views, exposures, static_cast<Pixel>(frames.full_scale()),
+                               static_cast<float>(scale), merged};
+      for_each_row(size.height, [&merge, width = size.width](int row) {
+        for (int first = 0; first < width; first += tile) {
+          merge(row, first, std::min(tile, width - first));
+        }
+      });
+    } else {
+      throw Error("frames that are not quantised are of one exposure: nothing saturates them");
+    }
+  });
+  merged.views.assign<std::uint16_t>(
+      merged.images, merged_bits,
+      [](const Image<std::uint16_t>& image) { return ImageView<const std::uint16_t>(image); });
+  merged.views.set_gain(merged.gain);
+}
+
+FrameSet merged_exposures(const FrameViews& frames, const std::vector<double>& exposures) {
+  MergedFrames merged;
+  merge_exposures(frames, exposures, merged);
+  return {std::move(merged.images), merged_bits, std::move(merged.gain)};
 }
 
 }  // namespace slipstream

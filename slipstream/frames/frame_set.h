@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -13,9 +12,8 @@ namespace slipstream {
 template <class Pixel>
 using Frames = std::vector<ImageView<const Pixel>>;
 
-/// The frames of one scan, in pattern order, wherever they stand in memory and with any stride:
-/// 8-bit, 9- to 16-bit, or unquantised (double, grey levels of an 8-bit camera). Valid as long as
-/// their memory is. All that decodes takes these; FrameSet owns frames and gives them.
+/// The frames of one scan in pattern order, borrowed, with any stride: 8-bit, 9- to 16-bit, or
+/// unquantised (double, 8-bit grey levels). All that decodes takes these; FrameSet owns frames.
 class FrameViews {
  public:
   FrameViews() = default;
@@ -35,8 +33,7 @@ class FrameViews {
   [[nodiscard]] const ImageView<const float>& gain() const { return gain_; }
   [[nodiscard]] bool merged() const { return gain_.width() > 0; }
   void set_gain(const ImageView<const float>& gain) { gain_ = gain; }
-  /// The grey level from which on a pixel may be saturated: the full scale, but in merged frames,
-  /// which go beyond it and mark saturated pixels so.
+  /// Grey level from which on a pixel may be saturated: full scale, or the mark of merged frames.
   [[nodiscard]] double saturation() const { return merged() ? merged_saturation : full_scale(); }
   static constexpr std::uint16_t merged_saturation = 65535;
   [[nodiscard]] bool quantised() const { return !std::holds_alternative<Frames<double>>(frames_); }
@@ -70,15 +67,13 @@ class FrameViews {
   ImageView<const float> gain_{};
 };
 
-/// 1 where any frame shows the largest grey level, so that the true intensity may have been more.
-/// Unquantised frames never do.
+/// 1 where any frame is at full scale and the true intensity may be more; never if unquantised.
 Image<std::uint8_t> saturation_mask(const FrameViews& frames);
 
 /// 1 where no frame is at either end of the grey levels, so that sums of them are right.
 Image<std::uint8_t> unclipped_mask(const FrameViews& frames);
 
-/// sum_n weights[n] I_n of every pixel, grey levels of the frames; the first `weights.size()` of
-/// them.
+/// sum_n weights[n] I_n of every pixel, grey levels of the first `weights.size()` frames.
 Image<double> weighted_sum(const FrameViews& frames, const std::vector<double>& weights);
 
 /// The frames of one scan with their memory: see FrameViews, which it gives.
@@ -91,23 +86,20 @@ class FrameSet {
   FrameSet() = default;
   /// Throws Error when the frames are of different sizes or `bits` do not fit the pixel.
   explicit FrameSet(Images8 images);
-  FrameSet(Images16 images, int bits);
-  /// Merged frames: see merged_exposures.
-  FrameSet(Images16 images, int bits, Image<float> gain);
+  /// `gain`: of merged frames, see merged_exposures.
+  FrameSet(Images16 images, int bits, Image<float> gain = {});
   explicit FrameSet(ImagesUnquantised images);
 
   /// Of these frames, where they stand now.
   [[nodiscard]] FrameViews views() const;
   operator FrameViews() const { return views(); }
 
-  [[nodiscard]] int count() const;
-  [[nodiscard]] Size size() const;
+  [[nodiscard]] int count() const { return views().count(); }
+  [[nodiscard]] Size size() const { return views().size(); }
   /// See FrameViews.
   [[nodiscard]] int bits() const { return bits_; }
-  [[nodiscard]] double full_scale() const { return (1 << bits_) - 1; }
-  [[nodiscard]] bool quantised() const {
-    return !std::holds_alternative<ImagesUnquantised>(images_);
-  }
+  [[nodiscard]] double full_scale() const { return views().full_scale(); }
+  [[nodiscard]] bool quantised() const { return views().quantised(); }
 
   /// Calls `visitor` with the frames as `Frames<Pixel>`.
   template <class Visitor>
@@ -116,7 +108,8 @@ class FrameSet {
   }
 
   friend FrameSet reordered(FrameSet frames, const std::vector<int>& order);
-  friend std::pair<FrameSet, FrameSet> halves(FrameSet frames);
+  friend std::vector<FrameSet> parts_of(FrameSet frames, int count);
+  friend FrameSet joined(std::vector<FrameSet> sets);
 
  private:
   std::variant<Images8, Images16, ImagesUnquantised> images_;
@@ -127,12 +120,15 @@ class FrameSet {
 /// Whether it has each of 0 to `count` - 1 in it, once.
 bool is_order_of(const std::vector<int>& order, int count);
 
-/// The same frames, of which frame n is the one that was at place `order[n]`. No pixel is copied.
-/// Throws Error unless it is an order of so many.
+/// The frames ordered so that n is the one at `order[n]`; copies no pixel. Throws Error for no
+/// order.
 FrameSet reordered(FrameSet frames, const std::vector<int>& order);
 
-/// The first half of the frames and the second, of an even number. No pixel but the gain is copied.
-std::pair<FrameSet, FrameSet> halves(FrameSet frames);
+/// As many frames in each part, one behind another. No pixel but the gain is copied.
+std::vector<FrameSet> parts_of(FrameSet frames, int count);
+
+/// Frame sets of one format, one behind another. Throws Error where they differ.
+FrameSet joined(std::vector<FrameSet> sets);
 
 /// Sums frame sets of one scene as they come, so that their noise averages out.
 class MeanFrames {
@@ -152,5 +148,26 @@ class MeanFrames {
   std::vector<Image<double>> sums_;
   Image<std::uint8_t> saturated_;
 };
+
+/// The memory of merged frames, and their views.
+struct MergedFrames {
+  FrameSet::Images16 images{};
+  Image<float> gain{};
+  FrameViews views{};
+};
+
+/// Merges frames of relative exposures t_e to one set, pixel by pixel: I_n = sum t_e I_n,e /
+/// sqrt(sum t_e^2) over the exposures e without a saturated frame there. As the signal grows with
+/// t_e and noise does not, these weights are those of inverse variance: a merged frame has the
+/// noise of a single one and a modulation sqrt(sum t_e^2) times that of exposure 1. Merging before
+/// the arctangent leaves phases one fringe order. A pixel that every exposure saturates has the
+/// frames of the shortest, marked as saturated. `frames` come exposure by exposure, at most 16;
+/// merged ones have 14 bits and a gain: see FrameViews. Memory is reused. Throws Error unless there
+/// are as many quantised frames for each exposure.
+void merge_exposures(const FrameViews& frames, const std::vector<double>& exposures,
+                     MergedFrames& merged);
+
+/// The same, with memory of their own.
+FrameSet merged_exposures(const FrameViews& frames, const std::vector<double>& exposures);
 
 }  // namespace slipstream

@@ -1,11 +1,9 @@
 #include "slipstream/frames/frame_source.h"
 
 #include <numeric>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/colour.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 
@@ -17,12 +15,10 @@ std::uint64_t byte_count(const FrameFormat& format) {
 
 void require_valid(const FrameFormat& format) {
   const auto [width, height] = format.size;
-  if (width < 1 || height < 1) {
-    throw Error(fmt::format("frames of {}x{} pixels: both must be at least 1", width, height));
-  }
-  if (format.bits < 8 || format.bits > 16) {
-    throw Error(fmt::format("frames of {} bits: 8 to 16 can be read", format.bits));
-  }
+  throw_if(width < 1 || height < 1, "frames of {}x{} pixels: both must be at least 1", width,
+           height);
+  throw_if(format.bits < 8 || format.bits > 16, "frames of {} bits: 8 to 16 can be read",
+           format.bits);
 }
 
 Frame::Frame(const FrameFormat& format) : bits(format.bits) {
@@ -34,14 +30,28 @@ Frame::Frame(const FrameFormat& format) : bits(format.bits) {
   }
 }
 
-FrameFormat Frame::format() const {
-  return {std::visit([](const auto& image) { return image.size(); }, pixels), bits};
-}
-
 Reel reel_of(std::vector<Frame> frames) {
   std::vector<std::size_t> order(frames.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   return {.frames = std::move(frames), .order = std::move(order)};
 }
+
+template <class Pixel>
+void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
+                      const std::string& device) {
+  throw_if(patterns.empty(), "no pattern to be shown; one or more are wanted");
+  const Size wanted = size.value_or(patterns.front().size());
+  for (const Image<Pixel>& pattern : patterns) {
+    if (pattern.size() == wanted) continue;
+    throw Error(fmt::format("the patterns are {}x{}, but {} is {}x{}; each pixel must meet its own",
+                            pattern.width(), pattern.height(), size ? device : "the first",
+                            wanted.width, wanted.height));
+  }
+}
+
+template void require_patterns(const std::vector<Image<std::uint8_t>>&, std::optional<Size>,
+                               const std::string&);
+template void require_patterns(const std::vector<Image<Colour>>&, std::optional<Size>,
+                               const std::string&);
 
 }  // namespace slipstream

@@ -2,10 +2,8 @@
 
 #include <array>
 #include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -43,7 +41,9 @@ struct Frame {
   /// Black. Throws Error where the format is not valid.
   explicit Frame(const FrameFormat& format);
 
-  [[nodiscard]] FrameFormat format() const;
+  [[nodiscard]] FrameFormat format() const {
+    return {std::visit([](const auto& image) { return image.size(); }, pixels), bits};
+  }
 
   std::variant<Image<std::uint8_t>, Image<std::uint16_t>> pixels;
   int bits = 8;
@@ -94,8 +94,7 @@ struct SourceCounters {
   std::uint64_t reconnects = 0;  ///< times that the device was gone and came back
 };
 
-/// Where frames come from: a camera, a recording, the virtual scanner. One thread uses it; `state`
-/// and `counters` may be asked from any.
+/// Where frames come from. One thread uses it; `state` and `counters` may be asked from any.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -120,6 +119,22 @@ class FrameSource {
   virtual CameraControls* controls() { return nullptr; }
 };
 
+/// A source of what another gives, which answers all else.
+class SourceOver : public FrameSource {
+ public:
+  explicit SourceOver(std::unique_ptr<FrameSource> source) : source_(std::move(source)) {}
+
+  [[nodiscard]] bool has_own_pace() const override { return source_->has_own_pace(); }
+  void stop() override { source_->stop(); }
+  void trigger() override { source_->trigger(); }
+  [[nodiscard]] SourceCounters counters() const override { return source_->counters(); }
+  [[nodiscard]] std::string state() const override { return source_->state(); }
+  CameraControls* controls() override { return source_->controls(); }
+
+ protected:
+  std::unique_ptr<FrameSource> source_;
+};
+
 /// Frames that a camera gives over and over, each as often as `order` names it.
 struct Reel {
   std::vector<Frame> frames;
@@ -129,5 +144,30 @@ struct Reel {
 
 /// Each frame once, one after the other.
 Reel reel_of(std::vector<Frame> frames);
+
+/// What shows patterns: a monitor, a folder of pictures, the virtual rig. One thread uses it.
+class PatternSink {
+ public:
+  virtual ~PatternSink() = default;
+
+  /// Of the device, pixels: the size that patterns must have. None where any is taken.
+  [[nodiscard]] virtual std::optional<Size> size() const = 0;
+  /// Takes the patterns to be shown, grey levels of 8 bits, in place of those it had; none is shown
+  /// yet. Throws Error where there are none, or they are not all of one size or not of size().
+  virtual void load(std::vector<Image<std::uint8_t>> patterns) = 0;
+  /// Shows pattern n of those loaded until the next; returns once it is on show. Throws
+  /// std::out_of_range for an n that was not loaded, WorldError if the device refuses.
+  virtual void show(std::size_t n) = 0;
+  /// How many times a pattern was put on show since the sink was opened.
+  [[nodiscard]] virtual std::uint64_t shown() const = 0;
+  /// One line for people where something is amiss ("the monitor has no gamma table"), else empty.
+  [[nodiscard]] virtual std::string state() const = 0;
+};
+
+/// What every sink refuses. Throws Error where there are no patterns, or one is not of `size`, or
+/// of the first one's where that is none; `device` is what the message calls the sink.
+template <class Pixel = std::uint8_t>
+void require_patterns(const std::vector<Image<Pixel>>& patterns, std::optional<Size> size,
+                      const std::string& device);
 
 }  // namespace slipstream

@@ -1,37 +1,21 @@
 #include "slipstream/frames/pattern_windows.h"
 
-#include <array>
 #include <limits>
-#include <utility>
-#include <variant>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/names.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
 
-constexpr std::array<std::pair<PatternIndexing, std::string_view>, 3> names{
-    {{PatternIndexing::told, "told"},
-     {PatternIndexing::counted, "counted"},
-     {PatternIndexing::marker, "marker"}}};
+constexpr std::array<std::string_view, 3> indexing_names{"told", "counted", "marker"};
 
 }  // namespace
 
 PatternIndexing pattern_indexing_named(std::string_view name) {
-  for (const auto& [indexing, known] : names) {
-    if (known == name) return indexing;
-  }
-  throw Error(fmt::format("indexing '{}' is unknown; one of {}", name,
-                          fmt::join(pattern_indexing_names(), ", ")));
-}
-
-std::vector<std::string_view> pattern_indexing_names() {
-  std::vector<std::string_view> all;
-  for (const auto& [indexing, name] : names) all.push_back(name);
-  return all;
+  const auto indexing = value_named<PatternIndexing>(name, indexing_names);
+  throw_if(!indexing, "indexing '{}' is unknown; one of {}", name, fmt::join(indexing_names, ", "));
+  return *indexing;
 }
 
 void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views) {
@@ -68,15 +52,12 @@ RollingWindow::RollingWindow(int frames, int cycle)
       cycle_(static_cast<std::uint64_t>(cycle)),
       ring_(2 * count_) {}
 
-void RollingWindow::begin_at(std::uint64_t position) {
-  begun_ = true;
-  newest_ = position;
-  next_ = position + count_ - 1;
-}
-
 bool RollingWindow::put(std::uint64_t position, Pooled<Frame> frame) {
   if (position > std::numeric_limits<std::uint64_t>::max() / 2) return false;  // sums would wrap
-  if (!begun_) begin_at(position);
+  if (!std::exchange(begun_, true)) {
+    newest_ = position;
+    next_ = position + count_ - 1;
+  }
   if (position + count_ - 1 < next_ || has(position)) return false;
   at(position) = {position, std::move(frame)};
   if (position <= newest_) return true;
@@ -131,9 +112,9 @@ PatternWindows::PatternWindows(PatternCycle cycle, PatternIndexing indexing, Siz
     : patterns_(cycle.patterns),
       cycle_(patterns_ + (indexing == PatternIndexing::marker ? 1 : 0)),
       indexing_(indexing),
-      grid_(size),
+      sampled_(sample_places(size)),
       alignment_(std::move(cycle.runs)),
-      watch_(cycle_, grid_.count()),
+      watch_(cycle_, sampled_.size()),
       window_(patterns_ + cycle.extra, patterns_),
       aligned_(indexing != PatternIndexing::marker) {
   recent_.reserve(static_cast<std::size_t>(cycle_));
@@ -160,14 +141,9 @@ void PatternWindows::follow_source(const FrameStamp& stamp) {
   told_ = told;
 }
 
-void PatternWindows::remember(const Pooled<Frame>& frame) {
-  if (recent_.size() == static_cast<std::size_t>(cycle_)) recent_.erase(recent_.begin());
-  recent_.push_back(frame);
-}
-
 bool PatternWindows::place(const Pooled<Frame>& frame) {
   const Place place = place_of(frame->stamp.sequence);
-  return is_marker(place) || window_.put(place.position, frame);
+  return place.index == patterns_ || window_.put(place.position, frame);
 }
 
 void PatternWindows::move_on(int places) {
@@ -195,8 +171,9 @@ bool PatternWindows::put(const Pooled<Frame>& frame) {
   follow_source(stamp);
   if (!std::exchange(begun_, true)) first_ = stamp.sequence;
   newest_ = stamp.sequence;
-  remember(frame);
-  grid_.sample(*frame, samples_);
+  if (recent_.size() == static_cast<std::size_t>(cycle_)) recent_.erase(recent_.begin());
+  recent_.push_back(frame);
+  sample(*frame, sampled_, samples_);
 
   const auto [verdict, slipped] = watch_.look(place_of(stamp.sequence).index, samples_);
   if (verdict == SlipWatch::Verdict::slipping) return true;

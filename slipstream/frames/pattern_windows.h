@@ -1,16 +1,117 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
-#include <string_view>
-#include <vector>
-
-#include "slipstream/frames/cycle_alignment.h"
 #include "slipstream/frames/frame_set.h"
 #include "slipstream/frames/frame_source.h"
 #include "slipstream/frames/pool.h"
 
 namespace slipstream {
+
+/// Indices of a few pixels, spread over a picture, by which frames are compared. They come in
+/// pairs: pixel 2 i + 1 is a few pixels right of and below pixel 2 i.
+std::vector<std::size_t> sample_places(Size size);
+/// Their grey levels of an 8-bit camera, into `samples`.
+void sample(const Frame& frame, const std::vector<std::size_t>& places,
+            std::vector<float>& samples);
+
+/// Finds that patterns have slipped against their indices: frames of one pattern, a cycle apart,
+/// change little; another pattern is another picture. Compares each frame with the last of every
+/// index, by the mean difference of samples where the patterns show.
+class SlipWatch {
+ public:
+  enum class Verdict {
+    agrees,    ///< with its index, or nothing is to be told from it
+    slipping,  ///< agrees with another index, at most half as far away
+    slipped,   ///< a whole cycle of frames has agreed with indices as many places on
+  };
+  struct Finding {
+    Verdict verdict = Verdict::agrees;
+    int places = 0;  ///< to be added to the indices, where slipped
+  };
+
+  /// `cycle`: patterns that follow each other and begin again; `samples` of each frame.
+  SlipWatch(int cycle, std::size_t samples);
+
+  Finding look(int index, const std::vector<float>& samples);
+
+  /// Whether there has been a frame of each index; until then nothing is told.
+  [[nodiscard]] bool has_cycle() const;
+  /// Samples of one cycle of frames by index, each in pairs of neighbours see sample_places.
+  [[nodiscard]] const std::vector<std::vector<float>>& cycle() const { return last_; }
+
+  /// Indices are that many places on from now.
+  void move_on(int places);
+
+ private:
+  struct Seen {
+    int index = 0;
+    std::vector<float> samples;
+  };
+
+  /// Mean difference from the last frame of each index; infinite where that tells nothing.
+  void measure_distances(const std::vector<float>& samples);
+  void keep(int index, const std::vector<float>& samples);
+  /// Takes the suspected frames for what they say, moved on by `places`.
+  void settle(int places);
+  [[nodiscard]] int moved(int index, int places) const {
+    return (index + places % count_ + count_) % count_;
+  }
+
+  int count_;
+  std::vector<std::vector<float>> last_;
+  std::vector<bool> known_;
+  std::vector<float> distances_;
+  std::vector<Seen> suspects_;  ///< as many as the cycle, the first `suspected_` of them used
+  int suspected_ = 0;
+  int supporting_ = 0;
+  int places_ = 0;
+};
+
+/// Samples of one cycle of frames by index, each in pairs of neighbours: see sample_places.
+using CycleSamples = std::vector<std::vector<float>>;
+
+/// A run of phase-shifted frames in a cycle.
+struct CycleRun {
+  int first = 0;
+  std::vector<double> cosines, sines;  ///< 2/N cos(2 pi n / N), likewise
+};
+
+/// Finds from one cycle how many places its indices are off. One sinusoid looks alike from any
+/// start, so it says nothing. Several runs of steps fit the frames with one mean and modulation,
+/// and phases of more periods vary more from pixel to pixel, only at the right start: the residuals
+/// of that fit for each place are compared.
+class CycleAlignment {
+ public:
+  /// `runs`: all of the cycle, from few periods to many; with none nothing is told.
+  explicit CycleAlignment(std::vector<CycleRun> runs);
+
+  /// Places to be added to the indices; 0 where they are right or it is not to be told.
+  [[nodiscard]] int misalignment(const CycleSamples& cycle);
+
+ private:
+  struct Explanation;
+
+  /// How the runs explain the cycle where the first frame has the index `first`.
+  [[nodiscard]] Explanation explain(const CycleSamples& cycle, int first);
+
+  /// A run's sinusoid through the samples of its frames: Liu 2010, Eqs. (1.3)-(1.6).
+  struct Fit {
+    double frames = 0;                      ///< N
+    double mean = 0, cosine = 0, sine = 0;  ///< A, B cos(phi), B sin(phi)
+    double residual = 0;                    ///< sum of squares
+
+    [[nodiscard]] double modulation() const;
+  };
+  [[nodiscard]] static Fit fit(const CycleSamples& cycle, std::size_t sample, int first,
+                               const CycleRun& run);
+
+  std::vector<CycleRun> runs_;  ///< empty where nothing is to be told
+  // Kept from cycle to cycle, so that nothing is allocated.
+  std::vector<std::array<Fit, 2>> fits_;  ///< of each run, at a sample and its neighbour
+  std::vector<double> turns_;             ///< how each run's phase varies
+};
+
+/// The same for a cycle that ends with a marker, darkest or brightest; nullopt if no frame is one.
+std::optional<int> marker_misalignment(const CycleSamples& cycle);
 
 /// How it is known which pattern a frame shows. Whichever it is, the pictures are watched, and a
 /// slipped index is set right: see PatternWindows.
@@ -22,10 +123,8 @@ enum class PatternIndexing {
 
 /// "told", "counted", "marker"; throws Error for any other name.
 PatternIndexing pattern_indexing_named(std::string_view name);
-std::vector<std::string_view> pattern_indexing_names();
 
-/// The frames of a window, which are of one format, as they stand, into `views`, whose memory is
-/// used.
+/// The frames of a window, of one format, into `views`, whose memory is reused.
 void view_window(const std::vector<Pooled<Frame>>& window, FrameViews& views);
 
 /// The same; valid as long as the window's shares are.
@@ -35,10 +134,9 @@ FrameViews views_of(const std::vector<Pooled<Frame>>& window);
 /// of the window's first frame.
 FrameViews middle_cycle(const FrameViews& window, int first_pattern, int extra);
 
-/// The windows of W frames in a row of a cycle of N patterns. Frames have positions: position p
-/// shows pattern p modulo N, and a position without a frame invalidates the W windows that contain
-/// it, no others. A frame may come late as long as a window can still wait for it without keeping
-/// another one waiting: until the one W places on has come.
+/// Windows of W successive frames of a cycle of N patterns. Position p shows pattern p modulo N;
+/// one without a frame invalidates only the W windows that contain it. A frame may come late until
+/// the one W places on has come, so that it keeps no other window waiting.
 class RollingWindow {
  public:
   RollingWindow(int frames, int cycle);
@@ -70,7 +168,6 @@ class RollingWindow {
   [[nodiscard]] bool has(std::uint64_t position) { return at(position).position == position; }
   /// Whether every frame of the window that ends at `next_` is there.
   [[nodiscard]] bool whole();
-  void begin_at(std::uint64_t position);
 
   std::uint64_t count_, cycle_;
   std::vector<Place> ring_;
@@ -88,13 +185,12 @@ struct PatternCycle {
   std::vector<CycleRun> runs{};  ///< see CycleAlignment
 };
 
-/// Frames in, windows of the N newest out, each in pattern order, or of the N + K newest of a
-/// cycle with K extra frames, as they came. The index of a frame is known as
-/// `indexing` says and checked in its picture: against the frames of the cycle before (SlipWatch)
-/// and, of several sinusoids, against the others of its own (CycleAlignment). A frame that shows
-/// another pattern than its index says is in no window; once a cycle of them agrees on how far they
-/// have slipped, or the cycle shows it at once, indices are set right and windows made of what is
-/// there. One thread uses it.
+/// Frames in, windows of the newest N out in pattern order, or of N + K of a cycle with K extra
+/// frames, as they came. Indices are as `indexing` says and checked by the pictures: against the
+/// cycle before (SlipWatch) and, of several sinusoids, against their own (CycleAlignment). A frame
+/// whose picture contradicts its index is in no window; once a cycle of them agrees on the slip, or
+/// one cycle shows it at once, indices are corrected and windows made of what is there. One thread
+/// uses it.
 class PatternWindows {
  public:
   /// `size`: of the frames.
@@ -122,9 +218,7 @@ class PatternWindows {
   };
 
   [[nodiscard]] Place place_of(std::uint64_t sequence) const;
-  [[nodiscard]] bool is_marker(const Place& place) const { return place.index == patterns_; }
   void follow_source(const FrameStamp& stamp);
-  void remember(const Pooled<Frame>& frame);
   /// Puts it in the window, if it is a pattern.
   bool place(const Pooled<Frame>& frame);
   /// Indices are that many places on, from the oldest of the recent frames.
@@ -135,7 +229,7 @@ class PatternWindows {
   int patterns_;  ///< N, for each exposure
   int cycle_;     ///< and a marker where there is one
   PatternIndexing indexing_;
-  SampleGrid grid_;
+  std::vector<std::size_t> sampled_;  ///< see sample_places
   CycleAlignment alignment_;
   SlipWatch watch_;
   RollingWindow window_;

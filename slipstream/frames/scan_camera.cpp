@@ -1,33 +1,11 @@
 #include "slipstream/frames/scan_camera.h"
 
-#include <algorithm>
 #include <cmath>
-#include <type_traits>
-#include <utility>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
-
-template <class Pixel>
-bool same_but_for_noise(const Frames<Pixel>& before, const Frames<Pixel>& after,
-                        double full_scale) {
-  constexpr double noise = 16.0 / 255;
-  constexpr std::size_t one_of = 200;
-  std::size_t pixels = 0, changed = 0;
-  for (std::size_t n = 0; n < before.size(); ++n) {
-    for (int row = 0; row < before[n].height(); ++row) {
-      const Pixel *a = before[n].row(row), *b = after[n].row(row);
-      for (int column = 0; column < before[n].width(); ++column) {
-        const double difference = static_cast<double>(a[column]) - static_cast<double>(b[column]);
-        changed += std::abs(difference) > noise * full_scale ? 1 : 0;
-      }
-      pixels += static_cast<std::size_t>(before[n].width());
-    }
-  }
-  return changed * one_of < pixels;
-}
 
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
@@ -37,10 +15,8 @@ constexpr milliseconds longest_wait{5000};
 
 void set_exposure(FrameSource& source, double seconds) {
   CameraControls* const controls = source.controls();
-  if (controls == nullptr) {
-    throw Error(
-        "this source of frames takes no other exposure while it runs; leave --exposures out");
-  }
+  throw_if(controls == nullptr,
+           "this source of frames takes no other exposure while it runs; leave --exposures out");
   controls->set_control(CameraControl::exposure, seconds * 1e3);
 }
 
@@ -51,13 +27,19 @@ bool is_still(const FrameViews& before, const FrameViews& after) {
       before.bits() != after.bits()) {
     return false;
   }
+  const double noise = 16.0 / 255 * before.full_scale();
+  constexpr std::size_t one_of = 200;
   return before.visit([&]<class Pixel>(const Frames<Pixel>& a) {
     return after.visit([&]<class Other>(const Frames<Other>& b) {
-      if constexpr (std::is_same_v<Pixel, Other>) {
-        return same_but_for_noise(a, b, before.full_scale());
-      } else {
-        return false;
+      std::size_t pixels = 0, changed = 0;
+      for (std::size_t n = 0; n < a.size(); ++n) {
+        for_each_pixel_in_order(a[n].size(), [&](int column, int row) {
+          const auto level = static_cast<double>(a[n](column, row));
+          changed += std::abs(level - static_cast<double>(b[n](column, row))) > noise ? 1 : 0;
+          ++pixels;
+        });
       }
+      return std::is_same_v<Pixel, Other> && changed * one_of < pixels;
     });
   });
 }
@@ -90,7 +72,7 @@ ShownScans::ShownScans(PatternSink& sink, FrameSource& source,
       patterns.push_back(std::move(pattern));
     }
   }
-  if (patterns.empty()) throw Error("no pattern to be shown; one or more are wanted");
+  throw_if(patterns.empty(), "no pattern to be shown; one or more are wanted");
   light_ = patterns.size();
   patterns.emplace_back(patterns.front().size(), brightest);
   sink_.load(std::move(patterns));

@@ -1,13 +1,7 @@
 #pragma once
 
-#include <chrono>
-#include <cstddef>
-#include <optional>
-#include <vector>
-
 #include "slipstream/frames/frame_set.h"
 #include "slipstream/frames/frame_source.h"
-#include "slipstream/frames/pattern_sink.h"
 
 namespace slipstream {
 
@@ -22,8 +16,7 @@ class ScanCamera {
  public:
   virtual ~ScanCamera() = default;
 
-  /// Waits for a glimpse, `timeout` at most. None where none came. Throws WorldError where the
-  /// source of frames has ended.
+  /// Waits at most `timeout`; nullopt if none came. Throws WorldError if the source has ended.
   virtual std::optional<Glimpse> look(std::chrono::milliseconds timeout) = 0;
   /// The frames of each scan, in pattern order, of what the last glimpse showed. None where
   /// something moved meanwhile, or a frame was lost.
@@ -40,13 +33,11 @@ FrameSet frame_set_of(std::vector<Frame> frames);
 
 /// How a camera keeps in step with what is shown.
 struct StepSettings {
-  /// From when a pattern is put on show until a frame may begin that is to show it: the projector's
-  /// own delay, and the longest exposure. Frames of a source without a pace of its own begin when
-  /// they are asked for, so they need none.
+  /// From showing a pattern to the start of its frame: the projector's delay and the longest
+  /// exposure. Unused for a source without a pace of its own.
   std::chrono::milliseconds settling{100};
   bool triggered = false;  ///< the camera waits for FrameSource::trigger
-  /// s: the patterns of each scan are as many groups, and the camera is set to one for each. Empty:
-  /// it stays as it is.
+  /// s; one for each of as many groups of every scan's patterns. Empty: the camera's own.
   std::vector<double> exposures{};
 };
 

@@ -1,15 +1,13 @@
 #include "slipstream/geometry/height_calibration.h"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include <Eigen/Cholesky>
-#include <fmt/format.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -120,9 +118,8 @@ HeightFit fit_heights(const std::vector<PlanePhase>& planes) {
     require_one_size(planes.front().phase.size(), phase.size());
     if (std::isfinite(height)) known.insert(height);
   }
-  if (known.size() < std::max(planes.size(), fewest_planes) || !known.contains(0)) {
-    throw Error("three planes or more are wanted, each at another height, the reference at 0");
-  }
+  throw_if(known.size() < std::max(planes.size(), fewest_planes) || !known.contains(0),
+           "three planes or more are wanted, each at another height, the reference at 0");
   HeightFit fit{.curves = fitted_curves(planes)};
   fit.pixels = calibrated_pixels(fit.curves);
   for (const auto& [height, phase] : planes) {

@@ -8,9 +8,9 @@
 
 namespace slipstream {
 
-/// Height by the phase of a pixel whose projector nobody calibrated: where the phase is d more than
-/// on a reference plane, 1 / height = slope / d + bend. Exact for lenses without distortion,
-/// whatever the pose of camera, projector and plane. Of NaN where the pixel is not calibrated.
+/// Height by the phase of a pixel without a calibrated projector: where the phase is d more than on
+/// a reference plane, 1 / height = slope / d + bend. Exact for lenses without distortion, whatever
+/// the poses of camera, projector and plane. NaN where the pixel is not calibrated.
 struct HeightCurve {
   static constexpr float nan = std::numeric_limits<float>::quiet_NaN();
   float reference = nan;              ///< the phase on the plane, of any unit
@@ -35,11 +35,10 @@ struct HeightFit {
   std::vector<double> rms{};  ///< error, mm, of the heights of each plane, in the order given
 };
 
-/// Fits each pixel by least squares to its planes. Not calibrated are pixels that see fewer than
-/// three, whose phase rises here and falls there, or whose planes fit six times worse than those of
-/// half of the others, and by more than a thousandth of the largest height. Throws Error unless
-/// there are three planes and more, of one size and each at another height, 0 among them, and a
-/// pixel is calibrated.
+/// Fits each pixel by least squares to its planes, but for pixels that see fewer than three, whose
+/// phase both rises and falls, or whose planes fit six times worse than those of half of the
+/// others, and by more than a thousandth of the largest height. Throws Error unless there are three
+/// planes or more, of one size and at different heights, 0 among them, and a pixel is calibrated.
 HeightFit fit_heights(const std::vector<PlanePhase>& planes);
 
 /// Of each pixel, mm, NaN where there is none. Throws Error where the sizes differ.

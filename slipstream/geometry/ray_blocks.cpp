@@ -1,13 +1,10 @@
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <numbers>
 #include <tuple>
 
 #include <Eigen/LU>
 
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/geometry/ray_table.h"
 #include "slipstream/geometry/stripe_geometry.h"
 
 namespace slipstream {
@@ -48,10 +45,6 @@ Eigen::Matrix<double, 1, count> chebyshev_polynomials(double x) {
   return T;
 }
 
-double unit_column(int column) {
-  return (column - 0.5 * (RayBlocks::width - 1)) / (0.5 * RayBlocks::width);
-}
-
 /// What all blocks share.
 struct Fit {
   NodeArray p, y;
@@ -78,19 +71,16 @@ struct Fit {
     }
     Eigen::Matrix<double, column_nodes, column_nodes> at_t;
     for (int i = 0; i < column_nodes; ++i) {
-      at_t.row(i) = chebyshev_polynomials<column_nodes>(unit_column(node_columns[index(i)]));
+      const double from_middle = node_columns[index(i)] - 0.5 * (RayBlocks::width - 1);
+      at_t.row(i) = chebyshev_polynomials<column_nodes>(from_middle / (0.5 * RayBlocks::width));
     }
     across = at_t.inverse().transpose();
   }
 };
 
-int terms(int power_of_t) {
-  constexpr std::array<int, column_nodes> kept{RayBlocks::constants, RayBlocks::slopes,
-                                               RayBlocks::bends, RayBlocks::twists};
-  return kept[index(power_of_t)];
-}
-
-constexpr RayBlocks::Range whole{-1, 1};
+/// Powers of p that are kept of each power of t.
+constexpr std::array<int, column_nodes> terms{RayBlocks::constants, RayBlocks::slopes,
+                                              RayBlocks::bends, RayBlocks::twists};
 
 RayBlocks::Range intersection(const RayBlocks::Range& a, const RayBlocks::Range& b) {
   return {std::max(a.least, b.least), std::min(a.largest, b.largest)};
@@ -108,8 +98,8 @@ RayBlocks::Range range_above(double margin, const PlaceArray& values, const Plac
   if (first == places) return {};
   int last = first;
   while (last + 1 < places && above(last + 1) > 0) ++last;
-  return {last + 1 == places ? whole.least : crossing(last, last + 1),
-          first == 0 ? whole.largest : crossing(first, first - 1)};
+  return {last + 1 == places ? -1.0F : crossing(last, last + 1),
+          first == 0 ? 1.0F : crossing(first, first - 1)};
 }
 
 /// What else is known of a block at a knot.
@@ -120,10 +110,11 @@ struct KnownBlock {
 };
 
 /// The blocks of one row of knots.
-class KnotRow {
- public:
-  KnotRow(const StripeGeometry& geometry, const Fit& fit, const RayTable& rays, int row)
-      : geometry_(geometry), fit_(fit), rays_(rays), row_(row) {}
+struct KnotRow {
+  const StripeGeometry& geometry;
+  const Fit& fit;
+  const RayTable& rays;
+  int row;
 
   /// Fills the block and says within what range it is `described`, as far as this row goes.
   KnownBlock fill(int first_column, Block& block) const {
@@ -135,56 +126,53 @@ class KnotRow {
       smallest = std::min(smallest, at.minCoeff());
       largest = std::max(largest, at.maxCoeff());
     }
-    const double length = fit_.y.maxCoeff() - fit_.y.minCoeff();
+    const double length = fit.y.maxCoeff() - fit.y.minCoeff();
     const double tolerance = coordinate_tolerance * (largest - smallest) / length;
     const bool described = fill_inverse_depth(inverse_depth, tolerance, block) &&
-                           fill_ray(rays_.E_x, first_column, Block::E_x, block) &&
-                           fill_ray(rays_.E_y, first_column, Block::E_y, block);
+                           fill_ray(rays.E_x, first_column, Block::E_x, block) &&
+                           fill_ray(rays.E_y, first_column, Block::E_y, block);
     if (!described) return {};
     PlaceArray least_depth;
-    const Eigen::Array<double, 2, 1> at_ends = (fit_.ends * inverse_depth).rowwise().minCoeff();
+    const Eigen::Array<double, 2, 1> at_ends = (fit.ends * inverse_depth).rowwise().minCoeff();
     least_depth << at_ends(0), inverse_depth.rowwise().minCoeff(), at_ends(1);
     const PlaceArray least_inside =
         inside_field(first_column).min(inside_field(first_column + RayBlocks::width - 1));
     return {
         true, tolerance,
-        intersection(range_above(depth_margin * (largest - smallest), least_depth, fit_.places_p),
-                     range_above(field_margin, least_inside, fit_.places_p))};
+        intersection(range_above(depth_margin * (largest - smallest), least_depth, fit.places_p),
+                     range_above(field_margin, least_inside, fit.places_p))};
   }
 
- private:
   [[nodiscard]] Eigen::Vector3d ray(int column) const {
-    return {rays_.E_x(column, row_), rays_.E_y(column, row_), 1};
+    return {rays.E_x(column, row), rays.E_y(column, row), 1};
   }
 
   /// NaN where its sign does not tell whether there is a point.
   [[nodiscard]] Eigen::Matrix<double, nodes, 1> inverse_depth_at(int column) const {
     const Eigen::Vector3d e = ray(column);
-    const double g = geometry_.facing * e;
-    const NodeArray q =
-        (geometry_.place_constant.dot(e) + fit_.p * geometry_.place_slope.dot(e)) / g;
-    const NodeArray w = fit_.y + geometry_.lens(fit_.p, q);
-    const NodeArray numerator = w * geometry_.depth(3) - geometry_.coordinate(3);
+    const double g = geometry.facing * e;
+    const NodeArray q = (geometry.place_constant.dot(e) + fit.p * geometry.place_slope.dot(e)) / g;
+    const NodeArray w = fit.y + geometry.lens(fit.p, q);
+    const NodeArray numerator = w * geometry.depth(3) - geometry.coordinate(3);
     if (!((numerator * g).minCoeff() > 0)) {
       return Eigen::Matrix<double, nodes, 1>::Constant(NAN);
     }
-    return (geometry_.coordinate.head<3>().dot(e) - w * geometry_.depth.head<3>().dot(e)) /
-           numerator;
+    return (geometry.coordinate.head<3>().dot(e) - w * geometry.depth.head<3>().dot(e)) / numerator;
   }
 
   [[nodiscard]] bool fill_inverse_depth(const Samples& samples, double tolerance,
                                         Block& block) const {
-    Samples spectrum = fit_.spectrum * samples * fit_.across;
+    Samples spectrum = fit.spectrum * samples * fit.across;
     double left_out = 0;
     for (int m = 0; m < column_nodes; ++m) {
-      left_out += spectrum.col(m).tail(nodes - terms(m)).lpNorm<1>();
-      spectrum.col(m).tail(nodes - terms(m)).setZero();
+      left_out += spectrum.col(m).tail(nodes - terms[index(m)]).lpNorm<1>();
+      spectrum.col(m).tail(nodes - terms[index(m)]).setZero();
     }
     if (!(left_out <= tolerance)) return false;
-    const Samples monomials = fit_.powers.transpose() * spectrum * fit_.across_powers;
+    const Samples monomials = fit.powers.transpose() * spectrum * fit.across_powers;
     auto c = block.coefficients.begin();
     for (int m = 0; m < column_nodes; ++m) {
-      for (int k = 0; k < terms(m); ++k) *c++ = static_cast<float>(monomials(k, m));
+      for (int k = 0; k < terms[index(m)]; ++k) *c++ = static_cast<float>(monomials(k, m));
     }
     return true;
   }
@@ -192,11 +180,11 @@ class KnotRow {
   bool fill_ray(const Image<float>& E, int first_column, int place, Block& block) const {
     Eigen::Matrix<double, 1, column_nodes> samples;
     for (int i = 0; i < column_nodes; ++i) {
-      samples(i) = E(first_column + node_columns[index(i)], row_);
+      samples(i) = E(first_column + node_columns[index(i)], row);
     }
-    const Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit_.across;
+    const Eigen::Matrix<double, 1, column_nodes> spectrum = samples * fit.across;
     if (!(std::abs(spectrum(3)) <= largest_ray_twist)) return false;
-    const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit_.across_powers;
+    const Eigen::Matrix<double, 1, column_nodes> monomials = spectrum * fit.across_powers;
     static_assert(RayBlocks::ray_terms == column_nodes);
     for (int m = 0; m < RayBlocks::ray_terms; ++m) {
       block.coefficients[index(place + m)] = static_cast<float>(monomials(m));
@@ -208,15 +196,10 @@ class KnotRow {
   [[nodiscard]] PlaceArray inside_field(int column) const {
     const Eigen::Vector3d e = ray(column);
     const PlaceArray q =
-        (geometry_.place_constant.dot(e) + fit_.places_p * geometry_.place_slope.dot(e)) /
-        (geometry_.facing * e);
-    return (q - fit_.low_edge).min(fit_.high_edge - q);
+        (geometry.place_constant.dot(e) + fit.places_p * geometry.place_slope.dot(e)) /
+        (geometry.facing * e);
+    return (q - fit.low_edge).min(fit.high_edge - q);
   }
-
-  const StripeGeometry& geometry_;
-  const Fit& fit_;
-  const RayTable& rays_;
-  int row_;
 };
 
 /// How far a quadratic through three knots misses the cubic through four.
@@ -269,7 +252,7 @@ std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTab
   Image<KnownBlock> known({across, down});
   const Fit fit(geometry);
   for_each_row(down, [&](int k) {
-    const KnotRow row(geometry, fit, rays, blocks.knot_rows[index(k)]);
+    const KnotRow row{geometry, fit, rays, blocks.knot_rows[index(k)]};
     for (int i = 0; i < across; ++i) {
       known(i, k) = row.fill(RayBlocks::first_column(i, size.width), blocks.knots(i, k));
     }

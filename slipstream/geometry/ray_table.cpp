@@ -1,8 +1,7 @@
-#include "slipstream/geometry/ray_table.h"
-
 #include <cmath>
 
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/geometry/stripe_geometry.h"
 
 namespace slipstream {
 namespace {
@@ -32,8 +31,7 @@ CubicWeights cubic_weights(double pixel, int knots) {
 
 /// The exact rays at the knots.
 struct Knots {
-  Image<double> E_x;
-  Image<double> E_y;
+  Image<double> E_x, E_y;
 };
 
 Knots knots_of(const Lens& camera, int apart, Size size) {
@@ -50,17 +48,14 @@ double interpolated(const Image<double>& knots, double x, double y) {
   const CubicWeights across = cubic_weights(x, knots.width());
   const CubicWeights down = cubic_weights(y, knots.height());
   double sum = 0;
-  for (int r = 0; r < 4; ++r) {
-    for (int c = 0; c < 4; ++c) {
-      sum += down.weight[static_cast<std::size_t>(r)] * across.weight[static_cast<std::size_t>(c)] *
-             knots(across.first_knot + c, down.first_knot + r);
-    }
-  }
+  for_each_pixel_in_order({4, 4}, [&](int c, int r) {
+    sum += down.weight[static_cast<std::size_t>(r)] * across.weight[static_cast<std::size_t>(c)] *
+           knots(across.first_knot + c, down.first_knot + r);
+  });
   return sum;
 }
 
-/// Whether the cubic meets the exact ray in the middle of the cells along the borders and both
-/// diagonals, where lenses bend most.
+/// Whether the cubic is right amid cells along borders and diagonals, where lenses bend most.
 bool meets_the_lens(const Lens& camera, const Knots& knots) {
   const auto meets = [&](double x, double y) {
     const Eigen::Vector3d exact = ray_through(camera, {x, y});
@@ -80,8 +75,7 @@ bool meets_the_lens(const Lens& camera, const Knots& knots) {
   return true;
 }
 
-/// What each of four knots counts for at the pixels of one cell, which all cells but the outermost
-/// share.
+/// Weights of four knots at the pixels of a cell; all cells but the outermost share them.
 using CellWeights = std::array<std::array<double, spacing>, 4>;
 
 CellWeights cell_weights(int cell, int knots) {
@@ -102,46 +96,36 @@ void fill_cell(const CellWeights& weights, const double* knots, float* pixels) {
 }
 
 /// Fills rows of one table: cubic down the knots' columns first, then along the row.
-class RowFiller {
- public:
-  RowFiller(const Image<double>& knots, int width)
-      : knots_(knots),
-        width_(width),
-        cells_(knots.width() - 1),
-        first_(cell_weights(0, knots.width())),
-        inner_(cell_weights(1, knots.width())),
-        last_(cell_weights(cells_ - 1, knots.width())) {}
+struct RowFiller {
+  const Image<double>& knots;
+  int width = 0;
+  int cells = knots.width() - 1;
+  CellWeights first = cell_weights(0, knots.width()), inner = cell_weights(1, knots.width()),
+              last = cell_weights(cells - 1, knots.width());
 
   void operator()(int row, std::vector<double>& column, float* table) const {
-    const auto& [first_knot, weight] = cubic_weights(row, knots_.height());
-    const auto knots = static_cast<std::size_t>(knots_.width());
-    column.resize(knots);
-    const std::array<const double*, 4> around{knots_.row(first_knot), knots_.row(first_knot + 1),
-                                              knots_.row(first_knot + 2),
-                                              knots_.row(first_knot + 3)};
-    for (std::size_t c = 0; c < knots; ++c) {
+    const auto& [first_knot, weight] = cubic_weights(row, knots.height());
+    const auto count = static_cast<std::size_t>(knots.width());
+    column.resize(count);
+    const std::array<const double*, 4> around{knots.row(first_knot), knots.row(first_knot + 1),
+                                              knots.row(first_knot + 2), knots.row(first_knot + 3)};
+    for (std::size_t c = 0; c < count; ++c) {
       column[c] = weight[0] * around[0][c] + weight[1] * around[1][c] + weight[2] * around[2][c] +
                   weight[3] * around[3][c];
     }
-    fill_cell(first_, column.data(), table);
-    for (int cell = 1; cell < cells_ - 1; ++cell) {
-      fill_cell(inner_, column.data() + cell - 1, table + cell * spacing);
+    fill_cell(first, column.data(), table);
+    for (int cell = 1; cell < cells - 1; ++cell) {
+      fill_cell(inner, column.data() + cell - 1, table + cell * spacing);
     }
     std::array<float, spacing> end{};
-    fill_cell(last_, column.data() + cells_ - 3, end.data());
-    const int start = (cells_ - 1) * spacing;
-    std::copy_n(end.begin(), width_ - start, table + start);
+    fill_cell(last, column.data() + cells - 3, end.data());
+    const int start = (cells - 1) * spacing;
+    std::copy_n(end.begin(), width - start, table + start);
   }
-
- private:
-  const Image<double>& knots_;
-  int width_;
-  int cells_;
-  CellWeights first_, inner_, last_;
 };
 
 RayTable between(const Knots& knots, Size size) {
-  const RowFiller fill_x(knots.E_x, size.width), fill_y(knots.E_y, size.width);
+  const RowFiller fill_x{knots.E_x, size.width}, fill_y{knots.E_y, size.width};
   RayTable table{Image<float>(size), Image<float>(size)};
   for_each_row(size.height, [&](int row) {
     std::vector<double> column;

@@ -1,17 +1,16 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "slipstream/codes/sequence.h"
-#include "slipstream/frames/frame_set.h"
+#include "slipstream/decode/frame_adapter.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
 
-/// Frames, what they show, and what took them: what a folder, a window of a recording or the
-/// virtual scanner gives.
+/// Frames, what they show, and what took them: from a folder, a recording or the virtual scanner.
 struct Scan {
   FrameSet frames{};
   /// Where they were put in order: frame n came as number order[n]; empty where as they came.
@@ -21,17 +20,33 @@ struct Scan {
   std::vector<double> exposures{1};  ///< that were merged to these frames; one where none were
   /// Where the patterns were shown along both axes: what the camera took of those along y.
   std::vector<Scan> other_axis{};
-  /// What further cameras took at the same time under the same projector, each with the scanner
-  /// that it makes with that. The world is the frame of this scan's camera.
+  /// Of further cameras at the same time under the same projector, each with the scanner that it
+  /// makes with that. The world is the frame of this scan's camera.
   std::vector<Scan> further_cameras{};
-  /// What there was to say about the frames as they were read, a line each, for people.
-  std::vector<std::string> warnings{};
+  std::vector<std::string> warnings{};  ///< about the frames as they were read, for people
 };
 
-/// The scan with the frames of its exposures merged to those of one, where there are several, or
-/// with what they hold at once taken apart, see FrameAdapter, and those along the other axis as a
-/// scan beside it: all that decodes reads it then as any other. Throws Error where the frames are
-/// not as many.
-Scan merged(Scan scan);
+/// The scans of one pose of a calibration board, each read when it is asked for.
+struct BoardScans {
+  std::string name;  ///< of the pose
+  std::function<Scan(Axis)> along;
+};
+
+/// The scan as all that decodes reads it: its exposures merged to one, what its frames hold at once
+/// taken apart, see FrameAdapter, and frames along the other axis as a scan beside it. Throws Error
+/// where the frames are not as many.
+inline Scan merged(Scan scan) {
+  scan.exposures = scan.sequence.exposures;
+  if (!needs_adapting(scan.sequence)) return scan;
+  scan.order.clear();  // which is of the frames of all exposures and axes
+  std::vector<FrameSet> frames = adapted(scan.sequence, std::move(scan.frames));
+  scan.sequence = merged_sequence(std::move(scan.sequence));
+  scan.frames = std::move(frames.front());
+  if (frames.size() == 1) return scan;
+  scan.other_axis = {
+      {.frames = std::move(frames.back()), .sequence = along(scan.sequence, Axis::y)}};
+  scan.sequence = along(std::move(scan.sequence), Axis::x);
+  return scan;
+}
 
 }  // namespace slipstream

@@ -1,23 +1,50 @@
 #include "slipstream/geometry/scanner.h"
 
 #include <cmath>
-#include <string_view>
-#include <variant>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
-#include <fmt/format.h>
+#include <unsupported/Eigen/AutoDiff>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
 
+template <class Number>
+using Vector2 = Eigen::Matrix<Number, 2, 1>;
+
+/// Projection onto a sensor tilted by tau_x, tau_y (OpenCV's last two coefficients).
+Eigen::Matrix3d tilt_matrix(double tau_x, double tau_y) {
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(-tau_y, Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(-tau_x, Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
+  Eigen::Matrix3d onto_sensor;
+  onto_sensor << R(2, 2), 0, -R(0, 2), 0, R(2, 2), -R(1, 2), 0, 0, 1;
+  return onto_sensor * R;
+}
+
+template <class Number>
+Vector2<Number> distort_generic(const Distortion& distortion, const Vector2<Number>& direction) {
+  const double tau_x = distortion.coefficients[12], tau_y = distortion.coefficients[13];
+  const Vector2<Number> bent = distort_untilted(distortion.coefficients.data(), direction);
+  if (tau_x == 0 && tau_y == 0) return bent;
+
+  const Eigen::Matrix3d tilt = tilt_matrix(tau_x, tau_y);
+  const auto row = [&](int i) -> Number {
+    return tilt(i, 0) * bent.x() + tilt(i, 1) * bent.y() + tilt(i, 2);
+  };
+  const Number depth = row(2);
+  return {row(0) / depth, row(1) / depth};
+}
+
 void require_size(const Lens& lens, std::string_view device) {
-  if (lens.size.width < 1 || lens.size.height < 1) {
-    throw Error(fmt::format("{}: size {} is empty; the scanner file or a flag must say it", device,
-                            text_of(lens.size)));
-  }
+  throw_if(lens.size.width < 1 || lens.size.height < 1,
+           "{}: size {} is empty; the scanner file or a flag must say it", device,
+           text_of(lens.size));
 }
 
 /// K [R T] of a perspective matrix.
@@ -29,9 +56,8 @@ struct Posed {
 Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) {
   const Eigen::Matrix3d left = matrix.leftCols<3>();
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(left);
-  if (!matrix.allFinite() || !lu.isInvertible()) {
-    throw Error(fmt::format("{}: its projection matrix is not one of a camera", device));
-  }
+  throw_if(!matrix.allFinite() || !lu.isInvertible(),
+           "{}: its projection matrix is not one of a camera", device);
   // K R = left: with the rows and columns of both turned around it is an orthogonal times an upper
   // triangular matrix of the transpose.
   const Eigen::Matrix3d turned = left.colwise().reverse().transpose();
@@ -54,8 +80,81 @@ Posed posed(const Eigen::Matrix<double, 3, 4>& matrix, std::string_view device) 
 
 }  // namespace
 
-bool has_geometry(const Scanner& scanner) {
-  return !(scanner.translation.isZero(0) && scanner.camera.intrinsic.isIdentity(0));
+bool Distortion::is_zero() const {
+  return std::all_of(coefficients.begin(), coefficients.end(), [](double k) { return k == 0; });
+}
+
+Distortion make_distortion(std::span<const double> coefficients) {
+  constexpr std::array<std::size_t, 6> known_counts{0, 4, 5, 8, 12, 14};
+  throw_if(std::find(known_counts.begin(), known_counts.end(), coefficients.size()) ==
+               known_counts.end(),
+           "{} distortion coefficients; there are 0, 4, 5, 8, 12 or 14", coefficients.size());
+  Distortion distortion;
+  for (std::size_t i = 0; i < coefficients.size(); ++i) {
+    if (!std::isfinite(coefficients[i])) {
+      throw Error(
+          fmt::format("distortion coefficient {} is {}; it must be finite", i, coefficients[i]));
+    }
+    distortion.coefficients[i] = coefficients[i];
+  }
+  return distortion;
+}
+
+void require_valid(const Lens& lens, std::string_view device) {
+  const Eigen::Matrix3d& K = lens.intrinsic;
+  const bool camera_matrix = K.allFinite() && K(0, 0) > 0 && K(1, 1) > 0 && K(1, 0) == 0 &&
+                             K(2, 0) == 0 && K(2, 1) == 0 && K(2, 2) == 1;
+  throw_if(!camera_matrix,
+           "{}: the camera matrix is not one; its form is [fx s cx; 0 fy cy; 0 0 1], fx, fy > 0",
+           device);
+}
+
+Eigen::Vector2d distort(const Distortion& distortion, const Eigen::Vector2d& direction) {
+  return distort_generic<double>(distortion, direction);
+}
+
+Eigen::Vector2d undistort(const Distortion& distortion, const Eigen::Vector2d& distorted) {
+  if (distortion.is_zero()) return distorted;
+  using Dual = Eigen::AutoDiffScalar<Eigen::Vector2d>;
+  constexpr int most_iterations = 30;
+  constexpr double tolerance = 1e-15;
+
+  Eigen::Vector2d direction = distorted;
+  for (int iteration = 0; iteration < most_iterations; ++iteration) {
+    const Vector2<Dual> variables(Dual(direction.x(), 2, 0), Dual(direction.y(), 2, 1));
+    const Vector2<Dual> bent = distort_generic<Dual>(distortion, variables);
+    Eigen::Matrix2d jacobian;
+    jacobian << bent.x().derivatives().transpose(), bent.y().derivatives().transpose();
+    if (!(jacobian.determinant() > 0)) return {nan, nan};
+    const Eigen::Vector2d residual(bent.x().value() - distorted.x(),
+                                   bent.y().value() - distorted.y());
+    const Eigen::Vector2d step = jacobian.inverse() * residual;
+    direction -= step;
+    if (step.lpNorm<Eigen::Infinity>() <= tolerance * (1 + direction.lpNorm<Eigen::Infinity>())) {
+      return direction;
+    }
+  }
+  return {nan, nan};
+}
+
+Eigen::Vector2d project(const Lens& lens, const Eigen::Vector3d& point) {
+  const Eigen::Vector2d bent = distort(lens.distortion, point.hnormalized());
+  return (lens.intrinsic * bent.homogeneous()).head<2>();
+}
+
+Eigen::Vector3d ray_through(const Lens& lens, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d bent =
+      lens.intrinsic.triangularView<Eigen::Upper>().solve(pixel.homogeneous()).head<2>();
+  return undistort(lens.distortion, bent).homogeneous();
+}
+
+Image<PixelPosition> undistorted_pixels(const Lens& lens) {
+  Image<PixelPosition> positions(lens.size);
+  for_each_pixel(lens.size, [&](int column, int row) {
+    const Eigen::Vector3d ideal = lens.intrinsic * ray_through(lens, {column, row});
+    positions(column, row) = {ideal.x(), ideal.y()};
+  });
+  return positions;
 }
 
 Scanner without_geometry(Size camera, Size projector, const PhotometricCalibration& known) {
@@ -71,27 +170,19 @@ void require_valid(const Scanner& scanner) {
   require_size(scanner.camera, "camera");
   require_size(scanner.projector, "projector");
   const Eigen::Matrix3d& R = scanner.rotation;
-  const bool rotation =
-      R.allFinite() && R.determinant() > 0 && (R.transpose() * R).isIdentity(1e-4);
-  if (!rotation) {
-    throw Error("rotation: the matrix is not a rotation; its rows must be orthonormal");
-  }
-  if (!scanner.translation.allFinite()) {
-    throw Error(
-        "translation: a value is not finite; it is the camera's place in the projector's "
-        "frame, mm");
-  }
-  if (scanner.translation.norm() < 1e-9) {
-    throw Error(
-        "baseline 0 mm: camera and projector stand in one place and see no depth; check "
-        "the translation");
-  }
+  throw_if(!(R.allFinite() && R.determinant() > 0 && (R.transpose() * R).isIdentity(1e-4)),
+           "rotation: the matrix is not a rotation; its rows must be orthonormal");
+  throw_if(!scanner.translation.allFinite(),
+           "translation: a value is not finite; it is the camera's place in the projector's "
+           "frame, mm");
+  throw_if(scanner.translation.norm() < 1e-9,
+           "baseline 0 mm: camera and projector stand in one place and see no depth; check "
+           "the translation");
   require_valid(scanner.photometry);
-  if (const auto& depths = scanner.calibrated_depths) {
-    if (!(depths->nearest >= 0 && depths->nearest < depths->farthest)) {
-      throw Error(fmt::format("calibrated_depths {} to {} are out of range; 0 or more, rising",
-                              depths->nearest, depths->farthest));
-    }
+  const auto& depths = scanner.calibrated_depths;
+  if (depths && !(depths->nearest >= 0 && depths->nearest < depths->farthest)) {
+    throw Error(fmt::format("calibrated_depths {} to {} are out of range; 0 or more, rising",
+                            depths->nearest, depths->farthest));
   }
 }
 
@@ -121,16 +212,13 @@ double noise_variance_at(double grey_level, double at_half, double gain) {
 Scanner completed(Scanner scanner, const std::string& file, Size camera, Size projector) {
   const auto complete = [&](Size& known, Size said, std::string_view device, std::string_view by) {
     if (known.width == 0 || known.height == 0) known = said;
-    if (said != Size{} && known != said) {
-      throw Error(fmt::format("{}: its {} has {}, but {} {}; both must agree", file, device,
-                              text_of(known), by, text_of(said)));
-    }
+    throw_if(said != Size{} && known != said, "{}: its {} has {}, but {} {}; both must agree", file,
+             device, text_of(known), by, text_of(said));
   };
   complete(scanner.camera.size, camera, "camera", "the frames are");
   complete(scanner.projector.size, projector, "projector", "the patterns are for");
-  if (scanner.projector.size == Size{}) {
-    throw Error(fmt::format("{}: says no projector size; give it with --projector", file));
-  }
+  throw_if(scanner.projector.size == Size{}, "{}: says no projector size; give it with --projector",
+           file);
   try {
     require_valid(scanner);
   } catch (const Error& error) {
@@ -150,28 +238,13 @@ Scanner scanner_of(const Eigen::Matrix<double, 3, 4>& camera, Size camera_size,
 }
 
 void require_depth_visible(const Scanner& scanner, Axis axis) {
-  // Stripes of constant coordinate are planes through the projector's centre that contain the other
-  // axis of its picture. The camera must lie off the line that all of them share.
+  // Stripes are planes through the projector's centre and along the other axis of its picture. The
+  // camera must lie off the line that all of them share.
   const Eigen::Vector3d& T = scanner.translation;
   const double across_stripes = std::hypot(axis == Axis::x ? T.x() : T.y(), T.z());
-  if (across_stripes < 1e-6 * T.norm()) {
-    throw Error(fmt::format(
-        "the baseline runs along the stripes of axis {0}; they show no depth: project along {1}",
-        name_of(axis), name_of(across(axis))));
-  }
-}
-
-Eigen::Vector3d in_projector_frame(const Scanner& scanner, const Eigen::Vector3d& point) {
-  return scanner.rotation * point + scanner.translation;
-}
-
-Eigen::Vector3d projector_centre(const Scanner& scanner) {
-  return -scanner.rotation.transpose() * scanner.translation;
-}
-
-double coordinate_along(Axis axis, const Eigen::Vector2d& pixel, Size projector) {
-  const double position = axis == Axis::x ? pixel.x() : pixel.y();
-  return position / length_along(axis, projector);
+  throw_if(across_stripes < 1e-6 * T.norm(),
+           "the baseline runs along the stripes of axis {0}; they show no depth: project along {1}",
+           name_of(axis), name_of(across(axis)));
 }
 
 }  // namespace slipstream

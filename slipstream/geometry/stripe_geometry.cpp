@@ -54,8 +54,7 @@ class ProjectorPlane {
     const double A = along()(3), B = across()(3), D = depth()(3);
     return (B - w.y() * D) / (A - w.x() * D);
   }
-  /// The undistorted coordinate, on the epipolar line through (y, place), whose distorted one is y;
-  /// NaN where none is found.
+  /// The coordinate on the epipolar line through (y, place) that the lens distorts to y, or NaN.
   [[nodiscard]] double undistorted_on_line(double y, double place) const {
     const double slope = slope_through({y, place});
     const auto error = [&](double w) { return distorted({w, place + slope * (w - y)}).x() - y; };
@@ -96,12 +95,10 @@ class ProjectorPlane {
 /// From values at the nodes to coefficients of Chebyshev polynomials.
 Eigen::Matrix<double, fitted_nodes, fitted_nodes> chebyshev_transform() {
   Eigen::Matrix<double, fitted_nodes, fitted_nodes> transform;
-  for (int k = 0; k < fitted_nodes; ++k) {
-    for (int i = 0; i < fitted_nodes; ++i) {
-      transform(k, i) = (k == 0 ? 1.0 : 2.0) / fitted_nodes *
-                        std::cos(std::numbers::pi * k * (i + 0.5) / fitted_nodes);
-    }
-  }
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int i, int k) {
+    transform(k, i) = (k == 0 ? 1.0 : 2.0) / fitted_nodes *
+                      std::cos(std::numbers::pi * k * (i + 0.5) / fitted_nodes);
+  });
   return transform;
 }
 
@@ -112,11 +109,9 @@ std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double toler
   StripeSamples spectrum = transform * samples * transform.transpose();
   int degree = largest_degree + 1;
   double left_out = 0;
-  for (int i = 0; i < fitted_nodes; ++i) {
-    for (int j = 0; j < fitted_nodes; ++j) {
-      if (i + j >= degree) left_out += std::abs(spectrum(i, j));
-    }
-  }
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    if (i + j >= degree) left_out += std::abs(spectrum(i, j));
+  });
   if (!(left_out <= tolerance)) return std::nullopt;
   for (; degree > 0; --degree) {
     double next = left_out;
@@ -125,11 +120,9 @@ std::optional<PlanePolynomial> fitted(const StripeSamples& samples, double toler
     left_out = next;
   }
   --degree;  // now the largest that is kept; -1 where all is within the tolerance
-  for (int i = 0; i < fitted_nodes; ++i) {
-    for (int j = 0; j < fitted_nodes; ++j) {
-      if (i + j > degree) spectrum(i, j) = 0;
-    }
-  }
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    if (i + j > degree) spectrum(i, j) = 0;
+  });
   const auto T = chebyshev_coefficients<fitted_nodes>();
   const StripeSamples monomials = T.transpose() * spectrum * T;
   PlanePolynomial polynomial{std::max(degree, 0), {}};
@@ -244,11 +237,9 @@ std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis,
   if (scanner.projector.distortion.is_zero()) return geometry;
 
   StripeSamples added;
-  for (int i = 0; i < fitted_nodes; ++i) {
-    for (int j = 0; j < fitted_nodes; ++j) {
-      added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
-    }
-  }
+  for_each_pixel_in_order({fitted_nodes, fitted_nodes}, [&](int j, int i) {
+    added(i, j) = plane.undistorted_on_line(y(i), unit_place.inverse(node(j))) - y(i);
+  });
   const std::optional<PlanePolynomial> lens = fitted(added, lens_tolerance);
   if (!lens) return std::nullopt;
   geometry.lens = *lens;

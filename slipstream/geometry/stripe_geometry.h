@@ -1,17 +1,70 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <optional>
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
-#include "slipstream/codes/pattern_set.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
+
+/// E_x, E_y of Liu 2010, Eqs. (2.30), (2.31), in the camera's own frame, where F_x = F_y = 0: the
+/// ray through each pixel is (E_x, E_y, 1) Z. Camera distortion included. The third form's other
+/// tables are functions of these two and of constants: see StripeGeometry.
+struct RayTable {
+  Image<float> E_x, E_y;
+};
+
+/// Exact at every eighth pixel and cubic between, a few milliseconds for 640x480; exact everywhere
+/// where the cubic would miss a ray by more than 1e-7, as in small pictures. None where some pixel
+/// has no ray.
+std::optional<RayTable> ray_table(const Lens& camera);
+
+/// StripeGeometry and RayTable as polynomials, one set for each block of neighbouring pixels of a
+/// row. Their variables are t, the column counted from the block's middle in half widths of a
+/// block, and p, the projector coordinate mapped to [-1, 1]:
+///   1/Z = sum c_k p^k + t sum d_k p^k + t^2 sum e_k p^k + t^3 f, projector lens included;
+///   E_x and E_y are cubics in t.
+/// The coefficients are kept at every eighth row, the knots, and are interpolated between them by a
+/// quadratic through three knots.
+struct RayBlocks {
+  static constexpr int width = 32;  ///< pixels of a block; a row's last one may overlap another
+  static constexpr int spacing = 8;
+  static constexpr int constants = 9, slopes = 7, bends = 4, twists = 1;  ///< terms c, d, e, f
+  static constexpr int ray_terms = 4;
+
+  /// The coefficients c, d, e, f, then those of E_x and of E_y; the rest is padding.
+  struct alignas(64) Block {
+    static constexpr int E_x = constants + slopes + bends + twists, E_y = E_x + ray_terms;
+    std::array<float, 32> coefficients{};
+  };
+
+  Image<Block> knots;          ///< column: the block, row: the knot
+  std::vector<int> knot_rows;  ///< the row of pixels that each knot stands for
+
+  /// A range of p; the default is empty.
+  struct Range {
+    float least = 1, largest = -1;
+  };
+  /// For each block and knot: the range of p in which the polynomials, interpolated from this knot
+  /// and the two after it, hold for all rows to the next knot, or from the third knot from the end
+  /// to the last row. Every ray of the block has a point there, in the field or its margin.
+  Image<Range> described;
+
+  /// What gives the blocks of one row of pixels: each is the sum of `weights` times the blocks at
+  /// `knots`, and holds within its range `described`.
+  struct Row {
+    std::array<const Block*, 3> knots{};
+    std::array<float, 3> weights{};
+    const Range* described = nullptr;
+  };
+  [[nodiscard]] Row at(int row) const;
+
+  /// The first pixel of block `i` in rows of `row_width` pixels.
+  static constexpr int first_column(int i, int row_width) {
+    return std::min(i * width, row_width - width);
+  }
+};
 
 /// Row k: the coefficients of the Chebyshev polynomial T_k in ascending powers, k < count.
 template <int count>
@@ -46,8 +99,7 @@ struct PlanePolynomial {
 
 /// An interval mapped to [-1, 1].
 struct UnitMap {
-  double scale = 1;
-  double offset = 0;
+  double scale = 1, offset = 0;
 
   static UnitMap of(double low, double high) {
     return {2 / (high - low), (high + low) / (low - high)};
@@ -56,8 +108,8 @@ struct UnitMap {
   [[nodiscard]] double inverse(double unit) const { return (unit - offset) / scale; }
 };
 
-/// How far past either end of the field a coordinate y may lie and be taken for one of it: two
-/// hundredths, or half a pixel where that is more. `length`: of the projector along y, pixels.
+/// How far past either end of the field a coordinate y may lie: two hundredths, or half a pixel if
+/// more. `length`: of the projector along y, pixels.
 [[nodiscard]] constexpr double farthest_past_field(double length) {
   return std::max(0.02, 0.5 / length);
 }
@@ -74,18 +126,16 @@ struct StripeGeometry {
   Eigen::RowVector4d depth;       ///< m^p of the depth
   /// q, the place x_p mapped to [-1, 1], is (place_constant e + p place_slope e) / (facing e), p
   /// the coordinate y so mapped.
-  Eigen::RowVector3d place_constant;
-  Eigen::RowVector3d place_slope;
+  Eigen::RowVector3d place_constant, place_slope;
   /// Has the sign of the depth's denominator where the point is in front of the projector.
   Eigen::RowVector3d facing;
 
-  double least_coordinate = 0;  ///< the coordinates y for which the rest holds
-  double largest_coordinate = 1;
-  UnitMap unit_coordinate;  ///< from y to p
-  PlanePolynomial lens;     ///< undistorted coordinate minus decoded one, of (p, q)
+  double least_coordinate = 0, largest_coordinate = 1;  ///< the y for which the rest holds
+  UnitMap unit_coordinate;                              ///< from y to p
+  PlanePolynomial lens;  ///< undistorted coordinate minus decoded one, of (p, q)
   static constexpr int edge_terms = 6;
-  std::array<double, edge_terms> low_edge{};   ///< q where the field and its margin end along the
-  std::array<double, edge_terms> high_edge{};  ///< stripe, as polynomials in p
+  /// q where the field and its margin end along the stripe, as polynomials in p.
+  std::array<double, edge_terms> low_edge{}, high_edge{};
 
   /// The places q that are in the field and its margin at the coordinate p: from, to.
   [[nodiscard]] std::pair<double, double> places_at(double p) const;
@@ -102,8 +152,13 @@ struct StripeGeometry {
 };
 
 /// `margin`: how far past the ends of the field points may lie, see ReconstructSettings. None where
-/// the lens is not smooth enough to be described to 4e-7 of the field, or its model has no inverse
-/// in the field. Throws Error as Triangulator does.
+/// the lens cannot be described to 4e-7 of the field, or its model has no inverse there. Throws
+/// Error as Triangulator does.
 std::optional<StripeGeometry> stripe_geometry(const Scanner& scanner, Axis axis, double margin);
+
+/// The blocks of a picture. Within the range `described` depths are those of coordinates at most
+/// 1e-6 of the field away, and E_x, E_y are right to 2.5e-7. None for pictures less than a block
+/// wide or five knots high.
+std::optional<RayBlocks> ray_blocks(const StripeGeometry& geometry, const RayTable& rays);
 
 }  // namespace slipstream

@@ -1,7 +1,6 @@
 #include "slipstream/geometry/triangulator.h"
 
 #include <cmath>
-#include <type_traits>
 
 #include <Eigen/LU>
 
@@ -34,12 +33,6 @@ PixelPolynomial meet_ray(const Eigen::Matrix<double, 3, 4>& m, const Row& plane)
   polynomial.col(1) = -meet(m.row(0), m.row(2), plane);
   polynomial.col(2) = meet(m.row(0), m.row(1), plane);
   return polynomial;
-}
-
-/// d_1 x + d_2 y + d_3 is zero at a pixel whose ray is parallel to the plane y^p = 0. The points of
-/// that pixel are as good as any, so the tables hold their limit.
-double away_from_zero(double d) {
-  return d == 0 ? 1e-100 : d;
 }
 
 }  // namespace
@@ -76,28 +69,16 @@ PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y
   const Eigen::Vector3d pixel(x, y, 1);
   const Eigen::Vector4d a = coefficients.with_coordinate * pixel;
   const Eigen::Vector4d b = coefficients.constant * pixel;
-  const double D = 1 / away_from_zero(b.w());
-  return {.A_x = a.x() * D,
-          .B_x = b.x() * D,
-          .A_y = a.y() * D,
-          .B_y = b.y() * D,
-          .A_z = a.z() * D,
-          .B_z = b.z() * D,
-          .C = a.w() * D};
+  // Zero at a pixel whose ray is parallel to the plane y^p = 0. Its points are as good as any, so
+  // the tables hold their limit.
+  const double D = 1 / (b.w() == 0 ? 1e-100 : b.w());
+  return {a.x() * D, b.x() * D, a.y() * D, b.y() * D, a.z() * D, b.z() * D, a.w() * D};
 }
 
 PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y) {
   const PointForm1 form = point_form1(coefficients, x, y);
-  const double M_x = form.A_x / form.C;
-  const double M_y = form.A_y / form.C;
-  const double M_z = form.A_z / form.C;
-  return {.M_x = M_x,
-          .N_x = form.B_x - M_x,
-          .M_y = M_y,
-          .N_y = form.B_y - M_y,
-          .M_z = M_z,
-          .N_z = form.B_z - M_z,
-          .C = form.C};
+  const double M_x = form.A_x / form.C, M_y = form.A_y / form.C, M_z = form.A_z / form.C;
+  return {M_x, form.B_x - M_x, M_y, form.B_y - M_y, M_z, form.B_z - M_z, form.C};
 }
 
 PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y) {
@@ -138,21 +119,11 @@ Triangulator::Triangulator(const Scanner& scanner, Axis axis, PointMethod method
   require_valid(scanner);
   require_depth_visible(scanner, axis);
   matrices_ = projection_matrices(scanner, axis);
-  Image<PixelPosition> pixels = undistorted_pixels(scanner.camera);
-  switch (method) {
-    case PointMethod::inverse:
-      table_ = std::move(pixels);
-      break;
-    case PointMethod::form1:
-      table_ = point_table(pixels, matrices_, point_form1);
-      break;
-    case PointMethod::form2:
-      table_ = point_table(pixels, matrices_, point_form2);
-      break;
-    case PointMethod::form3:
-      table_ = point_table(pixels, matrices_, point_form3);
-      break;
-  }
+  const Image<PixelPosition> pixels = undistorted_pixels(scanner.camera);
+  if (method == PointMethod::inverse) table_ = pixels;
+  if (method == PointMethod::form1) table_ = point_table(pixels, matrices_, point_form1);
+  if (method == PointMethod::form2) table_ = point_table(pixels, matrices_, point_form2);
+  if (method == PointMethod::form3) table_ = point_table(pixels, matrices_, point_form3);
 }
 
 Eigen::Vector3d Triangulator::operator()(int column, int row, double y) const {

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <variant>
 
-#include <Eigen/Core>
-
-#include "slipstream/base/image.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/geometry/lens.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
 
 /// The rows of the perspective matrices that triangulation uses, Liu 2010, Eqs. (1.9), (1.10). The
-/// projector's coordinate row is its second for patterns along y, as printed, and its first for
-/// patterns along x, divided by the projector's length so that y^p is in [0, 1).
+/// projector's coordinate row, its second for patterns along y, as printed, and its first along x,
+/// is divided by the projector's length so that y^p is in [0, 1).
 struct ProjectionMatrices {
   Eigen::Matrix<double, 3, 4> camera;                ///< M^c
   Eigen::Matrix<double, 1, 4> projector_coordinate;  ///< m_2^p (m_1^p for axis x) / length
@@ -34,12 +29,11 @@ Eigen::Vector3d triangulate(const ProjectionMatrices& matrices, double x, double
 using PixelPolynomial = Eigen::Matrix<double, 4, 3>;
 
 /// The coefficients of Liu 2010, Section 2.1, under Eq. (2.24): the numerators and denominators of
-/// Eq. (1.15) as linear functions of the camera pixel. `with_coordinate` holds a_x, a_y, a_z and c,
-/// which are multiplied by y^p, `constant` b_x, b_y, b_z and d.
+/// Eq. (1.15) as linear functions of the camera pixel.
 struct PointCoefficients {
-  PixelPolynomial with_coordinate;
-  PixelPolynomial constant;
-  Eigen::Matrix<double, 3, 4> camera;  ///< M^c, of which E and F of the third form are made
+  PixelPolynomial with_coordinate;     ///< a_x, a_y, a_z and c, which are multiplied by y^p
+  PixelPolynomial constant;            ///< b_x, b_y, b_z and d
+  Eigen::Matrix<double, 3, 4> camera;  ///< M^c, for E and F of the third form
 };
 
 PointCoefficients point_coefficients(const ProjectionMatrices& matrices);
@@ -62,9 +56,9 @@ struct PointForm3 {
   [[nodiscard]] Eigen::Vector3d operator()(double y_p) const;
 };
 
-/// The entries of the tables at undistorted camera pixel (x, y). The points they give are those of
-/// Eq. (1.15). The second and third form have none, and give NaN, at a pixel whose ray is
-/// perpendicular to the projector's optical axis (C = 0).
+/// The entries of the tables at undistorted camera pixel (x, y), for the points of Eq. (1.15). The
+/// second and third form give NaN at a pixel whose ray is perpendicular to the projector's optical
+/// axis (C = 0).
 PointForm1 point_form1(const PointCoefficients& coefficients, double x, double y);
 PointForm2 point_form2(const PointCoefficients& coefficients, double x, double y);
 PointForm3 point_form3(const PointCoefficients& coefficients, double x, double y);
@@ -88,10 +82,9 @@ enum class PointMethod {
   form3,    ///< Eqs. (2.29)-(2.31)
 };
 
-/// Camera pixel and decoded projector coordinate to a 3-D point. Lens distortion is honoured on
-/// both sides: the camera's is a function of the pixel and stands in the table; the projector's
-/// depends on where along the stripe the point lies and is solved for each point, to rounding. The
-/// phase itself is never resampled.
+/// Camera pixel and decoded projector coordinate to a 3-D point. Corrects both lenses: the camera's
+/// distortion stands in the table; the projector's depends on where along the stripe the point lies
+/// and is solved for each point, to rounding. The phase itself is never resampled.
 class Triangulator {
  public:
   /// Builds the table for every camera pixel. Throws Error for a scanner that is not valid or sees

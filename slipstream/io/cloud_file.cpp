@@ -1,15 +1,9 @@
 #include "slipstream/io/cloud_file.h"
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <iterator>
-#include <string>
-#include <string_view>
-#include <vector>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/detail/point_formats.h"
@@ -104,20 +98,19 @@ std::string ply_file(const Cloud& cloud, const std::vector<Extra>& extras,
 std::string pcd_file(const Cloud& cloud, const std::vector<Extra>& extras,
                      const std::vector<std::string>& remarks) {
   std::vector<const Image<float>*> columns{&cloud.x, &cloud.y, &cloud.z, &cloud.intensity};
-  std::string fields = "FIELDS x y z intensity", sizes = "SIZE 4 4 4 4", types = "TYPE F F F F",
-              counts = "COUNT 1 1 1 1";
+  std::string fields = "x y z intensity";
   for (const Extra& extra : extras) {
     columns.push_back(&extra.values);
     fields += fmt::format(" {}", extra.pcd_name);
-    sizes += " 4";
-    types += " F";
-    counts += " 1";
   }
+  const auto of_each = [&](const char* word) {
+    return fmt::format("{}", fmt::join(std::vector(columns.size(), word), " "));
+  };
   std::string file = fmt::format(
-      "# .PCD v0.7 - slipstream, camera frame, mm\n{}VERSION 0.7\n{}\n{}\n{}\n{}\nWIDTH {}\n"
-      "HEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
-      comments_of(remarks, "#"), fields, sizes, types, counts, cloud.size().width,
-      cloud.size().height, cloud.z.pixel_count());
+      "# .PCD v0.7 - slipstream, camera frame, mm\n{}VERSION 0.7\nFIELDS {}\nSIZE {}\nTYPE {}\n"
+      "COUNT {}\nWIDTH {}\nHEIGHT {}\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS {}\nDATA binary\n",
+      comments_of(remarks, "#"), fields, of_each("4"), of_each("F"), of_each("1"),
+      cloud.size().width, cloud.size().height, cloud.z.pixel_count());
   for (std::size_t pixel = 0; pixel < cloud.z.pixel_count(); ++pixel) {
     for (const Image<float>* column : columns) append_numbers(file, column->begin()[pixel]);
   }
@@ -147,13 +140,9 @@ void write_cloud(const fs::path& path, const Cloud& cloud, const CloudExtras& ex
   require_cloud_ending(path);
   const std::string extension = lower_case_extension(path);
   const std::vector<Extra> columns = extras_of(extras);
-  if (extension == ".ply") {
-    write_file(path, ply_file(cloud, columns, extras.remarks));
-  } else if (extension == ".pcd") {
-    write_file(path, pcd_file(cloud, columns, extras.remarks));
-  } else {
-    write_file(path, xyz_file(cloud, columns));
-  }
+  write_file(path, extension == ".ply"   ? ply_file(cloud, columns, extras.remarks)
+                   : extension == ".pcd" ? pcd_file(cloud, columns, extras.remarks)
+                                         : xyz_file(cloud, columns));
 }
 
 }  // namespace slipstream

@@ -1,13 +1,9 @@
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/cloud/normals.h"
 #include "slipstream/cloud/surface.h"
 
 namespace slipstream {

@@ -1,16 +1,7 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <map>
-#include <sstream>
-#include <utility>
 
-#include <fmt/format.h>
-#include <tiny_obj_loader.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/detail/point_formats.h"
 #include "slipstream/io/file.h"
 
@@ -18,80 +9,143 @@ namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
-struct ObjFile {
-  tinyobj::attrib_t attributes;
-  std::vector<tinyobj::shape_t> shapes;
+enum class NumberType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
+
+NumberType type_named(std::string_view name) {
+  static constexpr std::array<std::string_view, 16> names{
+      "char", "int8",  "uchar", "uint8",  "short", "int16",   "ushort", "uint16",
+      "int",  "int32", "uint",  "uint32", "float", "float32", "double", "float64"};
+  const auto* const found = std::find(names.begin(), names.end(), name);
+  throw_if(found == names.end(), "'{}' is no type of PLY", name);
+  return static_cast<NumberType>((found - names.begin()) / 2);
+}
+
+/// Takes lines and numbers off the front of a file of points, never past its end. Throws Error,
+/// which does not name the file, where it ends too soon.
+class NumberReader {
+ public:
+  explicit NumberReader(std::span<const std::uint8_t> bytes)
+      : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
+
+  /// What is not yet read: no element has more numbers than that has bytes.
+  [[nodiscard]] std::string_view left() const { return text_; }
+
+  /// Of the numbers to come, as PLY names it; ASCII before.
+  void set_format(std::string_view name) {
+    ascii_ = name == "ascii";
+    big_endian_ = name == "binary_big_endian";
+    throw_if(!ascii_ && !big_endian_ && name != "binary_little_endian", "'{}' is no format of PLY",
+             name);
+  }
+
+  std::string_view line() {
+    if (text_.empty()) throw Error("it ends within its header");
+    const std::size_t end = std::min(text_.find('\n'), text_.size());
+    std::string_view line = text_.substr(0, end);
+    text_.remove_prefix(std::min(end + 1, text_.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    return line;
+  }
+
+  double number(NumberType type) {
+    if (ascii_) return ascii_number();
+    using R = NumberReader;  // in the order of NumberType
+    static constexpr std::array<double (R::*)(), 8> by_type{
+        &R::binary_number<std::int8_t>,  &R::binary_number<std::uint8_t>,
+        &R::binary_number<std::int16_t>, &R::binary_number<std::uint16_t>,
+        &R::binary_number<std::int32_t>, &R::binary_number<std::uint32_t>,
+        &R::binary_number<float>,        &R::binary_number<double>};
+    return (this->*by_type[static_cast<std::size_t>(type)])();
+  }
+
+ private:
+  template <class Stored>
+  double binary_number() {
+    if (text_.size() < sizeof(Stored)) throw Error("it is truncated");
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text_.data()), sizeof(Stored));
+    text_.remove_prefix(sizeof(Stored));
+    return static_cast<double>(big_endian_ ? number_at<Stored, std::endian::big>(bytes, 0)
+                                           : number_at<Stored>(bytes, 0));
+  }
+
+  double ascii_number() {
+    const std::size_t start = text_.find_first_not_of(" \t\r\n");
+    if (start == std::string_view::npos) throw Error("it is truncated");
+    text_.remove_prefix(start);
+    const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
+    const auto number = number_in<double>(word);
+    throw_if(!number, "'{}' is not a number", word.substr(0, 20));
+    text_.remove_prefix(word.size());
+    return *number;
+  }
+
+  std::string_view text_;
+  bool ascii_ = true;
+  bool big_endian_ = false;
 };
 
-ObjFile loaded_obj(std::span<const std::uint8_t> bytes) {
-  std::istringstream stream(std::string(bytes.begin(), bytes.end()));
-  ObjFile file;
-  std::vector<tinyobj::material_t> materials;
-  std::string warning, error;
-  constexpr bool triangulate = true, white_where_no_colour = false;
-  if (!tinyobj::LoadObj(&file.attributes, &file.shapes, &materials, &warning, &error, &stream,
-                        nullptr, triangulate, white_where_no_colour)) {
-    throw Error("it is no OBJ");
+/// What stands between blanks.
+std::vector<std::string_view> words_of(std::string_view line) {
+  std::vector<std::string_view> words;
+  while (true) {
+    const std::size_t start = line.find_first_not_of(" \t");
+    if (start == std::string_view::npos) return words;
+    line.remove_prefix(start);
+    words.push_back(line.substr(0, line.find_first_of(" \t")));
+    line.remove_prefix(words.back().size());
   }
-  return file;
 }
 
-/// The corners of the triangles of a binary STL file, each once, in no order.
-StoredPoints stl_points(std::span<const std::uint8_t> bytes) {
-  constexpr std::size_t header = 80, of_triangle = 50;
-  NumberReader reader(bytes.subspan(std::min(header, bytes.size())));
-  reader.set_format(NumberFormat::little_endian);
-  const auto count = static_cast<std::size_t>(reader.number(NumberType::uint32));
-  if (reader.left().size() != count * of_triangle) {
-    throw Error("it is not as long as a binary STL of so many triangles");
-  }
-  std::vector<std::array<double, 3>> corners;
-  for (std::size_t i = 0; i < count; ++i) {
-    std::array<std::array<double, 3>, 4> normal_and_corners;
-    for (auto& vector : normal_and_corners) {
-      for (double& number : vector) number = reader.number(NumberType::float32);
-    }
-    static_cast<void>(reader.number(NumberType::uint16));
-    for (std::size_t k = 1; k < 4; ++k) {
-      const auto& [x, y, z] = normal_and_corners[k];
-      if (std::isfinite(x + y + z)) corners.push_back(normal_and_corners[k]);
-    }
-  }
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  StoredPoints stored;
-  for (const auto& [x, y, z] : corners) stored.points.push_back({.x = x, .y = y, .z = z});
-  return stored;
+/// The number of things that a word says. Throws Error for any other word.
+std::size_t count_from(std::string_view text) {
+  if (const auto count = number_in<std::size_t>(text)) return *count;
+  throw Error(fmt::format("'{}' is no number of elements", text.substr(0, 20)));
 }
 
-/// Intensity is that of the colours.
-StoredPoints obj_points(std::span<const std::uint8_t> bytes) {
-  StoredPoints stored;
-  const auto [attributes, shapes] = loaded_obj(bytes);
-  const auto& at = attributes.vertices;
-  const bool coloured = attributes.colors.size() == at.size();
-  for (std::size_t i = 0; i + 2 < at.size(); i += 3) {
-    stored.points.push_back({.x = at[i],
-                             .y = at[i + 1],
-                             .z = at[i + 2],
-                             .intensity = coloured ? 255 * attributes.colors[i + 1] : 0});
-  }
-  for (const tinyobj::shape_t& shape : shapes) {
-    const auto& corners = shape.mesh.indices;
-    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
-      stored.triangles.push_back(
-          {corners[i].vertex_index, corners[i + 1].vertex_index, corners[i + 2].vertex_index});
+/// A number, or a list of numbers, that each thing of an element of a PLY file has.
+struct PlyProperty {
+  std::string name;
+  NumberType type = NumberType::float32;
+  std::optional<NumberType> count_type{};  ///< of a list
+};
+
+/// A kind of thing in a PLY file, such as "vertex".
+struct PlyElement {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<PlyProperty> properties{};
+};
+
+/// What a PLY file holds, in order. Throws Error for what is no PLY file.
+std::vector<PlyElement> read_ply_header(NumberReader& reader) {
+  if (reader.line() != "ply") throw Error("it does not begin with 'ply'");
+  std::vector<PlyElement> elements;
+  while (true) {
+    const std::vector<std::string_view> words = words_of(reader.line());
+    if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+    if (words[0] == "end_header") return elements;
+    if (words[0] == "format" && words.size() == 3) {
+      reader.set_format(words[1]);
+    } else if (words[0] == "element" && words.size() == 3) {
+      elements.push_back({std::string(words[1]), count_from(words[2]), {}});
+    } else if (words[0] == "property" && words.size() == 3 && !elements.empty()) {
+      elements.back().properties.push_back({std::string(words[2]), type_named(words[1]), {}});
+    } else if (words[0] == "property" && words.size() == 5 && words[1] == "list" &&
+               !elements.empty()) {
+      elements.back().properties.push_back(
+          {std::string(words[4]), type_named(words[3]), type_named(words[2])});
+    } else {
+      throw Error(
+          fmt::format("its header has a line that begins with '{}'", words[0].substr(0, 20)));
     }
   }
-  return stored;
 }
 
 /// The numbers of one property: one, or as many as a list has.
 std::vector<double> read_property(const PlyProperty& property, NumberReader& reader) {
   const double count = property.count_type ? reader.number(*property.count_type) : 1;
-  if (!(count >= 0 && count <= static_cast<double>(reader.left().size()))) {
-    throw Error(fmt::format("a list of {} numbers does not fit into it", count));
-  }
+  throw_if(!(count >= 0 && count <= static_cast<double>(reader.left().size())),
+           "a list of {} numbers does not fit into it", count);
   std::vector<double> numbers;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     numbers.push_back(reader.number(property.type));
@@ -107,22 +161,20 @@ struct Target {
 
 Target target_of(const PlyProperty& property) {
   // The weights of the luminance of ITU-R BT.601.
-  static constexpr std::array<std::pair<std::string_view, Target>, 12> targets{
-      {{"x", {&StoredPoint::x}},
-       {"y", {&StoredPoint::y}},
-       {"z", {&StoredPoint::z}},
-       {"intensity", {&StoredPoint::intensity}},
-       {"scalar_intensity", {&StoredPoint::intensity}},
-       {"red", {&StoredPoint::intensity, 0.299}},
-       {"green", {&StoredPoint::intensity, 0.587}},
-       {"blue", {&StoredPoint::intensity, 0.114}},
-       {"sigma_coordinate", {&StoredPoint::sigma_coordinate}},
-       {"sigma_x", {&StoredPoint::sigma_x}},
-       {"sigma_y", {&StoredPoint::sigma_y}},
-       {"sigma_z", {&StoredPoint::sigma_z}}}};
-  const auto* const found = std::find_if(targets.begin(), targets.end(), [&](const auto& target) {
-    return target.first == property.name;
-  });
+  static const std::map<std::string, Target> targets{
+      {"x", {&StoredPoint::x}},
+      {"y", {&StoredPoint::y}},
+      {"z", {&StoredPoint::z}},
+      {"intensity", {&StoredPoint::intensity}},
+      {"scalar_intensity", {&StoredPoint::intensity}},
+      {"red", {&StoredPoint::intensity, 0.299}},
+      {"green", {&StoredPoint::intensity, 0.587}},
+      {"blue", {&StoredPoint::intensity, 0.114}},
+      {"sigma_coordinate", {&StoredPoint::sigma_coordinate}},
+      {"sigma_x", {&StoredPoint::sigma_x}},
+      {"sigma_y", {&StoredPoint::sigma_y}},
+      {"sigma_z", {&StoredPoint::sigma_z}}};
+  const auto found = targets.find(property.name);
   return found == targets.end() || property.count_type ? Target{} : found->second;
 }
 
@@ -147,14 +199,6 @@ int index_from(double number) {
   return index && number == std::floor(number) ? static_cast<int>(number) : -1;
 }
 
-/// As a fan.
-void add_triangles(const std::vector<double>& corners, StoredPoints& stored) {
-  for (std::size_t i = 2; i < corners.size(); ++i) {
-    stored.triangles.push_back(
-        {index_from(corners[0]), index_from(corners[i - 1]), index_from(corners[i])});
-  }
-}
-
 /// Reads past an element; keeps its points where it is of vertices, and its faces.
 void read_element(const PlyElement& element, NumberReader& reader, StoredPoints& stored) {
   if (element.properties.empty()) return;
@@ -164,16 +208,19 @@ void read_element(const PlyElement& element, NumberReader& reader, StoredPoints&
     return std::none_of(targets.begin(), targets.end(),
                         [field](const Target& target) { return target.field == field; });
   };
-  if (vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z))) {
-    throw Error("its points have no x, y and z");
-  }
+  throw_if(vertices && (lacks(&StoredPoint::x) || lacks(&StoredPoint::y) || lacks(&StoredPoint::z)),
+           "its points have no x, y and z");
   for (std::size_t i = 0; i < element.count; ++i) {
     StoredPoint point;
     for (std::size_t k = 0; k < targets.size(); ++k) {
       const std::vector<double> numbers = read_property(element.properties[k], reader);
       if (targets[k].field != nullptr) point.*targets[k].field += targets[k].share * numbers[0];
       const std::string& name = element.properties[k].name;
-      if (name == "vertex_indices" || name == "vertex_index") add_triangles(numbers, stored);
+      const bool is_face = name == "vertex_indices" || name == "vertex_index";
+      for (std::size_t n = 2; is_face && n < numbers.size(); ++n) {  // as a fan
+        stored.triangles.push_back(
+            {index_from(numbers[0]), index_from(numbers[n - 1]), index_from(numbers[n])});
+      }
     }
     if (vertices) stored.points.push_back(point);
   }
@@ -200,7 +247,7 @@ std::map<std::string, std::vector<std::string_view>, std::less<>> pcd_header(Num
     header[key] = std::move(words);
   }
   for (const char* key : {"FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "DATA"}) {
-    if (header[key].empty()) throw Error(fmt::format("its header has no {}", key));
+    throw_if(header[key].empty(), "its header has no {}", key);
   }
   return header;
 }
@@ -213,13 +260,11 @@ StoredPoints pcd_points(std::span<const std::uint8_t> bytes) {
     const auto& words = header.at(key);
     return std::all_of(words.begin(), words.end(), [&](auto word) { return word == wanted; });
   };
-  if (!all("SIZE", "4") || !all("TYPE", "F") || !all("COUNT", "1")) {
-    throw Error("its fields are not all of one 32-bit float");
-  }
-  if (!all("DATA", "binary") && !all("DATA", "ascii")) {
-    throw Error("its DATA are neither ascii nor binary");
-  }
-  if (all("DATA", "binary")) reader.set_format(NumberFormat::little_endian);
+  throw_if(!all("SIZE", "4") || !all("TYPE", "F") || !all("COUNT", "1"),
+           "its fields are not all of one 32-bit float");
+  throw_if(!all("DATA", "binary") && !all("DATA", "ascii"),
+           "its DATA are neither ascii nor binary");
+  if (all("DATA", "binary")) reader.set_format("binary_little_endian");
   PlyElement element{.name = "vertex", .properties = {}};
   for (const std::string_view field : header.at("FIELDS")) {
     element.properties.push_back({std::string(field), NumberType::float32, std::nullopt});
@@ -255,10 +300,8 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
     element.properties.push_back({std::string(name), NumberType::float64, std::nullopt});
   }
   for (; !lines.left().empty(); ++element.count) {
-    if (words_of(lines.line()).size() != columns) {
-      throw Error(
-          fmt::format("line {} has not the {} numbers of the first", element.count + 1, columns));
-    }
+    throw_if(words_of(lines.line()).size() != columns,
+             "line {} has not the {} numbers of the first", element.count + 1, columns);
   }
   StoredPoints stored;
   read_element(element, reader, stored);
@@ -267,19 +310,12 @@ StoredPoints xyz_points(std::span<const std::uint8_t> bytes) {
 
 using Parse = StoredPoints (*)(std::span<const std::uint8_t>);
 
-constexpr std::array<std::pair<std::string_view, Parse>, 6> formats{{{".ply", ply_points},
-                                                                     {".pcd", pcd_points},
-                                                                     {".xyz", xyz_points},
-                                                                     {".stl", stl_points},
-                                                                     {".obj", obj_points},
-                                                                     {".glb", glb_points}}};
-
 /// Null where no such file can be read.
 Parse parse_for(const fs::path& path) {
-  const std::string extension = lower_case_extension(path);
-  const auto* const found = std::find_if(formats.begin(), formats.end(), [&](const auto& format) {
-    return format.first == extension;
-  });
+  static const std::map<std::string, Parse> formats{{".ply", ply_points}, {".pcd", pcd_points},
+                                                    {".xyz", xyz_points}, {".stl", stl_points},
+                                                    {".obj", obj_points}, {".glb", glb_points}};
+  const auto found = formats.find(lower_case_extension(path));
   return found == formats.end() ? nullptr : found->second;
 }
 
@@ -294,23 +330,24 @@ StoredCloud cloud_of(StoredPoints stored) {
   }
   const Size size = organised ? stored.organised : Size{static_cast<int>(stored.points.size()), 1};
   StoredCloud result{.cloud = Cloud(size), .uncertainty = {}, .organised = organised};
-  if (stored.has_sigma) result.uncertainty.emplace(size);
+  Cloud& cloud = result.cloud;
+  std::vector<std::pair<Image<float>*, double StoredPoint::*>> columns{
+      {&cloud.x, &StoredPoint::x}, {&cloud.y, &StoredPoint::y}, {&cloud.z, &StoredPoint::z}};
+  if (stored.has_sigma) {
+    Uncertainty& sigma = result.uncertainty.emplace(size);
+    columns.insert(columns.end(), {{&sigma.coordinate, &StoredPoint::sigma_coordinate},
+                                   {&sigma.x, &StoredPoint::sigma_x},
+                                   {&sigma.y, &StoredPoint::sigma_y},
+                                   {&sigma.z, &StoredPoint::sigma_z}});
+  }
   for (std::size_t i = 0; i < stored.points.size(); ++i) {
     const StoredPoint& point = stored.points[i];
-    const auto put = [i](Image<float>& image, double value) {
-      image.begin()[i] = static_cast<float>(value);
-    };
-    put(result.cloud.intensity, point.intensity);
+    cloud.intensity.begin()[i] = static_cast<float>(point.intensity);
     if (!is_finite(point)) continue;
-    put(result.cloud.x, point.x);
-    put(result.cloud.y, point.y);
-    put(result.cloud.z, point.z);
-    result.cloud.validity.begin()[i] = Validity::valid;
-    if (!result.uncertainty) continue;
-    put(result.uncertainty->coordinate, point.sigma_coordinate);
-    put(result.uncertainty->x, point.sigma_x);
-    put(result.uncertainty->y, point.sigma_y);
-    put(result.uncertainty->z, point.sigma_z);
+    cloud.validity.begin()[i] = Validity::valid;
+    for (const auto& [image, field] : columns) {
+      image->begin()[i] = static_cast<float>(point.*field);
+    }
   }
   return result;
 }
@@ -323,12 +360,10 @@ bool is_cloud_file(const fs::path& path) {
 
 StoredPoints read_points(const fs::path& path) {
   const Parse parse = parse_for(path);
-  if (parse == nullptr) {
-    throw Error(
-        fmt::format("{}: no cloud or mesh that can be read has the ending '{}'; use .ply, "
-                    ".pcd, .xyz, .stl, .obj or .glb",
-                    path.string(), lower_case_extension(path)));
-  }
+  throw_if(parse == nullptr,
+           "{}: no cloud or mesh that can be read has the ending '{}'; use .ply, "
+           ".pcd, .xyz, .stl, .obj or .glb",
+           path.string(), lower_case_extension(path));
   const std::vector<std::uint8_t> bytes = read_file(path);
   return naming(
       fmt::format("{} is not a good {} file", path.string(), lower_case_extension(path).substr(1)),
@@ -337,7 +372,7 @@ StoredPoints read_points(const fs::path& path) {
 
 StoredCloud read_cloud(const fs::path& path) {
   StoredCloud stored = cloud_of(read_points(path));
-  if (point_count(stored.cloud) == 0) throw Error(fmt::format("{}: no point in it", path.string()));
+  throw_if(point_count(stored.cloud) == 0, "{}: no point in it", path.string());
   return stored;
 }
 

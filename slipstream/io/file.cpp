@@ -1,6 +1,5 @@
 #include "slipstream/io/file.h"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cctype>
@@ -8,17 +7,14 @@
 #include <cstring>
 #include <random>
 #include <system_error>
-#include <utility>
 
 #include <fcntl.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <libdeflate.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
@@ -76,21 +72,21 @@ bool is_synced(int descriptor) {
 }
 
 bool is_folder_synced(const fs::path& folder) {
-  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return errno == EACCES;
-  const bool synced = is_synced(descriptor);
-  const int reason = errno;
-  ::close(descriptor);
-  errno = reason;
-  return synced;
+  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  return descriptor < 0 ? errno == EACCES : is_synced(descriptor);
 }
 
 }  // namespace
 
+Descriptor::~Descriptor() {
+  const int reason = errno;
+  if (number_ >= 0) ::close(number_);
+  errno = reason;
+}
+
 InputFile::InputFile(const fs::path& path, std::uint64_t largest)
     : path_(path), descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC)) {
   const auto refuse = [&](const std::string& why) {
-    if (descriptor_ >= 0) ::close(descriptor_);
     throw Error(fmt::format("{}: {}", path.string(), why));
   };
   struct stat status {};
@@ -101,10 +97,6 @@ InputFile::InputFile(const fs::path& path, std::uint64_t largest)
   if (!S_ISREG(status.st_mode)) refuse("is a device or a pipe; a file is wanted");
   size_ = static_cast<std::uint64_t>(status.st_size);
   if (size_ > largest) refuse(fmt::format("has {} bytes; at most {} are read", size_, largest));
-}
-
-InputFile::~InputFile() {
-  ::close(descriptor_);
 }
 
 bool InputFile::read(std::uint64_t offset,
@@ -128,7 +120,7 @@ bool InputFile::read(std::uint64_t offset,
 std::vector<std::uint8_t> read_file(const fs::path& path, std::uint64_t largest) {
   const InputFile file(path, largest);
   std::vector<std::uint8_t> bytes(file.size());
-  if (!file.read(0, {bytes})) throw Error(fmt::format("{}: became shorter", path.string()));
+  throw_if(!file.read(0, {bytes}), "{}: became shorter", path.string());
   return bytes;
 }
 
@@ -152,10 +144,10 @@ std::uint32_t checksum_of_file(const fs::path& path, std::uint32_t before) {
   return before;
 }
 
-void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes, const fs::path& path) {
+void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes) {
   if (frames <= largest_scan / frame_bytes) return;
-  throw Error(fmt::format("{}: {} frames of {} bytes; at most {} bytes are read of a scan",
-                          path.string(), frames, frame_bytes, largest_scan));
+  throw Error(fmt::format("{} frames of {} bytes; at most {} bytes are read of a scan", frames,
+                          frame_bytes, largest_scan));
 }
 
 OutputFile::OutputFile(const fs::path& path, Writing writing)
@@ -273,16 +265,11 @@ GrowingFile::GrowingFile(const fs::path& path, const std::function<void()>& wait
   require(descriptor_ >= 0);
   struct stat found {};
   if (::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
-    ::close(descriptor_);
     throw WorldError(fmt::format("cannot write {}: no file", path.string()));
   }
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
   waits();
   while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) continue;
-}
-
-GrowingFile::~GrowingFile() {
-  ::close(descriptor_);
 }
 
 void GrowingFile::cut(std::uint64_t size) {
@@ -325,8 +312,7 @@ void make_folder(const fs::path& folder) {
 
 std::string lower_case_extension(const fs::path& path) {
   std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
 }
 

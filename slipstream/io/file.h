@@ -6,8 +6,6 @@
 #include <initializer_list>
 #include <limits>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
@@ -34,15 +32,26 @@ inline constexpr std::uint64_t largest_scan = std::uint64_t{4} << 30;
 /// Scans of one run, by lists and ranges of windows.
 inline constexpr std::uint64_t most_scans = 10'000'000;
 
+/// A file's number for the system, which is closed in the end.
+class Descriptor {
+ public:
+  explicit Descriptor(int number) : number_(number) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor();
+
+  operator int() const { return number_; }  // NOLINT(google-explicit-constructor)
+
+ private:
+  int number_;
+};
+
 /// A regular file that is read. Opening never waits: a pipe or a device is refused.
 class InputFile {
  public:
   /// Throws Error, naming the file, where it is missing, no regular file, larger than `largest`
   /// bytes or unreadable.
   explicit InputFile(const std::filesystem::path& path, std::uint64_t largest = largest_file);
-  InputFile(const InputFile&) = delete;
-  InputFile& operator=(const InputFile&) = delete;
-  ~InputFile();
 
   /// Bytes, when it was opened.
   [[nodiscard]] std::uint64_t size() const { return size_; }
@@ -53,7 +62,7 @@ class InputFile {
 
  private:
   std::filesystem::path path_;
-  int descriptor_;
+  Descriptor descriptor_;
   std::uint64_t size_ = 0;
 };
 
@@ -68,9 +77,9 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before
 /// The same of what a file holds. Throws Error where there is no such file.
 std::uint32_t checksum_of_file(const std::filesystem::path& path, std::uint32_t before = 0);
 
-/// Throws Error, naming the file, where so many frames of so many bytes are more than largest_scan.
-void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes,
-                       const std::filesystem::path& path);
+/// Throws Error, which does not name the file, where so many frames of so many bytes are more than
+/// largest_scan.
+void require_scan_fits(std::uint64_t frames, std::uint64_t frame_bytes);
 
 /// A file that is written under a temporary name beside its own, which nobody can foresee, and that
 /// has its own once it is on the disk: what was there before is there until then. Each member
@@ -129,9 +138,6 @@ class GrowingFile {
   /// Opens it, or makes it. While another process has it so, calls `waits`, and waits until that
   /// has ended; not on file systems that know no locks.
   GrowingFile(const std::filesystem::path& path, const std::function<void()>& waits);
-  GrowingFile(const GrowingFile&) = delete;
-  GrowingFile& operator=(const GrowingFile&) = delete;
-  ~GrowingFile();
 
   /// Cuts off what is behind so many bytes.
   void cut(std::uint64_t size);
@@ -142,7 +148,7 @@ class GrowingFile {
   void require(bool done) const;
 
   std::filesystem::path path_;
-  int descriptor_;
+  Descriptor descriptor_;
 };
 
 /// Writes a file whole or not at all. Throws as OutputFile.

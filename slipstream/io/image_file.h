@@ -1,12 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <string>
-#include <vector>
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
+#include "slipstream/base/page.h"
 #include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/height_calibration.h"
 
@@ -41,6 +39,9 @@ void write_image(const std::filesystem::path& path, const Image<std::uint16_t>& 
 void write_image(const std::filesystem::path& path, const Image<Colour>& image);
 /// As PNG of one bit a pixel, whatever the ending: 0 is dark, any other level bright.
 void write_one_bit_image(const std::filesystem::path& path, const Image<std::uint8_t>& image);
+
+/// Writes report.md and the page's pictures into a folder, which is made where it is missing.
+void write_page(const std::filesystem::path& folder, const Page& page);
 
 /// A grey picture as the bytes of a PNG file.
 std::vector<std::uint8_t> png_file(const Image<std::uint8_t>& image);

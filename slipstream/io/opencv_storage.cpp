@@ -1,17 +1,11 @@
-#include "slipstream/io/opencv_storage.h"
-
-#include <limits>
-#include <optional>
+// The entries of OpenCV's FileStorage files, YAML and XML.
 #include <sstream>
-#include <string_view>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pugixml.hpp>
 #include <yaml-cpp/yaml.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 
@@ -23,9 +17,7 @@ using Entries = std::map<std::string, StoredMatrix>;
 
 /// OpenCV writes NaN as .Nan and infinity as .Inf.
 std::optional<double> number_from(std::string_view text) {
-  if (text == ".Nan" || text == ".nan" || text == ".NaN") {
-    return std::numeric_limits<double>::quiet_NaN();
-  }
+  if (text == ".Nan" || text == ".nan" || text == ".NaN") return nan;
   if (text.ends_with(".Inf") || text.ends_with(".inf")) {
     return std::numeric_limits<double>::infinity();
   }
@@ -35,19 +27,16 @@ std::optional<double> number_from(std::string_view text) {
 /// A matrix of those texts; without rows where one is no number or there are not rows x columns.
 StoredMatrix matrix_from(std::string_view rows, std::string_view columns,
                          const std::vector<std::string>& data) {
-  StoredMatrix matrix;
+  StoredMatrix matrix{number_in<int>(rows).value_or(0), number_in<int>(columns).value_or(0)};
   for (const std::string& text : data) {
     const std::optional<double> number = number_from(text);
     if (!number) return {};
     matrix.numbers.push_back(*number);
   }
-  const auto count = static_cast<double>(matrix.numbers.size());
-  const int row_count = number_in<int>(rows).value_or(0),
-            column_count = number_in<int>(columns).value_or(0);
-  if (row_count < 1 || column_count < 1 || 1.0 * row_count * column_count != count) return {};
-  matrix.rows = row_count;
-  matrix.columns = column_count;
-  return matrix;
+  const auto count = static_cast<double>(data.size());
+  const bool whole =
+      matrix.rows >= 1 && matrix.columns >= 1 && 1.0 * matrix.rows * matrix.columns == count;
+  return whole ? matrix : StoredMatrix();
 }
 
 std::string text_of(const YAML::Node& node) {
@@ -69,17 +58,14 @@ StoredMatrix entry_from(const YAML::Node& node) {
   return matrix_from(text_of(node["rows"]), text_of(node["cols"]), data);
 }
 
+/// Nullopt, or an exception of YAML, where it is no such file.
 std::optional<Entries> entries_from_yaml(std::string text) {
   // OpenCV's first line, "%YAML:1.0", is not YAML.
   if (text.starts_with("%YAML")) text.erase(0, std::min(text.find('\n'), text.size()));
+  const YAML::Node root = YAML::Load(text);
+  if (!root.IsMap()) return std::nullopt;
   Entries entries;
-  try {
-    const YAML::Node root = YAML::Load(text);
-    if (!root.IsMap()) return std::nullopt;
-    for (const auto& entry : root) entries[text_of(entry.first)] = entry_from(entry.second);
-  } catch (const YAML::Exception&) {
-    return std::nullopt;
-  }
+  for (const auto& entry : root) entries[text_of(entry.first)] = entry_from(entry.second);
   return entries;
 }
 
@@ -89,16 +75,15 @@ StoredMatrix entry_from(const pugi::xml_node& node) {
   };
   if (!node.find_child(is_element)) return scalar_from(node.text().get());
   std::istringstream words(node.child("data").text().get());
-  std::vector<std::string> data;
-  for (std::string word; words >> word;) data.push_back(word);
-  return matrix_from(node.child("rows").text().get(), node.child("cols").text().get(), data);
+  return matrix_from(node.child("rows").text().get(), node.child("cols").text().get(),
+                     {std::istream_iterator<std::string>(words), {}});
 }
 
 std::optional<Entries> entries_from_xml(const std::string& text) {
   pugi::xml_document document;
-  if (!document.load_buffer(text.data(), text.size())) return std::nullopt;
+  const bool whole = document.load_buffer(text.data(), text.size());
   const pugi::xml_node root = document.child("opencv_storage");
-  if (!root) return std::nullopt;
+  if (!whole || !root) return std::nullopt;
   Entries entries;
   for (const pugi::xml_node& node : root.children()) entries[node.name()] = entry_from(node);
   return entries;
@@ -106,10 +91,6 @@ std::optional<Entries> entries_from_xml(const std::string& text) {
 
 bool is_xml(const std::string& text) {
   return text.find_first_not_of(" \t\r\n") == text.find('<');
-}
-
-std::string joined(const std::vector<double>& numbers, std::string_view separator) {
-  return fmt::format("{}", fmt::join(numbers, separator));
 }
 
 /// In the double quotes of YAML, on one line.
@@ -124,9 +105,9 @@ std::string quoted(const std::string& text) {
 
 std::string yaml_of(const std::string& name, const StoredMatrix& entry) {
   if (entry.rows == 0) return fmt::format("{}: {}\n", name, quoted(entry.text));
-  if (entry.rows == 1 && entry.columns == 1) return fmt::format("{}: {}\n", name, entry.numbers[0]);
+  if (entry.numbers.size() == 1) return fmt::format("{}: {}\n", name, entry.numbers[0]);
   return fmt::format("{}: !!opencv-matrix\n   rows: {}\n   cols: {}\n   dt: d\n   data: [ {} ]\n",
-                     name, entry.rows, entry.columns, joined(entry.numbers, ", "));
+                     name, entry.rows, entry.columns, fmt::join(entry.numbers, ", "));
 }
 
 /// Entries at the top of YAML start in the first column, and what belongs to them does not.
@@ -158,19 +139,16 @@ std::string with_xml_entries(const std::string& text, const Entries& entries) {
     }
     if (entry.empty()) continue;
     pugi::xml_node node = root.append_child(name.c_str());
-    if (entry.rows == 0) {
-      node.text().set(entry.text.c_str());
-      continue;
-    }
-    if (entry.rows == 1 && entry.columns == 1) {
-      node.text().set(fmt::format("{}", entry.numbers[0]).c_str());
+    const std::string numbers = fmt::format("{}", fmt::join(entry.numbers, " "));
+    if (entry.numbers.size() <= 1) {
+      node.text().set((entry.text + numbers).c_str());
       continue;
     }
     node.append_attribute("type_id").set_value("opencv-matrix");
     node.append_child("rows").text().set(entry.rows);
     node.append_child("cols").text().set(entry.columns);
     node.append_child("dt").text().set("d");
-    node.append_child("data").text().set(joined(entry.numbers, " ").c_str());
+    node.append_child("data").text().set(numbers.c_str());
   }
   std::ostringstream changed;
   document.save(changed, "  ");
@@ -190,11 +168,13 @@ std::string text_in(const fs::path& path) {
 }  // namespace
 
 Entries opencv_entries(const std::string& text, const std::string& name) {
-  std::optional<Entries> entries = is_xml(text) ? entries_from_xml(text) : entries_from_yaml(text);
-  if (!entries) {
-    throw Error(fmt::format("{}: not a scanner file; OpenCV's YAML or XML is wanted", name));
+  try {
+    auto entries = is_xml(text) ? entries_from_xml(text) : entries_from_yaml(text);
+    if (entries) return *std::move(entries);
+  } catch (const YAML::Exception&) {
+    // Refused below, as any other file.
   }
-  return *std::move(entries);
+  throw Error(fmt::format("{}: not a scanner file; OpenCV's YAML or XML is wanted", name));
 }
 
 Entries read_opencv_storage(const fs::path& path) {
@@ -221,8 +201,9 @@ std::string with_entries(const std::string& text, const Entries& entries, const 
     refuse("an entry");
   }
   for (const auto& [key, entry] : entries) {
-    const bool there = after.contains(key);
-    if (entry.empty() ? there : !there || after.at(key) != entry) refuse(key);
+    const auto found = after.find(key);
+    if (found == after.end() ? !entry.empty() : entry.empty() || found->second != entry)
+      refuse(key);
   }
   for (const auto& [key, entry] : before) {
     if (!entries.contains(key) && !after.contains(key)) refuse(key);

@@ -1,15 +1,9 @@
 #include "slipstream/io/pattern_pictures.h"
 
-#include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <string_view>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/sequence.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/scan_folder.h"
@@ -23,14 +17,11 @@ double level_in(const fs::path& picture) {
   static constexpr std::string_view prefix = "level_";
   const std::string stem = picture.stem().string();
   const std::string digits = stem.starts_with(prefix) ? stem.substr(prefix.size()) : "";
-  const bool number = std::all_of(digits.begin(), digits.end(),
-                                  [](unsigned char c) { return std::isdigit(c) != 0; });
-  if (digits.empty() || digits.size() > 3 || !number || std::stoi(digits) > 255) {
-    throw Error(fmt::format(
-        "{}: no grey level in its name; pictures of uniform patterns are named as level_017.png",
-        picture.string()));
-  }
-  return std::stoi(digits) / 255.0;
+  const auto level = number_in<std::uint8_t>(digits);
+  throw_if(!level || digits.size() > 3,
+           "{}: no grey level in its name; pictures of uniform patterns are named as level_017.png",
+           picture.string());
+  return *level / 255.0;
 }
 
 /// Of the middle quarter of its width and height, grey levels of 255.
@@ -52,18 +43,6 @@ double middle_mean(const FrameViews& frames) {
 
 fs::path pattern_file(const fs::path& folder, std::size_t n) {
   return folder / fmt::format("pattern_{:02}.png", n);
-}
-
-void FolderSink::load(std::vector<Image<std::uint8_t>> patterns) {
-  require_patterns(patterns, size(), folder_.string());
-  patterns_ = std::move(patterns);
-}
-
-void FolderSink::show(std::size_t n) {
-  const Image<std::uint8_t>& pattern = patterns_.at(n);
-  make_folder(folder_);
-  write_image(pattern_file(folder_, n), pattern);
-  ++shown_;
 }
 
 std::vector<fs::path> write_patterns(const fs::path& folder, const PatternSet& patterns,
@@ -131,9 +110,7 @@ UniformLevels read_uniform_pictures(const fs::path& folder) {
   UniformLevels levels;
   for (const fs::path& picture : images_in_folder(folder)) {
     const double mean = middle_mean(read_frames({picture}).frames);
-    if (mean > 0.98 * 255) {
-      throw Error(fmt::format("{}: saturated; expose shorter", picture.string()));
-    }
+    throw_if(mean > 0.98 * 255, "{}: saturated; expose shorter", picture.string());
     levels.values.push_back(level_in(picture));
     levels.intensities.push_back(mean);
   }

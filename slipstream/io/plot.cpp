@@ -1,35 +1,26 @@
 #include "slipstream/io/plot.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <limits>
-#include <utility>
-
-#include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
 
 #include "slipstream/base/colour.h"
-#include "slipstream/base/error.h"
-#include "slipstream/base/image.h"
 #include "slipstream/base/statistics.h"
-#include "slipstream/cloud/normals.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/cloud/surface.h"
 #include "slipstream/io/detail/pictures.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/mat.h"
 
 namespace slipstream {
 namespace fs = std::filesystem;
 namespace {
 
+// All pictures here have red, green and blue in this order.
 const cv::Scalar paper(255, 255, 255);
 const cv::Scalar ink(60, 60, 60);
 const cv::Scalar grid(228, 228, 228);
 /// Blue, red, green, violet, orange, cyan: told apart by most eyes.
-const std::array<cv::Scalar, 6> line_colours{cv::Scalar(180, 110, 30), cv::Scalar(50, 50, 200),
-                                             cv::Scalar(60, 140, 40),  cv::Scalar(170, 70, 130),
-                                             cv::Scalar(0, 130, 230),  cv::Scalar(170, 160, 30)};
+const std::array<cv::Scalar, 6> line_colours{cv::Scalar(30, 110, 180), cv::Scalar(200, 50, 50),
+                                             cv::Scalar(40, 140, 60),  cv::Scalar(130, 70, 170),
+                                             cv::Scalar(230, 130, 0),  cv::Scalar(30, 160, 170)};
 
 constexpr int width = 800, height = 520;
 constexpr int legend_line = 18;  // below the page, where it hides no curve
@@ -40,10 +31,21 @@ int text_width(const std::string& text, double size) {
   return cv::getTextSize(text, cv::FONT_HERSHEY_SIMPLEX, size, 1, &baseline).width;
 }
 
-/// A page with axes; values to places on it.
+/// `size`: of the font, 0.45 for ordinary text.
+void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double size,
+               const cv::Scalar& ink) {
+  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
+}
+
+std::string text_of_mark(double mark) {
+  return fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
+}
+
+/// A page with a plot's axes and labels; values to places on it.
 class Axes {
  public:
-  Axes(PlotAxis x, PlotAxis y, PlotScale y_scale, int legend_lines = 0)
+  template <class AnyPlot>
+  Axes(const AnyPlot& plot, PlotAxis x, PlotAxis y, PlotScale y_scale, int legend_lines = 0)
       : x_(std::move(x)),
         y_(std::move(y)),
         y_scale_(y_scale),
@@ -51,34 +53,28 @@ class Axes {
     for (const double mark : x_.marks) {
       const int at = x_place(mark);
       cv::line(page_, {at, top}, {at, bottom}, grid);
-      const std::string text = fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
+      const std::string text = text_of_mark(mark);
       draw_text(page_, text, {at - text_width(text, 0.42) / 2, bottom + 20}, 0.42, ink);
     }
     for (const double mark : y_.marks) {
       const int at = y_mark_place(mark);
       cv::line(page_, {left, at}, {right, at}, grid);
-      const std::string text = y_scale == PlotScale::logarithmic
-                                   ? fmt::format("1e{:.0f}", mark)
-                                   : fmt::format("{:.6g}", std::abs(mark) < 1e-12 ? 0 : mark);
+      const std::string text =
+          y_scale == PlotScale::logarithmic ? fmt::format("1e{:.0f}", mark) : text_of_mark(mark);
       draw_text(page_, text, {left - 8 - text_width(text, 0.42), at + 4}, 0.42, ink);
     }
     cv::rectangle(page_, {left, top}, {right, bottom}, ink);
+    draw_text(page_, plot.title, {left, 22}, 0.5, ink);
+    draw_text(page_, plot.y_label, {8, top - 10}, 0.42, ink);
+    const int middle = (left + right - text_width(plot.x_label, 0.45)) / 2;
+    draw_text(page_, plot.x_label, {middle, height - 18}, 0.45, ink);
   }
 
-  [[nodiscard]] int x_place(double x) const {
-    return left + static_cast<int>(std::lround((x - x_.low) / (x_.high - x_.low) * (right - left)));
-  }
-  [[nodiscard]] int y_place(double y) const {
-    return y_mark_place(y_scale_ == PlotScale::logarithmic ? std::log10(y) : y);
+  [[nodiscard]] cv::Point place(double x, double y) const {
+    return {x_place(x), y_mark_place(y_scale_ == PlotScale::logarithmic ? std::log10(y) : y)};
   }
   [[nodiscard]] bool shows(double x, double y) const {
     return std::isfinite(x) && std::isfinite(y) && (y_scale_ == PlotScale::linear || y > 0);
-  }
-
-  void label(const std::string& title, const std::string& x, const std::string& y) {
-    draw_text(page_, title, {left, 22}, 0.5, ink);
-    draw_text(page_, y, {8, top - 10}, 0.42, ink);
-    draw_text(page_, x, {(left + right - text_width(x, 0.45)) / 2, height - 18}, 0.45, ink);
   }
 
   void explain(int line, const std::string& label, const cv::Scalar& colour) {
@@ -90,6 +86,9 @@ class Axes {
   [[nodiscard]] cv::Mat& picture() { return page_; }
 
  private:
+  [[nodiscard]] int x_place(double x) const {
+    return left + static_cast<int>(std::lround((x - x_.low) / (x_.high - x_.low) * (right - left)));
+  }
   [[nodiscard]] int y_mark_place(double y) const {
     const double share = std::clamp((y - y_.low) / (y_.high - y_.low), -0.01, 1.01);
     return bottom - static_cast<int>(std::lround(share * (bottom - top)));
@@ -111,9 +110,7 @@ struct Extent {
 };
 
 void require_some(const Extent& extent, const std::string& title) {
-  if (!(extent.low <= extent.high)) {
-    throw Error(fmt::format("plot '{}' has no value that can be shown", title));
-  }
+  throw_if(!(extent.low <= extent.high), "plot '{}' has no value that can be shown", title);
 }
 
 cv::Mat drawn(const LinePlot& plot) {
@@ -130,21 +127,20 @@ cv::Mat drawn(const LinePlot& plot) {
   require_some(y, plot.title);
   const auto labelled = std::count_if(plot.lines.begin(), plot.lines.end(),
                                       [](const PlotLine& line) { return !line.label.empty(); });
-  Axes page(round_axis(x.low, x.high, 8),
+  Axes page(plot, round_axis(x.low, x.high, 8),
             logarithmic ? decade_axis(y.low, y.high, 10) : round_axis(y.low, y.high, 8),
             plot.y_scale, static_cast<int>(labelled));
-  page.label(plot.title, plot.x_label, plot.y_label);
   int explained = 0;
   for (std::size_t k = 0; k < plot.lines.size(); ++k) {
     const PlotLine& line = plot.lines[k];
     const cv::Scalar& colour = line_colours[k % line_colours.size()];
     for (std::size_t i = 0; i < line.x.size(); ++i) {
       if (!page.shows(line.x[i], line.y[i])) continue;
-      const cv::Point here(page.x_place(line.x[i]), page.y_place(line.y[i]));
+      const cv::Point here = page.place(line.x[i], line.y[i]);
       if (line.x.size() <= 40) cv::circle(page.picture(), here, 3, colour, cv::FILLED, cv::LINE_AA);
       if (i == 0 || !page.shows(line.x[i - 1], line.y[i - 1])) continue;
-      const cv::Point before(page.x_place(line.x[i - 1]), page.y_place(line.y[i - 1]));
-      cv::line(page.picture(), before, here, colour, 1, cv::LINE_AA);
+      cv::line(page.picture(), page.place(line.x[i - 1], line.y[i - 1]), here, colour, 1,
+               cv::LINE_AA);
     }
     if (!line.label.empty()) page.explain(explained++, line.label, colour);
   }
@@ -158,53 +154,42 @@ cv::Mat drawn(const BarPlot& plot) {
     if (std::isfinite(bar)) y.include(bar);
   }
   if (plot.heights.empty()) require_some({}, plot.title);
-  Axes page(round_axis(plot.low, plot.high, 8), round_axis(y.low, y.high, 8), PlotScale::linear);
-  page.label(plot.title, plot.x_label, plot.y_label);
+  Axes page(plot, round_axis(plot.low, plot.high, 8), round_axis(y.low, y.high, 8),
+            PlotScale::linear);
   const double step = (plot.high - plot.low) / static_cast<double>(plot.heights.size());
   for (std::size_t i = 0; i < plot.heights.size(); ++i) {
     if (!std::isfinite(plot.heights[i])) continue;
     const double from = plot.low + step * static_cast<double>(i);
-    cv::rectangle(page.picture(), {page.x_place(from), page.y_place(plot.heights[i])},
-                  {page.x_place(from + step) - 1, page.y_place(0)}, line_colours[0], cv::FILLED);
+    cv::rectangle(page.picture(), page.place(from, plot.heights[i]),
+                  page.place(from + step, 0) - cv::Point(1, 0), line_colours[0], cv::FILLED);
   }
   return page.picture();
 }
 
-const cv::Scalar background(46, 42, 40);
+const cv::Scalar background(40, 42, 46);
 const cv::Scalar page_ink(225, 225, 225);
 constexpr int smallest_height = 240;  // of a page
 
 /// Values to colours, pixels that are not finite to the background.
 cv::Mat coloured(const Image<double>& map, const ValueRange& range, const ColourMap& colours) {
   cv::Mat picture(map.height(), map.width(), CV_8UC3, background);
-  for (int row = 0; row < map.height(); ++row) {
-    for (int column = 0; column < map.width(); ++column) {
-      const double value = map(column, row);
-      if (!std::isfinite(value)) continue;
-      const double level = 255 * (value - range.low) / (range.high - range.low);
-      const Colour& colour = colours[cv::saturate_cast<std::uint8_t>(level)];
-      picture.at<cv::Vec3b>(row, column) = {colour.blue, colour.green, colour.red};
-    }
-  }
+  for_each_pixel_in_order(map.size(), [&](int column, int row) {
+    const double value = map(column, row);
+    if (!std::isfinite(value)) return;
+    const double level = 255 * (value - range.low) / (range.high - range.low);
+    const auto& [red, green, blue] = colours[cv::saturate_cast<std::uint8_t>(level)];
+    picture.at<cv::Vec3b>(row, column) = {red, green, blue};
+  });
   return picture;
-}
-
-/// What is much stands out, as what is near does in depth.
-ColourMap map_colours() {
-  ColourMap colours = depth_colours();
-  std::reverse(colours.begin(), colours.end());
-  return colours;
 }
 
 void shade(cv::Mat& picture, const Cloud& cloud) {
   const Image<float> brightness = shading(cloud);
-  for (int row = 0; row < picture.rows; ++row) {
-    for (int column = 0; column < picture.cols; ++column) {
-      if (!std::isfinite(cloud.z(column, row))) continue;
-      auto& pixel = picture.at<cv::Vec3b>(row, column);
-      pixel = cv::Vec3f(pixel) * brightness(column, row);
-    }
-  }
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (!std::isfinite(cloud.z(column, row))) return;
+    auto& pixel = picture.at<cv::Vec3b>(row, column);
+    pixel = cv::Vec3f(pixel) * brightness(column, row);
+  });
 }
 
 /// The picture with a bar of its colours at its right, labelled at round values.
@@ -234,6 +219,11 @@ cv::Mat with_scale(const cv::Mat& picture, const ValueRange& range, const std::s
   return page;
 }
 
+void write_png(const fs::path& path, const cv::Mat& picture) {
+  const ImageView<const std::uint8_t> samples(picture.data, {3 * picture.cols, picture.rows});
+  write_file(path, png_file_of(PictureView(samples, 3)));
+}
+
 void write_preview(const fs::path& path, cv::Mat picture, const ValueRange& range,
                    const std::string& unit, const ColourMap& colours) {
   require_ending(path, "preview", {".png"});
@@ -247,18 +237,6 @@ void write_preview(const fs::path& path, cv::Mat picture, const ValueRange& rang
 }
 
 }  // namespace
-
-void draw_text(cv::Mat& picture, const std::string& text, cv::Point at, double size,
-               const cv::Scalar& ink) {
-  cv::putText(picture, text, at, cv::FONT_HERSHEY_SIMPLEX, size, ink, 1, cv::LINE_AA);
-}
-
-void write_png(const fs::path& path, const cv::Mat& picture) {
-  cv::Mat turned;
-  cv::cvtColor(picture, turned, cv::COLOR_BGR2RGB);
-  const ImageView<const std::uint8_t> samples(turned.data, {3 * turned.cols, turned.rows});
-  write_file(path, png_file_of({samples, 3}));
-}
 
 PlotAxis round_axis(double low, double high, int count) {
   if (!(high > low)) {
@@ -312,7 +290,8 @@ void write_depth_preview(const fs::path& path, const Cloud& cloud) {
 
 void write_map_preview(const fs::path& path, const Image<double>& map, const std::string& unit) {
   const ValueRange range = robust_range(map);
-  const ColourMap colours = map_colours();
+  ColourMap colours = depth_colours();
+  std::reverse(colours.begin(), colours.end());  // what is much stands out, as what is near does
   cv::Mat picture = coloured(map, range, colours);
   const int times = smallest_height / std::max({map.width(), map.height(), 1});
   if (times > 1) cv::resize(picture, picture, {}, times, times, cv::INTER_NEAREST);
@@ -321,15 +300,11 @@ void write_map_preview(const fs::path& path, const Image<double>& map, const std
 
 void write_plot(const fs::path& path, const Plot& plot) {
   require_ending(path, "plot", {".png"});
-  if (const auto* lines = std::get_if<LinePlot>(&plot)) {
-    write_png(path, drawn(*lines));
-  } else if (const auto* bars = std::get_if<BarPlot>(&plot)) {
-    write_png(path, drawn(*bars));
-  } else if (const auto* heat = std::get_if<HeatPlot>(&plot)) {
-    write_map_preview(path, heat->values, heat->unit);
-  } else {
-    write_depth_preview(path, std::get<ReliefPlot>(plot).surface);
+  if (const auto* relief = std::get_if<ReliefPlot>(&plot)) {
+    return write_depth_preview(path, relief->surface);
   }
+  const auto* lines = std::get_if<LinePlot>(&plot);
+  write_png(path, lines != nullptr ? drawn(*lines) : drawn(std::get<BarPlot>(plot)));
 }
 
 }  // namespace slipstream

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -43,19 +42,13 @@ struct BarPlot {
   std::vector<double> heights;
 };
 
-/// A map in colours.
-struct HeatPlot {
-  std::string unit;
-  Image<double> values;
-};
-
 /// A surface seen from the camera: depth in colours, shaded by its slope.
 struct ReliefPlot {
   Cloud surface;
 };
 
 /// What a plot shows, before it is drawn.
-using Plot = std::variant<LinePlot, BarPlot, HeatPlot, ReliefPlot>;
+using Plot = std::variant<LinePlot, BarPlot, ReliefPlot>;
 
 /// Draws a plot as a PNG for people. Throws Error for another ending or a plot with no finite
 /// value, WorldError when it cannot be written.

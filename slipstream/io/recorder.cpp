@@ -1,28 +1,14 @@
 #include "slipstream/io/recorder.h"
 
-#include <algorithm>
-#include <chrono>
 #include <exception>
-#include <utility>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 
 namespace slipstream {
-namespace {
-
-std::size_t capacity_of(std::size_t memory, const FrameFormat& format) {
-  return std::clamp<std::size_t>(memory / byte_count(format), 8, 1024);
-}
-
-}  // namespace
 
 Recorder::Recorder(const std::filesystem::path& path, const RecordingHeader& header,
                    std::size_t memory)
     : writer_(path, header),
-      pool_(capacity_of(memory, header.format), [&] { return Frame(header.format); }),
+      pool_(std::clamp<std::size_t>(memory / byte_count(header.format), 8, 1024),
+            [&] { return Frame(header.format); }),
       thread_([this] { write_all(); }) {}
 
 Recorder::~Recorder() {

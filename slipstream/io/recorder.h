@@ -1,19 +1,9 @@
 #pragma once
 
-#include <chrono>
 #include <condition_variable>
-#include <cstddef>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <thread>
-#include <vector>
 
-#include "slipstream/frames/frame_source.h"
 #include "slipstream/frames/pool.h"
 #include "slipstream/io/recording.h"
 

@@ -1,21 +1,11 @@
 #include "slipstream/io/recording.h"
 
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <ranges>
-#include <span>
-#include <string_view>
-#include <type_traits>
-#include <utility>
-#include <variant>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/scan_camera.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/scan_folder.h"
 #include "slipstream/io/scanner_file.h"
 
@@ -112,16 +102,35 @@ std::uint32_t checksum(std::initializer_list<Bytes> parts) {
   return sum;
 }
 
-std::uint32_t checksum_of(const RecordHeader& header, Bytes pixels, Bytes padding) {
-  return checksum({bytes_of(header).subspan(sizeof(header.checksum)), pixels, padding});
-}
-
-std::uint32_t checksum_of(const End& end) {
-  return checksum({bytes_of(end).subspan(sizeof(end.checksum))});
+/// Of what begins with its own checksum.
+template <class Begin, class... Rest>
+std::uint32_t checksum_behind(const Begin& begin, Rest... rest) {
+  return checksum({bytes_of(begin).subspan(sizeof(begin.checksum)), rest...});
 }
 
 std::uint32_t checksum_of(const FileHeader& header, Bytes texts) {
   return checksum({bytes_of(header).first(sizeof(header) - sizeof(header.checksum)), texts});
+}
+
+/// The texts behind the header; none where it is damaged.
+std::optional<std::string> read_texts(const InputFile& file, const FileHeader& header) {
+  const std::size_t size =
+      std::size_t{header.scan_length} + header.scanner_length + header.white_length;
+  if (header.scan_length > largest_text || header.scanner_length > largest_text ||
+      header.header_size != sizeof(header) + aligned(size) || header.header_size > file.size()) {
+    return std::nullopt;
+  }
+  std::string texts(aligned(size), '\0');
+  const std::span<std::uint8_t> bytes(reinterpret_cast<std::uint8_t*>(texts.data()), texts.size());
+  const bool whole =
+      file.read(sizeof(header), {bytes}) && header.checksum == checksum_of(header, bytes);
+  return whole ? std::optional(std::move(texts)) : std::nullopt;
+}
+
+/// Times, ns, that can be added to and subtracted from one another: 73 years.
+bool is_possible(std::int64_t time) {
+  constexpr std::int64_t limit = std::int64_t{1} << 61;
+  return -limit < time && time < limit;
 }
 
 std::string text_of(const FrameFormat& format) {
@@ -159,21 +168,17 @@ void require_valid_colours(const RecordingHeader& header) {
   const FrameSet& white = header.white;
   if (white.count() == 0) return;
   const FrameFormat format{white.size(), white.bits()};
-  if (!header.in_colour || white.count() != channels || !white.quantised() ||
-      format != header.format) {
-    throw Error(
-        fmt::format("a white picture of {} channels, {}, cannot be recorded with frames of "
-                    "{}; of three that are alike",
-                    white.count(), text_of(format), text_of(header.format)));
-  }
+  throw_if(!header.in_colour || white.count() != channels || !white.quantised() ||
+               format != header.format,
+           "a white picture of {} channels, {}, cannot be recorded with frames of "
+           "{}; of three that are alike",
+           white.count(), text_of(format), text_of(header.format));
 }
 
-void require_valid(const RecordingHeader& header) {
-  slipstream::require_valid(header.format);
-  if (!(header.frame_rate >= 0 && std::isfinite(header.frame_rate))) {
-    throw Error(
-        fmt::format("a frame rate of {} Hz cannot be recorded; 0 or more", header.frame_rate));
-  }
+void require_valid_header(const RecordingHeader& header) {
+  require_valid(header.format);
+  throw_if(!(header.frame_rate >= 0 && std::isfinite(header.frame_rate)),
+           "a frame rate of {} Hz cannot be recorded; 0 or more", header.frame_rate);
   require_valid_colours(header);
 }
 
@@ -189,14 +194,13 @@ bool is_recording(const fs::path& path) {
 RecordingWriter::RecordingWriter(const fs::path& path, const RecordingHeader& header,
                                  OutputFile::Writing writing)
     : path_(path), writing_(writing), format_(header.format) {
-  require_valid(header);
+  require_valid_header(header);
   const std::string scan =
       header.sequence ? scan_yaml_of({.sequence = *header.sequence}, {}) : std::string();
   const std::string scanner = header.scanner ? text_of(*header.scanner) : std::string();
-  if (scanner.size() > largest_text) {
-    throw Error(fmt::format("a scanner file of {} bytes cannot be recorded; at most {}",
-                            scanner.size(), largest_text));
-  }
+  throw_if(scanner.size() > largest_text,
+           "a scanner file of {} bytes cannot be recorded; at most {}", scanner.size(),
+           largest_text);
   const std::string white = pixels_of(header.white);
   std::string texts = scan + scanner + white;
   texts.resize(aligned(texts.size()), '\0');  // the records begin at a multiple of the alignment
@@ -249,7 +253,7 @@ void RecordingWriter::append(const Frame& frame) {
       .host_time = std::chrono::nanoseconds(frame.stamp.host_time - first_host_time_).count()};
   const Bytes pixels = pixel_bytes(frame);
   const Bytes padding = Bytes(zeros).first(aligned(pixels.size()) - pixels.size());
-  header.checksum = checksum_of(header, pixels, padding);
+  header.checksum = checksum_behind(header, pixels, padding);
   write({bytes_of(header), pixels, padding});
   ++count_;
 }
@@ -258,7 +262,7 @@ void RecordingWriter::finish() {
   if (!file_) throw Error(fmt::format("{}: the recording is closed", path_.string()));
   if (count_ == 0) return std::exchange(file_, nullptr)->discard();
   End end{.count = count_};
-  end.checksum = checksum_of(end);
+  end.checksum = checksum_behind(end);
   write({bytes_of(end)});
   std::exchange(file_, nullptr)->keep();
 }
@@ -285,78 +289,46 @@ void RecordingWriter::give_up() {
                                      why, count_, sure));
 }
 
-namespace {
-
-/// The texts behind the header; none where it is damaged.
-std::optional<std::string> read_texts(const InputFile& file, const FileHeader& header) {
-  const std::size_t size =
-      std::size_t{header.scan_length} + header.scanner_length + header.white_length;
-  if (header.scan_length > largest_text || header.scanner_length > largest_text ||
-      header.header_size != sizeof(header) + aligned(size) || header.header_size > file.size()) {
-    return std::nullopt;
-  }
-  std::string texts(aligned(size), '\0');
-  const std::span<std::uint8_t> bytes(reinterpret_cast<std::uint8_t*>(texts.data()), texts.size());
-  const bool whole =
-      file.read(sizeof(header), {bytes}) && header.checksum == checksum_of(header, bytes);
-  return whole ? std::optional(std::move(texts)) : std::nullopt;
-}
-
-}  // namespace
-
 RecordingReader::RecordingReader(const fs::path& path) : path_(path), file_(path, no_limit) {
-  read_header();
+  const std::string name = path.string();
+  const auto [scan, scanner] = naming(name, [this] { return read_header(); });
+  if (!scan.empty()) header_.sequence = scan_files_from(scan, name, {}).sequence;
+  if (!scanner.empty()) header_.scanner = scanner_from(scanner, name);
   find_end();
 }
 
-void RecordingReader::read_header() {
-  const auto refuse = [&](std::string_view why) {
-    throw Error(fmt::format("{}: {}", path_.string(), why));
-  };
+std::pair<std::string, std::string> RecordingReader::read_header() {
   FileHeader header;
-  if (!file_.read(0, {writable_bytes_of(header)}) || header.recording_magic != recording_magic) {
-    refuse("is no recording of slipstream");
-  }
-  if (header.version != grey_version && header.version != colour_version) {
-    refuse(fmt::format("is a recording of version {}; {} and {} can be read", header.version,
-                       grey_version, colour_version));
-  }
+  throw_if(!file_.read(0, {writable_bytes_of(header)}) || header.recording_magic != recording_magic,
+           "is no recording of slipstream");
+  throw_if(header.version != grey_version && header.version != colour_version,
+           "is a recording of version {}; {} and {} can be read", header.version, grey_version,
+           colour_version);
   header_.in_colour = header.version == colour_version;
-  if (header.channels != (header_.in_colour ? channels : 0)) refuse("its header is damaged");
+  const auto require_whole = [](bool whole) {
+    if (!whole) throw Error("its header is damaged");
+  };
+  require_whole(header.channels == (header_.in_colour ? channels : 0));
   const std::optional<std::string> stored = read_texts(file_, header);
-  if (!stored) refuse("its header is damaged");
-  const std::string& texts = *stored;
-  if (std::uint64_t{header.width} * header.height > largest_picture) {
-    refuse(fmt::format("frames of {}x{} pixels; at most {} are read", header.width, header.height,
-                       largest_picture));
-  }
+  require_whole(stored.has_value());
+  throw_if(std::uint64_t{header.width} * header.height > largest_picture,
+           "frames of {}x{} pixels; at most {} are read", header.width, header.height,
+           largest_picture);
   header_.format = {{static_cast<int>(header.width), static_cast<int>(header.height)},
                     static_cast<int>(header.bits)};
   header_.frame_rate = header.frame_rate;
-  try {
-    require_valid(header_);
-  } catch (const Error& error) {
-    refuse(error.what());
-  }
+  require_valid_header(header_);
   const std::uint64_t white_length = header_.in_colour ? channels * byte_count(header_.format) : 0;
-  if (header.record_size != record_size(header_.format) ||
-      (header.white_length != 0 && header.white_length != white_length)) {
-    refuse("its header is damaged");
-  }
-  header_.white =
-      white_from(std::string_view(texts).substr(
-                     std::size_t{header.scan_length} + header.scanner_length, header.white_length),
-                 header_.format);
-  if (header.scan_length > 0) {
-    header_.sequence =
-        scan_files_from(texts.substr(0, header.scan_length), path_.string(), {}).sequence;
-  }
-  if (header.scanner_length > 0) {
-    header_.scanner =
-        scanner_from(texts.substr(header.scan_length, header.scanner_length), path_.string());
-  }
+  require_whole(header.record_size == record_size(header_.format) &&
+                (header.white_length == 0 || header.white_length == white_length));
+  std::string scan = stored->substr(0, header.scan_length);
+  std::string scanner = stored->substr(header.scan_length, header.scanner_length);
+  header_.white = white_from(
+      std::string_view(*stored).substr(scan.size() + scanner.size(), header.white_length),
+      header_.format);
   header_size_ = header.header_size;
   header_checksum_ = header.checksum;
+  return {std::move(scan), std::move(scanner)};
 }
 
 void RecordingReader::find_end() {
@@ -365,7 +337,7 @@ void RecordingReader::find_end() {
   count_ = size / record;
   End end;
   finished_ = rest == sizeof(end) && file_.read(file_.size() - rest, {writable_bytes_of(end)}) &&
-              end.mark == end_mark && end.checksum == checksum_of(end) && end.count == count_;
+              end.mark == end_mark && end.checksum == checksum_behind(end) && end.count == count_;
   if (finished_) return;
   const std::uint64_t there = count_ + (rest > 0 ? 1 : 0);
   // After a loss of power the file may have its length but not its last bytes.
@@ -380,16 +352,6 @@ void RecordingReader::find_end() {
   }
   dropped_ = there - count_;
 }
-
-namespace {
-
-/// Times, ns, that can be added to and subtracted from one another: 73 years.
-bool is_possible(std::int64_t time) {
-  constexpr std::int64_t limit = std::int64_t{1} << 61;
-  return -limit < time && time < limit;
-}
-
-}  // namespace
 
 bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   if (index >= count_) {
@@ -407,7 +369,7 @@ bool RecordingReader::read(std::uint64_t index, Frame& frame) const {
   const std::span<std::uint8_t> padding =
       std::span(rest).first(aligned(pixels.size()) - pixels.size());
   if (!file_.read(offset + sizeof(header), {pixels, padding}) ||
-      header.checksum != checksum_of(header, pixels, padding)) {
+      header.checksum != checksum_behind(header, Bytes(pixels), Bytes(padding))) {
     return false;
   }
   frame.stamp.sequence = header.sequence;

@@ -1,15 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <chrono>
-#include <cstdint>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "slipstream/frames/frame_source.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scan_folder.h"
 

@@ -1,14 +1,8 @@
 #include "slipstream/io/result_files.h"
 
-#include <algorithm>
-#include <array>
-#include <string_view>
-#include <system_error>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/io/cloud_file.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/io/plot.h"
 #include "slipstream/io/scan_folder.h"
@@ -48,6 +42,32 @@ fs::path identity(const fs::path& path) {
   std::error_code unknown;
   fs::path whole = fs::weakly_canonical(fs::absolute(path, unknown), unknown);
   return unknown ? path : whole;
+}
+
+/// What stands before the mark, which is taken off with it; all where there is none.
+std::string_view take(std::string_view& text, char mark) {
+  const std::size_t end = std::min(text.find(mark), text.size());
+  const std::string_view taken = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return taken;
+}
+
+/// A whole number, `otherwise` where there is nothing.
+std::optional<std::uint64_t> number_from(std::string_view text, std::uint64_t otherwise) {
+  return text.empty() ? otherwise : number_in<std::uint64_t>(text);
+}
+
+ListedScans listed_from(std::string_view line) {
+  ListedScans scans{.path = std::string(take(line, '\t'))};
+  const std::string_view windows = take(line, '\t');
+  if (!windows.empty()) scans.windows = window_range_from(windows);
+  const auto cost = number_from(take(line, '\t'), 0), shard = number_from(take(line, '\t'), 0);
+  constexpr std::uint64_t exact = std::uint64_t{1} << 53;  // in a double
+  throw_if(scans.path.empty() || !cost || *cost > exact || !shard || !line.empty(),
+           "is no line of a list: PATH, A:B, COST and SHARD with tabs between");
+  scans.cost = *cost;
+  scans.shard = *shard;
+  return scans;
 }
 
 }  // namespace
@@ -137,15 +157,12 @@ void DistinctFiles::add_input(const fs::path& path) {
 void DistinctFiles::add_output(const fs::path& path) {
   if (path.empty()) return;
   const fs::path file = identity(path);
-  if (inputs_.contains(file)) {
-    throw Error(fmt::format("{}: is read, and would be written over; name another", path.string()));
-  }
-  if (!outputs_.insert(file).second) {
-    throw Error(
-        fmt::format("{}: two outputs would be written to it; give each its own name, which "
-                    "{{name}} in it does with several scans",
-                    path.string()));
-  }
+  throw_if(inputs_.contains(file), "{}: is read, and would be written over; name another",
+           path.string());
+  throw_if(!outputs_.insert(file).second,
+           "{}: two outputs would be written to it; give each its own name, which "
+           "{{name}} in it does with several scans",
+           path.string());
   for (const fs::path& beside : files_beside(path)) add_output(beside);
 }
 
@@ -156,6 +173,82 @@ void DistinctFiles::add_scanner(const fs::path& path) {
 
 void DistinctFiles::add_scanner_output(const fs::path& path) {
   if (!scanners_.contains(identity(path))) add_output(path);
+}
+
+WindowRange window_range_from(std::string_view text) {
+  std::string_view rest = text;
+  const auto first = number_from(take(rest, ':'), 0);
+  const bool is_one = text.find(':') == std::string_view::npos;
+  const auto end = is_one && first ? *first + 1 : number_from(rest, WindowRange::last);
+  throw_if(text.empty() || !first || !end || *end <= *first,
+           "'{}' is no range of windows; give A:B, as 0:100, 100: or :", text);
+  return {*first, *end};
+}
+
+std::vector<ListedScans> scan_list_from(std::string_view text, const std::string& name) {
+  std::vector<ListedScans> scans;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = take(text, '\n');
+    if (line.empty()) continue;
+    naming(fmt::format("{}: line {}", name, number), [&] { scans.push_back(listed_from(line)); });
+  }
+  return scans;
+}
+
+std::string text_of(const std::vector<ListedScans>& scans) {
+  std::string text;
+  for (const auto& [path, windows, cost, shard] : scans) {
+    throw_if(path.find_first_of("\t\n") != std::string::npos,
+             "{}: a list takes no name with a tab or a line end", path);
+    std::string range;
+    if (windows) range = fmt::format("{}:", windows->first);
+    if (windows && windows->end != WindowRange::last) range += std::to_string(windows->end);
+    text += fmt::format("{}\t{}\t{}\t{}\n", path, range, cost, shard);
+  }
+  return text;
+}
+
+std::uint64_t scan_count(const ListedScans& scans, std::uint64_t every) {
+  if (!scans.windows) return 1;
+  return (scans.windows->end - scans.windows->first - 1) / every + 1;
+}
+
+std::vector<ScanName> scan_names(const std::vector<ListedScans>& scans, std::uint64_t every) {
+  std::vector<ScanName> names;
+  for (const ListedScans& listed : scans) {
+    const std::uint64_t count = scan_count(listed, every);
+    throw_if(count > most_scans - names.size(), "{}: more than {} scans", listed.path, most_scans);
+    if (!listed.windows) names.push_back({listed.path});
+    for (std::uint64_t i = 0; listed.windows && i < count; ++i) {
+      names.push_back({listed.path, listed.windows->first + i * every});
+    }
+  }
+  return names;
+}
+
+std::vector<ListedScans> cut_into_shards(const std::vector<ListedScans>& scans, std::uint64_t every,
+                                         std::uint64_t shards) {
+  double all = 0, before = 0;
+  for (const ListedScans& listed : scans) all += static_cast<double>(listed.cost);
+  std::vector<ListedScans> pieces;
+  for (const ListedScans& listed : scans) {
+    const std::uint64_t count = scan_count(listed, every);
+    const double cost = static_cast<double>(listed.cost) / static_cast<double>(count);
+    for (std::uint64_t i = 0; i < count; ++i, before += cost) {
+      // A scan is of the shard that its middle lies in.
+      const double place = (before + cost / 2) / all * static_cast<double>(shards);
+      const std::uint64_t shard = std::min(static_cast<std::uint64_t>(place) + 1, shards);
+      if (i == 0 || shard != pieces.back().shard) {
+        pieces.push_back({.path = listed.path, .windows = listed.windows, .shard = shard});
+        if (listed.windows) pieces.back().windows->first += i * every;
+      }
+      pieces.back().cost += static_cast<std::uint64_t>(cost);
+      if (!listed.windows) continue;
+      pieces.back().windows->end =
+          std::min(listed.windows->end, listed.windows->first + (i + 1) * every);
+    }
+  }
+  return pieces;
 }
 
 }  // namespace slipstream

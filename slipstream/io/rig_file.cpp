@@ -1,49 +1,43 @@
 #include "slipstream/io/rig_file.h"
 
-#include <algorithm>
-
-#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
 namespace {
 
-[[noreturn]] void refuse(const std::string& file, const YAML::Mark& mark, const std::string& why) {
-  throw Error(fmt::format("{}: line {}: {}", file, std::max(mark.line, 0) + 1, why));
+[[noreturn]] void refuse(const YAML::Mark& mark, const std::string& why) {
+  throw Error(fmt::format("line {}: {}", std::max(mark.line, 0) + 1, why));
 }
 
-std::string text_of(const YAML::Node& node, const std::string& setting, const YAML::Mark& mark,
-                    const std::string& file) {
+std::string text_of(const YAML::Node& node, const std::string& setting, const YAML::Mark& mark) {
   if (node.IsScalar()) return node.Scalar();
-  refuse(file, mark, fmt::format("{}: a value, or a list of values, is wanted", setting));
+  refuse(mark, fmt::format("{}: a value, or a list of values, is wanted", setting));
 }
 
-RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Mark& mark,
-                        const std::string& file) {
+RigSetting setting_from(std::string name, const YAML::Node& node, const YAML::Mark& mark) {
   std::replace(name.begin(), name.end(), '_', '-');
   RigSetting setting{.name = name, .line = mark.line + 1};
   if (!node.IsSequence()) {
-    setting.values.push_back(text_of(node, name, mark, file));
+    setting.values.push_back(text_of(node, name, mark));
   } else {
-    for (const YAML::Node& value : node) setting.values.push_back(text_of(value, name, mark, file));
+    for (const YAML::Node& value : node) setting.values.push_back(text_of(value, name, mark));
   }
-  if (setting.values.empty()) refuse(file, mark, fmt::format("{}: the list is empty", name));
+  if (setting.values.empty()) refuse(mark, fmt::format("{}: the list is empty", name));
   return setting;
 }
 
-std::vector<RigSetting> settings_in(const YAML::Node& root, const std::string& file) {
-  if (!root.IsMap()) refuse(file, root.Mark(), "a map of settings is wanted, as source: virtual");
+std::vector<RigSetting> settings_in(const YAML::Node& root) {
+  if (!root.IsMap()) refuse(root.Mark(), "a map of settings is wanted, as source: virtual");
   std::vector<RigSetting> settings;
   const auto add = [&](const YAML::Node& key, const YAML::Node& value) {
-    settings.push_back(setting_from(text_of(key, "the name of a setting", key.Mark(), file), value,
-                                    key.Mark(), file));
+    settings.push_back(
+        setting_from(text_of(key, "the name of a setting", key.Mark()), value, key.Mark()));
     const bool twice =
         std::any_of(settings.begin(), settings.end() - 1,
                     [&](const RigSetting& other) { return other.name == settings.back().name; });
-    if (twice) refuse(file, key.Mark(), fmt::format("{} is there twice", settings.back().name));
+    if (twice) refuse(key.Mark(), fmt::format("{} is there twice", settings.back().name));
   };
   for (const auto& entry : root) {
     if (!entry.second.IsMap()) {
@@ -62,14 +56,16 @@ std::vector<RigSetting> read_rig(const std::filesystem::path& file) {
 }
 
 std::vector<RigSetting> rig_from(const std::string& text, const std::string& name) {
-  try {
-    return settings_in(YAML::Load(text), name);
-  } catch (const YAML::Exception& exception) {
-    const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
-    refuse(name, exception.mark,
-           "not YAML: " + exception.msg +
-               (colon ? "; what ends in a colon is put in quotes, as source: 'aravis:'" : ""));
-  }
+  return naming(name, [&] {
+    try {
+      return settings_in(YAML::Load(text));
+    } catch (const YAML::Exception& exception) {
+      const bool colon = exception.msg == YAML::ErrorMsg::MAP_VALUE;
+      refuse(exception.mark,
+             "not YAML: " + exception.msg +
+                 (colon ? "; what ends in a colon is put in quotes, as source: 'aravis:'" : ""));
+    }
+  });
 }
 
 }  // namespace slipstream

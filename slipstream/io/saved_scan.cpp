@@ -1,21 +1,12 @@
 #include "slipstream/io/saved_scan.h"
 
-#include <chrono>
-#include <cmath>
 #include <ctime>
-#include <string>
-#include <utility>
 
 #include <fmt/chrono.h>
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/cloud/cloud.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/io/recording.h"
 #include "slipstream/io/scanner_file.h"
 
@@ -32,31 +23,28 @@ FrameSet recorded_frames(const ScanFiles& files) {
     throw Error(fmt::format("{}: its frames have {} bits; --camera-bits {} is of pictures",
                             files.path.string(), bits, files.bits));
   }
-  require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
-                    byte_count(recording.header().format), files.path);
-  std::optional<FrameSet> frames = files.window
-                                       ? window_at(recording, files.sequence, *files.window)
-                                       : first_cycle(recording, files.sequence);
-  if (!frames && files.window) {
+  naming(files.path.string(), [&] {
+    require_scan_fits(static_cast<std::uint64_t>(cycle_length(files.sequence)),
+                      byte_count(recording.header().format));
+  });
+  auto frames = files.window ? window_at(recording, files.sequence, *files.window)
+                             : first_cycle(recording, files.sequence);
+  if (frames) return *std::move(frames);
+  if (files.window) {
     throw Error(fmt::format("{}: frames of its window {} are missing or damaged",
                             files.path.string(), *files.window));
   }
-  if (!frames) {
-    throw Error(fmt::format("{}: {} frames, and no whole cycle of {} among the first",
-                            files.path.string(), recording.count(), cycle_length(files.sequence)));
-  }
-  return *std::move(frames);
+  throw Error(fmt::format("{}: {} frames, and no whole cycle of {} among the first",
+                          files.path.string(), recording.count(), cycle_length(files.sequence)));
 }
 
 /// Which pattern each frame shows.
 FrameSet in_order(FrameSet frames, const ScanFiles& files) {
   if (files.order.empty()) return frames;
-  if (!is_order_of(files.order, frames.count())) {
-    throw Error(fmt::format(
-        "{}: --order {} is no order of its {} frames; name each of 0 to {} "
-        "once, with commas between",
-        files.path.string(), fmt::join(files.order, ","), frames.count(), frames.count() - 1));
-  }
+  throw_if(!is_order_of(files.order, frames.count()),
+           "{}: --order {} is no order of its {} frames; name each of 0 to {} "
+           "once, with commas between",
+           files.path.string(), fmt::join(files.order, ","), frames.count(), frames.count() - 1);
   return reordered(std::move(frames), files.order);
 }
 
@@ -165,12 +153,10 @@ Scan load_scan(const ScanFiles& files) {
 }
 
 Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
-  if (!files.order.empty()) {
-    throw Error(
-        fmt::format("{}: --order is of scans in grey; the channels of a picture in colour "
-                    "were taken at once",
-                    files.path.string()));
-  }
+  throw_if(!files.order.empty(),
+           "{}: --order is of scans in grey; the channels of a picture in colour "
+           "were taken at once",
+           files.path.string());
   Scan scan = taken_scan(files);
   white = white_of(files);
   add_scanner(scan, scanner_of(files), files);
@@ -179,11 +165,10 @@ Scan load_as_taken(const ScanFiles& files, FrameSet& white) {
 
 void add_camera(Scan& scan, const ScanFiles& files) {
   Scan further = load_scan(files);
-  if (further.sequence.strategy != scan.sequence.strategy ||
-      further.sequence.axis != scan.sequence.axis) {
-    throw Error(fmt::format("{}: another strategy than the first camera's; both see one projector",
-                            files.path.string()));
-  }
+  throw_if(further.sequence.strategy != scan.sequence.strategy ||
+               further.sequence.axis != scan.sequence.axis,
+           "{}: another strategy than the first camera's; both see one projector",
+           files.path.string());
   scan.further_cameras.push_back(std::move(further));
 }
 
@@ -269,38 +254,24 @@ fs::path path_named_by_time(const fs::path& parent, std::string_view what,
                    fmt::format("{}-{:%Y%m%d-%H%M%S}{}", what, fmt::localtime(now), ending));
 }
 
-namespace {
-
-/// Of a depth at a pixel, mm; from the nearest surface about it where that at its centre is far, as
-/// at an edge, whose sides a lens mixes.
-double depth_error(double z, const Image<double>& truth, int column, int row) {
-  constexpr double far = 0.01;  // of the depth
-  const double own = z - truth(column, row);
-  return std::abs(own) > far * z ? nearest_error(z, truth, column, row) : own;
-}
-
-}  // namespace
-
 std::optional<double> error_against_truth(const fs::path& folder, const Cloud& cloud) {
   const fs::path file = folder / "truth" / "depth.tiff";
   if (!fs::exists(file)) return std::nullopt;
   const Image<double> truth = read_map(file);
-  if (truth.size() != cloud.size()) {
-    throw Error(fmt::format("{} is {}, the frames are {}; both must agree", file.string(),
-                            text_of(truth.size()), text_of(cloud.size())));
-  }
-  double sum = 0;
-  std::size_t count = 0;
-  for (int row = 0; row < truth.height(); ++row) {
-    for (int column = 0; column < truth.width(); ++column) {
-      const double error = depth_error(cloud.z(column, row), truth, column, row);
-      if (!std::isfinite(error)) continue;
-      sum += error * error;
-      ++count;
-    }
-  }
-  if (count == 0) return std::nullopt;
-  return std::sqrt(sum / static_cast<double>(count));
+  throw_if(truth.size() != cloud.size(), "{} is {}, the frames are {}; both must agree",
+           file.string(), text_of(truth.size()), text_of(cloud.size()));
+  double sum = 0, count = 0;
+  for_each_pixel_in_order(truth.size(), [&](int column, int row) {
+    constexpr double far = 0.01;  // of the depth
+    const double z = cloud.z(column, row), at_centre = z - truth(column, row);
+    // At an edge a lens mixes both sides: the nearest surface about the pixel counts.
+    const double error =
+        std::abs(at_centre) > far * z ? nearest_error(z, truth, column, row) : at_centre;
+    if (!std::isfinite(error)) return;
+    sum += error * error;
+    ++count;
+  });
+  return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
 }
 
 }  // namespace slipstream

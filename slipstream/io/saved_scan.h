@@ -1,10 +1,5 @@
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
-#include <optional>
-#include <string_view>
-
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/decode/maps.h"
 #include "slipstream/geometry/scan.h"

@@ -1,24 +1,12 @@
 #include "slipstream/io/scanner_file.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <variant>
-#include <vector>
 
-#include <Eigen/Core>
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/opencv_storage.h"
 #include "slipstream/response/response_fit.h"
 
 namespace slipstream {
@@ -39,7 +27,7 @@ constexpr const char* mixture_entry = "colour_mixture";
 std::optional<double> number(const Entries& entries, const char* name) {
   const auto found = entries.find(name);
   if (found == entries.end()) return std::nullopt;
-  if (found->second.numbers.size() != 1) throw Error(fmt::format("{} is not a number", name));
+  throw_if(found->second.numbers.size() != 1, "{} is not a number", name);
   return found->second.numbers[0];
 }
 
@@ -48,9 +36,7 @@ std::optional<MeasuredResponse> response_of(const Entries& entries) {
   MeasuredResponse measured{.gamma = gamma.value_or(1),
                             .standard_error = number(entries, error_entry).value_or(0)};
   const bool has_values = entries.contains(values_entry), has_light = entries.contains(light_entry);
-  if (has_values != has_light) {
-    throw Error(fmt::format("{} and {} go together", values_entry, light_entry));
-  }
+  throw_if(has_values != has_light, "{} and {} go together", values_entry, light_entry);
   if (has_values) {
     measured.response =
         response_curve(entries.at(values_entry).numbers, entries.at(light_entry).numbers);
@@ -65,7 +51,7 @@ std::optional<ColourMixture> mixture_of(const Entries& entries) {
   const auto found = entries.find(mixture_entry);
   if (found == entries.end()) return std::nullopt;
   const auto& [rows, columns, numbers, text] = found->second;
-  if (rows != 3 || columns != 4) throw Error(fmt::format("{} is no 3x4 matrix", mixture_entry));
+  throw_if(rows != 3 || columns != 4, "{} is no 3x4 matrix", mixture_entry);
   ColourMixture mixture{};
   for (std::size_t i = 0; i < numbers.size(); ++i) mixture[i / 4][i % 4] = numbers[i];
   require_valid(mixture);
@@ -76,16 +62,14 @@ StoredMatrix row_of(std::vector<double> numbers) {
   return {1, static_cast<int>(numbers.size()), std::move(numbers)};
 }
 
-PhotometricCalibration photometric_calibration_of(const Entries& entries, const std::string& name) {
-  return naming(name, [&] {
-    PhotometricCalibration read{.ambient = number(entries, ambient_entry),
-                                .noise_variance = number(entries, noise_entry),
-                                .noise_gain = number(entries, gain_entry).value_or(0),
-                                .response = response_of(entries),
-                                .colour_mixture = mixture_of(entries)};
-    require_valid(read);
-    return read;
-  });
+PhotometricCalibration photometric_calibration_of(const Entries& entries) {
+  PhotometricCalibration read{.ambient = number(entries, ambient_entry),
+                              .noise_variance = number(entries, noise_entry),
+                              .noise_gain = number(entries, gain_entry).value_or(0),
+                              .response = response_of(entries),
+                              .colour_mixture = mixture_of(entries)};
+  require_valid(read);
+  return read;
 }
 
 Entries entries_of(const PhotometricCalibration& calibration) {
@@ -144,101 +128,74 @@ constexpr std::array<std::string_view, 2> projections{"camera_projection", "proj
 constexpr const char* measured_entry = "measured";
 constexpr const char* depths_entry = "calibrated_depths";
 
-Eigen::Matrix<double, 3, 4> matrix34(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(values.data());
+bool has(const Entries& entries, std::string_view name) {
+  return !name.empty() && entries.contains(std::string(name));
 }
 
-Eigen::Matrix3d matrix3(const std::vector<double>& values) {
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(values.data());
+const Layout& layout_of(const Entries& entries) {
+  for (const Layout& layout : layouts) {
+    if (has(entries, layout.camera.matrix) || has(entries, layout.projector.matrix)) return layout;
+  }
+  throw Error(
+      "no camera matrix; it is named camera_matrix, Kc, cam_K, M1 or camera_projection in a "
+      "scanner file");
 }
 
-/// The named entries of one scanner file, with errors that name file and entry.
-class ScannerFile {
- public:
-  ScannerFile(std::string name, Entries entries)
-      : name_(std::move(name)), entries_(std::move(entries)) {}
-
-  [[nodiscard]] const std::string& name() const { return name_; }
-  [[nodiscard]] const Entries& entries() const { return entries_; }
-
-  [[nodiscard]] bool has(std::string_view name) const {
-    return !name.empty() && entries_.contains(std::string(name));
+/// Of an entry that is there.
+const std::vector<double>& numbers_of(const Entries& entries, std::string_view name) {
+  const StoredMatrix& matrix = entries.at(std::string(name));
+  throw_if(matrix.rows == 0, "{} is not a matrix of numbers", name);
+  for (const double value : matrix.numbers) {
+    if (std::isfinite(value)) continue;
+    throw Error(fmt::format("{} holds {}; every number must be finite", name, value));
   }
+  return matrix.numbers;
+}
 
-  [[nodiscard]] const Layout& layout() const {
-    for (const Layout& layout : layouts) {
-      if (has(layout.camera.matrix) || has(layout.projector.matrix)) return layout;
-    }
-    throw Error(
-        fmt::format("{}: no camera matrix; it is named camera_matrix, Kc, cam_K, M1 or "
-                    "camera_projection in a scanner file",
-                    name_));
+/// rows x columns numbers, row by row.
+template <int rows, int columns>
+Eigen::Matrix<double, rows, columns> matrix_of(const Entries& entries, std::string_view name) {
+  throw_if(!has(entries, name), "{} is missing", name);
+  const std::vector<double>& values = numbers_of(entries, name);
+  throw_if(values.size() != std::size_t{rows * columns}, "{} has {} numbers; it is {}x{}", name,
+           values.size(), rows, columns);
+  Eigen::Matrix<double, rows, columns> matrix;
+  for (int i = 0; i < rows * columns; ++i) {
+    matrix(i / columns, i % columns) = values[static_cast<std::size_t>(i)];
   }
+  return matrix;
+}
 
-  /// rows x columns numbers, row by row.
-  [[nodiscard]] std::vector<double> matrix(std::string_view name, std::size_t rows,
-                                           std::size_t columns) const {
-    if (!has(name)) throw Error(fmt::format("{}: {} is missing", name_, name));
-    std::vector<double> values = numbers(name);
-    if (values.size() != rows * columns) {
-      throw Error(fmt::format("{}: {} has {} numbers; it is {}x{}", name_, name, values.size(),
-                              rows, columns));
-    }
-    return values;
+/// Whole numbers of pixels; 0 where the file does not say.
+std::vector<int> pixel_counts(const Entries& entries, std::string_view name, std::size_t count) {
+  if (!has(entries, name)) return std::vector<int>(count, 0);
+  const std::vector<double>& values = numbers_of(entries, name);
+  const auto is_count = [](double value) {
+    return value >= 1 && value <= 65536 && value == std::floor(value);
+  };
+  throw_if(values.size() != count || !std::all_of(values.begin(), values.end(), is_count),
+           "{} is not {} of pixels", name, count == 1 ? "a number" : "two numbers");
+  return {values.begin(), values.end()};
+}
+
+Size size_of(const Entries& entries, const LensNames& names) {
+  if (!names.height.empty()) {
+    return {pixel_counts(entries, names.width, 1)[0], pixel_counts(entries, names.height, 1)[0]};
   }
+  const std::vector<int> both = pixel_counts(entries, names.width, 2);
+  return {both[0], both[1]};
+}
 
-  [[nodiscard]] Lens lens(const LensNames& names) const {
-    return {.intrinsic = matrix3(matrix(names.matrix, 3, 3)),
-            .distortion = distortion(names.distortion),
-            .size = size(names)};
+Lens lens_of(const Entries& entries, const LensNames& names) {
+  Lens lens{.intrinsic = matrix_of<3, 3>(entries, names.matrix), .distortion = {}, .size = {}};
+  if (has(entries, names.distortion)) {
+    const std::vector<double>& coefficients = numbers_of(entries, names.distortion);
+    lens.distortion =
+        naming(std::string(names.distortion), [&] { return make_distortion(coefficients); });
   }
-
-  /// Whole numbers of pixels; 0 where the file does not say.
-  [[nodiscard]] Size size(const LensNames& names) const {
-    if (!names.height.empty())
-      return {pixel_counts(names.width, 1)[0], pixel_counts(names.height, 1)[0]};
-    const std::vector<int> both = pixel_counts(names.width, 2);
-    return {both[0], both[1]};
-  }
-
- private:
-  [[nodiscard]] Distortion distortion(std::string_view name) const {
-    if (!has(name)) return {};
-    const std::vector<double> coefficients = numbers(name);
-    return naming(fmt::format("{}: {}", name_, name),
-                  [&] { return make_distortion(coefficients); });
-  }
-
-  [[nodiscard]] std::vector<int> pixel_counts(std::string_view name, std::size_t count) const {
-    if (!has(name)) return std::vector<int>(count, 0);
-    const std::vector<double> values = numbers(name);
-    const auto is_count = [](double value) {
-      return value >= 1 && value <= 65536 && value == std::floor(value);
-    };
-    if (values.size() != count || !std::all_of(values.begin(), values.end(), is_count)) {
-      throw Error(fmt::format("{}: {} is not {} of pixels", name_, name,
-                              count == 1 ? "a number" : "two numbers"));
-    }
-    return {values.begin(), values.end()};
-  }
-
-  [[nodiscard]] std::vector<double> numbers(std::string_view name) const {
-    const StoredMatrix& matrix = entries_.at(std::string(name));
-    if (matrix.rows == 0) {
-      throw Error(fmt::format("{}: {} is not a matrix of numbers", name_, name));
-    }
-    for (const double value : matrix.numbers) {
-      if (!std::isfinite(value)) {
-        throw Error(
-            fmt::format("{}: {} holds {}; every number must be finite", name_, name, value));
-      }
-    }
-    return matrix.numbers;
-  }
-
-  std::string name_;
-  Entries entries_;
-};
+  lens.size = size_of(entries, names);
+  return lens;
+}
 
 Entries entries_of(const Scanner& scanner) {
   Entries entries = entries_of(scanner.photometry);
@@ -276,14 +233,13 @@ std::string text_of(const fs::path& path, const Scanner& scanner) {
 }
 
 bool names_geometry(std::string_view entry) {
+  const auto is_in = [&](const auto& names) { return std::ranges::count(names, entry) > 0; };
   const auto is_of = [&](const LensNames& lens) {
-    return entry == lens.matrix || entry == lens.distortion || entry == lens.width ||
-           entry == lens.height;
+    return is_in(std::array{lens.matrix, lens.distortion, lens.width, lens.height});
   };
-  return entry == projections[0] || entry == projections[1] ||
-         std::any_of(layouts.begin(), layouts.end(), [&](const Layout& layout) {
-           return is_of(layout.camera) || is_of(layout.projector) || entry == layout.rotation ||
-                  entry == layout.translation;
+  return is_in(projections) || std::ranges::any_of(layouts, [&](const Layout& layout) {
+           return is_of(layout.camera) || is_of(layout.projector) ||
+                  is_in(std::array{layout.rotation, layout.translation});
          });
 }
 
@@ -303,47 +259,45 @@ Entries other_entries(const fs::path& path) {
   return entries;
 }
 
-Scanner geometry_of_projections(const ScannerFile& file) {
-  const Size projector_size = file.size(layouts.front().projector);
-  const auto projector = matrix34(file.matrix(projections[1], 3, 4));
-  const Size camera_size = file.size(layouts.front().camera);
-  const auto camera = matrix34(file.matrix(projections[0], 3, 4));
-  return naming(file.name(),
-                [&] { return scanner_of(camera, camera_size, projector, projector_size); });
-}
-
 /// Lenses and pose.
-Scanner geometry_of(const ScannerFile& file) {
-  if (file.has(projections[0]) || file.has(projections[1])) return geometry_of_projections(file);
-  const Layout& names = file.layout();
+Scanner geometry_of(const Entries& entries) {
+  if (has(entries, projections[0]) || has(entries, projections[1])) {
+    const Size projector_size = size_of(entries, layouts.front().projector);
+    const auto projector = matrix_of<3, 4>(entries, projections[1]);
+    const Size camera_size = size_of(entries, layouts.front().camera);
+    const auto camera = matrix_of<3, 4>(entries, projections[0]);
+    return scanner_of(camera, camera_size, projector, projector_size);
+  }
+  const Layout& names = layout_of(entries);
   Scanner scanner;
-  scanner.camera = file.lens(names.camera);
-  scanner.projector = file.lens(names.projector);
-  scanner.rotation = matrix3(file.matrix(names.rotation, 3, 3));
-  scanner.translation = Eigen::Vector3d(file.matrix(names.translation, 3, 1).data());
+  scanner.camera = lens_of(entries, names.camera);
+  scanner.projector = lens_of(entries, names.projector);
+  scanner.rotation = matrix_of<3, 3>(entries, names.rotation);
+  scanner.translation = matrix_of<3, 1>(entries, names.translation);
   return scanner;
 }
 
-Scanner scanner_of(const ScannerFile& file) {
-  Scanner scanner = geometry_of(file);
-  scanner.photometry = photometric_calibration_of(file.entries(), file.name());
-  if (file.entries().contains(depths_entry)) {
-    const std::vector<double> depths = file.matrix(depths_entry, 1, 2);
-    scanner.calibrated_depths = {depths[0], depths[1]};
-  }
-  const auto measured = file.entries().find(measured_entry);
-  if (measured != file.entries().end()) scanner.measured = measured->second.text;
-  return scanner;
+Scanner scanner_of(const Entries& entries, const std::string& name) {
+  return naming(name, [&] {
+    Scanner scanner = geometry_of(entries);
+    scanner.photometry = photometric_calibration_of(entries);
+    if (has(entries, depths_entry)) {
+      const auto depths = matrix_of<1, 2>(entries, depths_entry);
+      scanner.calibrated_depths = {depths[0], depths[1]};
+    }
+    if (has(entries, measured_entry)) scanner.measured = entries.at(measured_entry).text;
+    return scanner;
+  });
 }
 
 }  // namespace
 
 Scanner read_scanner(const fs::path& path) {
-  return scanner_of({path.string(), read_opencv_storage(path)});
+  return scanner_of(read_opencv_storage(path), path.string());
 }
 
 Scanner scanner_from(const std::string& text, const std::string& name) {
-  return scanner_of({name, opencv_entries(text, name)});
+  return scanner_of(opencv_entries(text, name), name);
 }
 
 std::string text_of(const Scanner& scanner) {
@@ -363,7 +317,8 @@ std::vector<std::string> replace_geometry(const fs::path& path, const Scanner& s
 }
 
 PhotometricCalibration read_photometric_calibration(const fs::path& scanner_file) {
-  return photometric_calibration_of(read_opencv_storage(scanner_file), scanner_file.string());
+  const Entries entries = read_opencv_storage(scanner_file);
+  return naming(scanner_file.string(), [&] { return photometric_calibration_of(entries); });
 }
 
 void write_photometric_calibration(const std::optional<fs::path>& from, const fs::path& to,
@@ -378,9 +333,7 @@ Response response_named(const std::string& text, const std::string& name) {
   }
   if (auto curve = curve_named(text)) return *std::move(curve);
   const auto measured = read_photometric_calibration(text).response;
-  if (!measured) {
-    throw Error(fmt::format("{}: no gamma in it; slipstream calibrate gamma puts it there", text));
-  }
+  throw_if(!measured, "{}: no gamma in it; slipstream calibrate gamma puts it there", text);
   return measured->response;
 }
 

@@ -1,23 +1,13 @@
 #include "slipstream/live/cyclic_scans.h"
 
 #include <algorithm>
-#include <cstdint>
 #include <iterator>
-#include <type_traits>
 #include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream {
-namespace {
-
-/// As many cycles as PatternWindows may keep frames of.
-constexpr int kept_cycles = 4;
-
-}  // namespace
 
 CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scans)
     : source_(source),
@@ -28,9 +18,8 @@ CyclicScans::CyclicScans(FrameSource& source, const Sequence& sequence, int scan
                source.format().size),
       pool_(static_cast<std::size_t>(kept_cycles * (frames_ * scans_ + 1)),
             [&] { return Frame(source.format()); }) {
-  if (scans > 1 && sequence.motion > 0) {
-    throw Error("scans along both axes are of what stands still; leave out --motion");
-  }
+  throw_if(scans > 1 && sequence.motion > 0,
+           "scans along both axes are of what stands still; leave out --motion");
 }
 
 std::optional<Glimpse> CyclicScans::look(std::chrono::milliseconds timeout) {
@@ -89,30 +78,6 @@ FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::s
   if (seen) return std::move(seen->frames.front());
   throw WorldError(
       fmt::format("{}: no whole cycle of {} frames came", source, cycle_length(sequence)));
-}
-
-FrameSet joined(const std::vector<FrameSet>& sets) {
-  if (sets.empty()) return {};
-  return sets.front().visit([&]<class Pixel>(const Frames<Pixel>&) {
-    std::vector<Image<Pixel>> images;
-    for (const FrameSet& set : sets) {
-      set.visit([&]<class Other>(const Frames<Other>& views) {
-        if constexpr (std::is_same_v<Pixel, Other>) {
-          for (const auto& view : views) {
-            Image<Pixel>& image = images.emplace_back(view.size());
-            std::copy_n(view.row(0), image.pixel_count(), image.begin());
-          }
-        } else {
-          throw Error("frames of several formats cannot be merged");
-        }
-      });
-    }
-    if constexpr (std::is_same_v<Pixel, std::uint16_t>) {
-      return FrameSet(std::move(images), sets.front().bits());
-    } else {
-      return FrameSet(std::move(images));
-    }
-  });
 }
 
 }  // namespace slipstream

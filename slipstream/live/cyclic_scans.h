@@ -1,16 +1,7 @@
 #pragma once
 
-#include <chrono>
-#include <cstdint>
-#include <optional>
-#include <string>
-#include <vector>
-
 #include "slipstream/codes/sequence.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/frames/frame_source.h"
 #include "slipstream/frames/pattern_windows.h"
-#include "slipstream/frames/pool.h"
 #include "slipstream/frames/scan_camera.h"
 
 namespace slipstream {
@@ -33,6 +24,8 @@ class CyclicScans : public ScanCamera {
   [[nodiscard]] std::optional<std::vector<FrameSet>> cycle_of(
       const std::vector<Pooled<Frame>>& window);
 
+  static constexpr int kept_cycles = 4;  ///< PatternWindows may keep frames of so many
+
   FrameSource& source_;
   int frames_;  ///< N of each scan
   int scans_;
@@ -46,8 +39,5 @@ class CyclicScans : public ScanCamera {
 /// The frames of one cycle of a source that shows the sequence over and over, in pattern order; the
 /// source is started and stopped. Throws WorldError, naming `source`, where none comes whole.
 FrameSet take_window(FrameSource& frames, const Sequence& sequence, const std::string& source);
-
-/// Frame sets of one format, one behind another. Throws Error where they differ.
-FrameSet joined(const std::vector<FrameSet>& sets);
 
 }  // namespace slipstream

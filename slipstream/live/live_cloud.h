@@ -1,17 +1,14 @@
 #pragma once
 
-#include <cstddef>
+#include <condition_variable>
 #include <exception>
 #include <functional>
-#include <optional>
+#include <mutex>
 #include <thread>
-#include <utility>
-#include <vector>
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/frames/frame_source.h"
 #include "slipstream/frames/pool.h"
-#include "slipstream/live/bounded_queue.h"
 
 namespace slipstream {
 
@@ -26,14 +23,100 @@ struct LiveCloud {
   FrameStamp newest;      ///< of the frame that completed the window
 };
 
+/// Passes values in order between threads; at most `capacity` wait. Its memory is allocated once.
+template <class Value>
+class BoundedQueue {
+ public:
+  explicit BoundedQueue(std::size_t capacity) : places_(capacity) {}
+
+  /// Waits for room: for the only thread that pushes. False once the queue is closed.
+  bool wait_for_room() {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [&] { return closed_ || waiting_ < places_.size(); });
+    return !closed_;
+  }
+
+  /// Waits for room. False where the queue is closed: the value is not taken.
+  bool push_when_room(Value value) {
+    std::unique_lock lock(mutex_);
+    room_.wait(lock, [&] { return closed_ || waiting_ < places_.size(); });
+    return push(std::move(value), lock);
+  }
+
+  /// Waits for nothing: where there is no room the oldest value is thrown away and given back.
+  std::optional<Value> push_over_oldest(Value value) {
+    std::unique_lock lock(mutex_);
+    std::optional<Value> overwritten;
+    if (waiting_ == places_.size()) overwritten = take_oldest();
+    push(std::move(value), lock);
+    return overwritten;
+  }
+
+  /// Throws the oldest value away where there is one.
+  std::optional<Value> drop_oldest() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_ == 0) return std::nullopt;
+    return take_oldest();
+  }
+
+  /// The oldest value, as soon as there is one; none once the queue is closed and empty.
+  std::optional<Value> pop() {
+    std::unique_lock lock(mutex_);
+    filled_.wait(lock, [&] { return closed_ || waiting_ > 0; });
+    if (waiting_ == 0) return std::nullopt;
+    Value value = take_oldest();
+    lock.unlock();
+    room_.notify_one();
+    return value;
+  }
+
+  /// Nothing goes in any more; what waits can still be taken.
+  void close() {
+    {
+      const std::lock_guard lock(mutex_);
+      closed_ = true;
+    }
+    room_.notify_all();
+    filled_.notify_all();
+  }
+
+  [[nodiscard]] std::size_t waiting() const {
+    const std::lock_guard lock(mutex_);
+    return waiting_;
+  }
+  [[nodiscard]] std::size_t capacity() const { return places_.size(); }
+
+ private:
+  bool push(Value value, std::unique_lock<std::mutex>& lock) {
+    if (closed_) return false;
+    places_[(first_ + waiting_) % places_.size()] = std::move(value);
+    ++waiting_;
+    lock.unlock();
+    filled_.notify_one();
+    return true;
+  }
+
+  Value take_oldest() {
+    Value value = std::exchange(places_[first_], Value());
+    first_ = (first_ + 1) % places_.size();
+    --waiting_;
+    return value;
+  }
+
+  mutable std::mutex mutex_;
+  std::condition_variable filled_, room_;
+  std::vector<Value> places_;
+  std::size_t first_ = 0, waiting_ = 0;
+  bool closed_ = false;
+};
+
 /// Clouds that one follower holds at a time: one that waits and one that is looked at.
 inline constexpr std::size_t followed_clouds = 2;
 
 /// Looks at clouds in a thread of its own, for which the pipeline does not wait.
 class CloudFollower {
  public:
-  /// `failed`: gets what `look` throws; after that the follower ignores clouds. `places`: clouds
-  /// that may wait.
+  /// `failed`: gets what `look` throws, which ends the follower. `places`: clouds that may wait.
   CloudFollower(std::function<void(const Pooled<LiveCloud>&)> look,
                 std::function<void(std::exception_ptr)> failed, std::size_t places = 1)
       : waiting_(places), thread_([this, look = std::move(look), failed = std::move(failed)] {
@@ -44,8 +127,6 @@ class CloudFollower {
           }
         }) {}
   ~CloudFollower() { finish(); }
-  CloudFollower(const CloudFollower&) = delete;
-  CloudFollower& operator=(const CloudFollower&) = delete;
 
   /// Queues a cloud. True if that dropped the oldest one in a full queue.
   bool follow(const Pooled<LiveCloud>& cloud) {

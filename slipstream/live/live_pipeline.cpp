@@ -1,11 +1,7 @@
 #include "slipstream/live/live_pipeline.h"
 
-#include <utility>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/live/live_run.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/live/live_run-inl.h"
 
 namespace slipstream {
 namespace {
@@ -13,8 +9,7 @@ namespace {
 /// Bytes of the frames that a run keeps, at most: some hundred of 20 MP and 16 bits.
 constexpr std::uint64_t largest_run = std::uint64_t{16} << 30;
 
-/// One in each stage and in the queues between them, the newest, and those that consumers and
-/// followers hold.
+/// One in each stage and queue, the newest, and those that consumers and followers hold.
 std::size_t clouds_needed(const LiveSettings& settings) {
   const std::size_t followers = (settings.track ? 1U : 0U) + (settings.model ? 1U : 0U);
   return 3 + 2 * stage_places + 1 + settings.held_clouds + followers * followed_clouds;
@@ -39,7 +34,7 @@ LivePipeline::LivePipeline(std::unique_ptr<FrameSource> source, const EngineSetu
   clouds_ = std::make_shared<Pool<LiveCloud>>(clouds_needed(settings), [&] {
     LiveCloud cloud;
     cloud.frames = black;
-    plan_->reconstruct->reconstruct(cloud);
+    plan_->reconstruct(cloud);
     cloud.frames.clear();
     return cloud;
   });
@@ -49,23 +44,21 @@ LivePipeline::~LivePipeline() {
   stop();
 }
 
-std::shared_ptr<const LivePlan> LivePipeline::plan_for(const EngineSetup& setup) {
+std::shared_ptr<WindowEngine> LivePipeline::plan_for(const EngineSetup& setup) {
   const Size camera = setup.scanner.camera.size;
-  if (camera != format_.size) {
-    throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
-                            format_.size.width, format_.size.height, camera.width, camera.height));
-  }
-  auto reconstruct = std::make_shared<WindowEngine>(setup, settings_);
+  throw_if(camera != format_.size, "frames are {}, the scanner's camera has {}; both must agree",
+           text_of(format_.size), text_of(camera));
+  auto plan = std::make_shared<WindowEngine>(setup, settings_);
   const std::size_t needed = frames_needed(settings_, setup.sequence);
-  if (needed > largest_run / byte_count(format_)) {
-    throw Error(fmt::format("a run keeps {} frames, of {}x{} pixels; at most {} bytes of them",
-                            needed, camera.width, camera.height, largest_run));
-  }
+  throw_if(needed > largest_run / byte_count(format_),
+           "a run keeps {} frames, of {} pixels; at most {} bytes of them", needed, text_of(camera),
+           largest_run);
   if (needed > frame_count_) {
     frames_ = std::make_shared<Pool<Frame>>(needed, [this] { return Frame(format_); });
     frame_count_ = needed;
   }
-  return std::make_shared<const LivePlan>(LivePlan{std::move(reconstruct), frames_});
+  plan->frames = frames_;
+  return plan;
 }
 
 std::shared_ptr<LiveRun> LivePipeline::run() const {
@@ -125,10 +118,6 @@ ModelPoints LivePipeline::model() const {
 
 std::vector<LiveFinding> LivePipeline::findings() const {
   return asked(&LiveRun::findings);
-}
-
-std::string LivePipeline::gpu_failure() const {
-  return asked(&LiveRun::gpu_failure);
 }
 
 }  // namespace slipstream

@@ -1,18 +1,11 @@
 #include "slipstream/live/object_track.h"
 
-#include <array>
-#include <charconv>
-#include <chrono>
 #include <cmath>
-#include <numbers>
-#include <utility>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/cloud/measure.h"
-#include "slipstream/live/live_pipeline.h"
+#include "slipstream/base/numbers.h"
 
 namespace slipstream {
 namespace {
@@ -30,29 +23,14 @@ std::vector<MeasuredPoint> points_of(const Cloud& cloud) {
   return points_in(cloud, nullptr, {.x = 0, .y = 0, .size = cloud.size()});
 }
 
-/// The middle of the times at which the cloud's frames were taken, by the device's clock where it
-/// has one.
-double seconds_of(const LiveCloud& cloud) {
-  using Seconds = std::chrono::duration<double>;
-  double sum = 0;
-  for (const Pooled<Frame>& frame : cloud.frames) {
-    const FrameStamp& stamp = frame->stamp;
-    const bool has_clock = stamp.device_time.count() != 0;
-    sum += Seconds(has_clock ? stamp.device_time : stamp.host_time.time_since_epoch()).count();
-  }
-  return sum / static_cast<double>(cloud.frames.size());
-}
-
 }  // namespace
 
 TrackedShape tracked_shape_named(std::string_view name) {
   constexpr std::string_view sphere = "sphere:";
   if (name == "plane") return {};
-  double radius = 0;
   if (name.starts_with(sphere)) {
-    const char *const first = name.data() + sphere.size(), *const end = name.data() + name.size();
-    const auto [last, problem] = std::from_chars(first, end, radius);
-    if (problem == std::errc() && last == end && radius > 0 && radius <= 1e5) return {radius};
+    const auto radius = number_in<double>(name.substr(sphere.size()));
+    if (radius && *radius > 0 && *radius <= 1e5) return {radius};
   }
   throw Error(
       fmt::format("'{}' is nothing to track; sphere:RADIUS (mm, to 100000) or plane", name));
@@ -148,70 +126,6 @@ Eigen::Vector3d ObjectTracker::velocity() const {
   }
   const Eigen::Vector3d slope = products / squares;
   return track_.shape.radius ? slope : slope.dot(track_.normal) * track_.normal;
-}
-
-FollowedObject::FollowedObject(const LiveSettings& settings, const Lens& camera,
-                               const std::function<void(std::exception_ptr)>& failed) {
-  if (settings.track) {
-    tracker_.emplace(*settings.track);
-    track_follower_ = std::make_unique<CloudFollower>(
-        [this](const Pooled<LiveCloud>& cloud) { track(*cloud); }, failed);
-  }
-  if (settings.model) {
-    model_.emplace(camera);
-    model_follower_ = std::make_unique<CloudFollower>(
-        [this](const Pooled<LiveCloud>& cloud) { take_in(*cloud); }, failed);
-  }
-}
-
-void FollowedObject::follow(const Pooled<LiveCloud>& cloud) {
-  if (cloud->cloud.z.empty()) return;  // no scanner is known
-  const bool track_missed = track_follower_ && track_follower_->follow(cloud);
-  const bool model_missed = model_follower_ && model_follower_->follow(cloud);
-  const std::lock_guard lock(mutex_);
-  if (track_missed) ++track_missed_;
-  if (model_missed) ++model_statistics_.missed;
-}
-
-void FollowedObject::finish() {
-  if (track_follower_) track_follower_->finish();
-  if (model_follower_) model_follower_->finish();
-}
-
-void FollowedObject::track(const LiveCloud& cloud) {
-  ObjectTracker next = *tracker_;  // only this thread changes it
-  next.look(cloud.cloud, seconds_of(cloud));
-  const std::lock_guard lock(mutex_);
-  tracker_ = std::move(next);
-}
-
-void FollowedObject::take_in(const LiveCloud& cloud) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point start = Clock::now();
-  const std::lock_guard model_lock(model_mutex_);
-  (void)model_->add(cloud.cloud, seconds_of(cloud));
-  const std::chrono::duration<double, std::milli> taken = Clock::now() - start;
-  const std::lock_guard lock(mutex_);
-  model_milliseconds_ += taken.count();
-  model_statistics_.views = model_->views();
-  model_statistics_.left_out = model_->left_out();
-  model_statistics_.points = model_->elements().size();
-  model_statistics_.rms = model_->registration().rms;
-  model_statistics_.milliseconds = model_milliseconds_ / (model_->views() + model_->left_out());
-}
-
-void FollowedObject::add_to(LiveStatistics& statistics) const {
-  const std::lock_guard lock(mutex_);
-  if (tracker_) {
-    statistics.track = tracker_->track();
-    statistics.track->missed = track_missed_;
-  }
-  if (model_follower_) statistics.model = model_statistics_;
-}
-
-ModelPoints FollowedObject::model() const {
-  const std::lock_guard lock(model_mutex_);
-  return model_ ? model_->points() : ModelPoints();
 }
 
 }  // namespace slipstream

@@ -1,21 +1,8 @@
 #pragma once
 
-#include <cstdint>
 #include <deque>
-#include <exception>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <optional>
-#include <string>
-#include <string_view>
 
-#include <Eigen/Core>
-
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/cloud/measure.h"
-#include "slipstream/cloud/object_model.h"
-#include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
 
@@ -40,7 +27,6 @@ struct ObjectTrack {
   /// mm/s, by the clouds of the last moments; a plane's is along its normal. Zero before three.
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
 
-  /// See LiveStatistics::for_each_figure.
   template <class Visit>
   void for_each_figure(const Visit& visit) const {
     visit("found", found);
@@ -64,7 +50,6 @@ struct ModelStatistics {
   double rms = 0;            ///< of the last view from the model, mm
   double milliseconds = 0;   ///< that a view took, on average
 
-  /// See LiveStatistics::for_each_figure.
   template <class Visit>
   void for_each_figure(const Visit& visit) const {
     visit("views", views);
@@ -102,35 +87,6 @@ class ObjectTracker {
 
   ObjectTrack track_;
   std::deque<Moment> moments_;
-};
-
-struct LiveSettings;
-struct LiveStatistics;
-
-/// All that the settings want followed in the clouds of a run, each in a thread of its own.
-class FollowedObject {
- public:
-  FollowedObject(const LiveSettings& settings, const Lens& camera,
-                 const std::function<void(std::exception_ptr)>& failed);
-
-  void follow(const Pooled<LiveCloud>& cloud);
-  void finish();
-  void add_to(LiveStatistics& statistics) const;
-  /// Without points where no model was asked for.
-  [[nodiscard]] ModelPoints model() const;
-
- private:
-  void track(const LiveCloud& cloud);
-  void take_in(const LiveCloud& cloud);
-
-  mutable std::mutex mutex_;  ///< of what follows but for the model, which its own guards
-  std::optional<ObjectTracker> tracker_;
-  std::uint64_t track_missed_ = 0;
-  ModelStatistics model_statistics_;
-  double model_milliseconds_ = 0;
-  mutable std::mutex model_mutex_;
-  std::optional<ObjectModel> model_;
-  std::unique_ptr<CloudFollower> track_follower_, model_follower_;
 };
 
 }  // namespace slipstream

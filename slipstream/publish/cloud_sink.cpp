@@ -1,15 +1,11 @@
 #include "slipstream/publish/cloud_sink.h"
 
 #include <algorithm>
-#include <array>
-#include <utility>
+#include <atomic>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/did_you_mean.h"
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 
@@ -29,9 +25,8 @@ namespace {
 constexpr std::array kinds{&web_sink, &mcap_sink, &ros2_sink, &genicam_sink};
 
 std::vector<std::string> each(const char* SinkKind::*what) {
-  std::vector<std::string> all(kinds.size());
-  std::transform(kinds.begin(), kinds.end(), all.begin(),
-                 [&](const SinkKind* kind) { return kind->*what; });
+  std::vector<std::string> all;
+  for (const SinkKind* const kind : kinds) all.emplace_back(kind->*what);
   return all;
 }
 
@@ -41,10 +36,8 @@ std::pair<const SinkKind&, std::string> kind_of(const std::string& name) {
   const std::string called = name.substr(0, colon), what = name.substr(colon);
   const auto kind = std::find_if(kinds.begin(), kinds.end(),
                                  [&](const SinkKind* known) { return known->name == called; });
-  if (kind == kinds.end()) {
-    throw Error(fmt::format("--publish {}: there is no such kind of sink{}; {}", name,
-                            did_you_mean(called, each(&SinkKind::name)), sink_forms()));
-  }
+  throw_if(kind == kinds.end(), "--publish {}: there is no such kind of sink{}; {}", name,
+           did_you_mean(called, each(&SinkKind::name)), sink_forms());
   if (what.size() < 2) throw Error(fmt::format("--publish {}: {} is wanted", name, (*kind)->form));
   return {**kind, what.substr(1)};
 }
@@ -86,6 +79,90 @@ void require_sink(const std::string& name) {
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run) {
   const auto& [kind, what] = kind_of(name);
   return kind.open(what, std::move(run));
+}
+
+struct Publisher::Outlet {
+  Outlet(std::string called, std::unique_ptr<CloudSink> opened)
+      : name(std::move(called)),
+        sink(std::move(opened)),
+        follower(
+            [this](const Pooled<LiveCloud>& cloud) {
+              if (published == 0) let_others_go_first();
+              if (follower.waiting() == 0) late = false;
+              sink->put(cloud, late);
+              ++published;
+            },
+            [this](const std::exception_ptr& failure) { fail(failure); }, waiting_clouds) {}
+
+  void fail(const std::exception_ptr& failure) try {
+    std::rethrow_exception(failure);
+  } catch (const std::exception& thrown) {
+    const std::lock_guard lock(mutex);
+    if (error.empty()) error = thrown.what();
+  }
+
+  void finish() try {
+    follower.finish();
+    if (!std::exchange(finished, true)) sink->finish();
+  } catch (...) {
+    fail(std::current_exception());
+  }
+
+  SinkStatistics statistics() const {
+    const std::lock_guard lock(mutex);
+    return {name, published, dropped, error};
+  }
+
+  const std::string name;
+  std::unique_ptr<CloudSink> sink;
+  std::atomic<std::uint64_t> published = 0, dropped = 0;
+  std::atomic<bool> late = false;  ///< from a cloud that is dropped until none waits
+  mutable std::mutex mutex;
+  std::string error;
+  bool finished = false, told_drops = false, told_error = false;
+  CloudFollower follower;
+};
+
+Publisher::Publisher() = default;
+
+Publisher::~Publisher() {
+  finish();
+}
+
+void Publisher::add(const std::string& name, std::unique_ptr<CloudSink> sink) {
+  outlets_.push_back(std::make_unique<Outlet>(name, std::move(sink)));
+}
+
+void Publisher::publish(const Pooled<LiveCloud>& cloud) {
+  for (const auto& outlet : outlets_) {
+    if (!outlet->sink->wants(*cloud) || !outlet->follower.follow(cloud)) continue;
+    ++outlet->dropped;
+    outlet->late = true;
+  }
+}
+
+void Publisher::finish() {
+  for (const auto& outlet : outlets_) outlet->finish();
+}
+
+std::vector<SinkStatistics> Publisher::statistics() const {
+  std::vector<SinkStatistics> all;
+  for (const auto& outlet : outlets_) all.push_back(outlet->statistics());
+  return all;
+}
+
+void Publisher::tell(const std::function<void(const std::string&)>& say,
+                     const std::function<void(const std::string&)>& warn) {
+  for (const auto& outlet : outlets_) {
+    const auto [name, published, dropped, error] = outlet->statistics();
+    for (const std::string& line : outlet->sink->news()) say(fmt::format("{}: {}", name, line));
+    if (!error.empty()) {
+      if (std::exchange(outlet->told_error, true)) continue;
+      warn(fmt::format("{}: {}; nothing more is published there", name, error));
+    } else if (dropped > 0 && !std::exchange(outlet->told_drops, true)) {
+      warn(fmt::format("{}: clouds come faster than it takes them; the oldest are dropped", name));
+    }
+  }
 }
 
 }  // namespace slipstream

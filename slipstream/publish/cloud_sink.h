@@ -1,16 +1,8 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/codes/sequence.h"
 #include "slipstream/frames/pool.h"
-#include "slipstream/geometry/lens.h"
+#include "slipstream/geometry/scanner.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {
@@ -26,8 +18,7 @@ struct RunSetting {
   std::string state{};                 ///< what is to be said beside it; mostly empty
 };
 
-/// Throws Error, one line with what would be right, where there is no setting of that name or it
-/// cannot have that value.
+/// Throws Error, which says what would be right, unless a setting of that name takes that value.
 void require_settable(const std::vector<RunSetting>& settings, const std::string& name,
                       const std::string& value);
 
@@ -45,11 +36,9 @@ struct PublishedRun {
   std::function<Image<std::uint8_t>(const LiveCloud&)> phase{};
   /// What the frames show now.
   std::function<Sequence()> sequence{};
-  /// How sure a cloud's points are; nothing where its frames are not of what is looked for now. One
-  /// thread at a time. Null where the noise is not known.
+  /// Null if the noise is unknown; nullopt for frames of another sequence. One thread at a time.
   std::function<std::optional<Uncertainty>(const LiveCloud&)> uncertainty{};
-  /// What can be changed now, in an order that stays; a camera that is gone has no settings. All
-  /// sinks and the viewer see what any of them has changed.
+  /// What can be changed now, in a stable order, by any sink or the viewer; none of a lost camera.
   std::function<std::vector<RunSetting>()> settings{};
   /// Sets the one of that name to a value that it can have: throws Error as require_settable.
   std::function<void(const std::string& name, const std::string& value)> change{};
@@ -62,9 +51,8 @@ class CloudSink {
 
   /// Whether the sink is to be given this cloud, of those that come. In the thread that makes them.
   [[nodiscard]] virtual bool wants(const LiveCloud&) { return true; }
-  /// Takes the next cloud; what is kept of it keeps its memory from the pipeline, one at most. What
-  /// is thrown ends the sink and nothing else. `alone`: clouds were dropped and others wait, so
-  /// nothing is added to it that takes time, as its uncertainty and frames do.
+  /// Takes the next cloud; may keep one at most. What is thrown ends the sink and nothing else.
+  /// `alone`: others wait and some were dropped: add nothing slow, as uncertainty or frames.
   virtual void put(const Pooled<LiveCloud>& cloud, bool alone) = 0;
   /// No more clouds come. Throws likewise.
   virtual void finish() {}
@@ -92,8 +80,7 @@ std::string sink_forms();
 /// Throws Error, which names the forms, for what is none of them.
 void require_sink(const std::string& name);
 
-/// Throws as require_sink, and WorldError for a port that is taken or a file that cannot be
-/// written.
+/// Throws as require_sink, and WorldError if the port is taken or the file cannot be written.
 std::unique_ptr<CloudSink> open_sink(const std::string& name, PublishedRun run);
 
 /// One kind of sink: a file that defines one of these.
@@ -105,17 +92,51 @@ struct SinkKind {
 };
 
 /// Serves a page with the newest cloud, its picture and the run's statistics over HTTP and
-/// WebSocket; /statistics as JSON, /metrics as Prometheus reads it, /health. Where other machines
-/// reach it, those who know a random token are answered, which the news tell as part of the page's
-/// address. Clients get a cloud when they ask for one.
+/// WebSocket; /statistics as JSON, /metrics for Prometheus, /health. If other machines reach it, a
+/// random token is required, which the news tell as part of the address.
 extern const SinkKind web_sink;
-/// Writes clouds and pictures as messages of ROS 2 into an MCAP file: /points and /image, of clouds
-/// that share no frame.
+/// Writes messages of ROS 2 into an MCAP file: /points, /image, of clouds that share no frame.
 extern const SinkKind mcap_sink;
 /// Clouds, pictures and services of ROS 2 over Cyclone DDS, in the domain of ROS_DOMAIN_ID.
 extern const SinkKind ros2_sink;
 /// Is a 3-D camera to whoever reads GigE Vision and GenICam: one client at a time gets clouds, as
 /// points or depth, with intensity and confidence where it asks for these.
 extern const SinkKind genicam_sink;
+
+/// What has become of the clouds that a sink was given.
+struct SinkStatistics {
+  std::string name;             ///< as it was asked for
+  std::uint64_t published = 0;  ///< that it has taken
+  std::uint64_t dropped = 0;    ///< that it had no time for, the oldest of those that waited
+  std::string error;            ///< why it takes no more; empty where it does
+};
+
+/// Gives clouds to sinks, each on its own thread behind a queue that drops its oldest: no waiting.
+class Publisher {
+ public:
+  /// Clouds that wait for a sink, and all that it may hold.
+  static constexpr std::size_t waiting_clouds = 4, held_clouds = waiting_clouds + 2;
+
+  Publisher();
+  ~Publisher();  ///< finishes
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+  /// Before the first cloud.
+  void add(const std::string& name, std::unique_ptr<CloudSink> sink);
+  void publish(const Pooled<LiveCloud>& cloud);
+  /// Publishes what waits, and ends the sinks: they call nothing of their run any more.
+  void finish();
+
+  /// In the order in which they were added.
+  [[nodiscard]] std::vector<SinkStatistics> statistics() const;
+  /// News: to `say` what sinks tell, to `warn` once that one drops clouds or failed. One thread.
+  void tell(const std::function<void(const std::string&)>& say,
+            const std::function<void(const std::string&)>& warn);
+
+ private:
+  struct Outlet;
+  std::vector<std::unique_ptr<Outlet>> outlets_;
+};
 
 }  // namespace slipstream

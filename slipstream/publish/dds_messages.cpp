@@ -1,8 +1,6 @@
 #include "slipstream/publish/dds_messages.h"
 
-#include <cstring>
 #include <new>
-#include <span>
 
 #include <dds/ddsi/ddsi_serdata.h>
 #include <dds/ddsi/q_radmin.h>
@@ -58,14 +56,6 @@ void copy_fragments(const nn_rdata* fragment, std::span<std::uint8_t> to) {
   }
 }
 
-void copy_pieces(std::span<const ddsrt_iovec_t> pieces, std::span<std::uint8_t> to) {
-  for (const ddsrt_iovec_t& piece : pieces) {
-    const std::size_t count = std::min(piece.iov_len, to.size());
-    std::memcpy(to.data(), piece.iov_base, count);
-    to = to.subspan(count);
-  }
-}
-
 ddsi_serdata_ops make_data_operations() {
   ddsi_serdata_ops make{};
   make.get_size = [](const ddsi_serdata* data) {
@@ -79,7 +69,10 @@ ddsi_serdata_ops make_data_operations() {
   make.from_ser_iov = [](const ddsi_sertype* type, ddsi_serdata_kind kind, ddsrt_msg_iovlen_t count,
                          const ddsrt_iovec_t* pieces, std::size_t size) {
     return read_data(type, kind, size, [&](std::span<std::uint8_t> to) {
-      copy_pieces({pieces, count}, to);
+      for (const ddsrt_iovec_t& piece : std::span(pieces, count)) {
+        std::memcpy(to.data(), piece.iov_base, std::min(piece.iov_len, to.size()));
+        to = to.subspan(std::min(piece.iov_len, to.size()));
+      }
     });
   };
   make.from_sample = [](const ddsi_sertype* type, ddsi_serdata_kind kind, const void* sample) {

@@ -1,15 +1,10 @@
 #include "slipstream/publish/mcap.h"
 
-#include <algorithm>
-#include <exception>
-#include <utility>
-
-#include <fmt/format.h>
 #include <zstd.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/io/file.h"
-#include "slipstream/publish/cdr.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/io/scan_folder.h"
+#include "slipstream/publish/ros_messages.h"
 
 namespace slipstream {
 namespace {
@@ -93,13 +88,11 @@ class Records {
     const std::string_view compression = chunk.text();
     std::span<const std::uint8_t> content = chunk.take(chunk.get<std::uint64_t>());
     if (compression == "zstd") {
-      if (size > largest_record || size / most_times_smaller > content.size()) {
-        throw Error("a chunk says that it is larger than can be");
-      }
+      throw_if(size > largest_record || size / most_times_smaller > content.size(),
+               "a chunk says that it is larger than can be");
       unpacked_.resize(size);
-      if (ZSTD_decompress(unpacked_.data(), size, content.data(), content.size()) != size) {
-        throw Error("a chunk is damaged");
-      }
+      throw_if(ZSTD_decompress(unpacked_.data(), size, content.data(), content.size()) != size,
+               "a chunk is damaged");
       content = unpacked_;
     } else if (!compression.empty()) {
       throw Error(fmt::format("its chunks are compressed by {}; zstd or none can be read",
@@ -142,6 +135,86 @@ bool read_records(const InputFile& file, Records& records) {
   }
 }
 
+class McapSink final : public DisjointCloudSink {
+ public:
+  McapSink(const std::string& path, PublishedRun run) : run_(std::move(run)), writer_(path) {
+    add(image_topic());
+    if (run_.statistics) statistics_ = add({"std_msgs/msg/String", "string data\n"}, "statistics");
+    if (!run_.has_points) return;
+    add(points_topic());
+    add(camera_info_topic());
+  }
+
+  void put(const Pooled<LiveCloud>& cloud, bool alone) override {
+    const PublishedCloud published{*cloud, run_, alone};
+    if (run_.sequence && !alone) put_frames(*cloud);
+    for (const auto& [channel, topic] : topics_) {
+      topic.write(published, message_);
+      writer_.write(channel, published.time, message_);
+    }
+    if (run_.statistics && published.time >= next_statistics_) {
+      Cdr(message_).add_text(run_.statistics());
+      writer_.write(statistics_, published.time, message_);
+      next_statistics_ = published.time + second;
+    }
+    writer_.end_message_group();
+  }
+
+  void finish() override { writer_.finish(); }
+
+ private:
+  static constexpr std::uint64_t second = 1'000'000'000;  ///< ns
+
+  std::uint16_t add(const RosType& type, const std::string& topic) {
+    return writer_.add_channel("/" + topic, type.name, type.definition);
+  }
+  void add(const CloudTopic& topic) { topics_.emplace_back(add(topic.type, topic.name), topic); }
+
+  /// As they came, each on the topic of its pattern; none of a strategy that was just changed.
+  void put_frames(const LiveCloud& cloud) {
+    const Sequence window = run_.sequence(), cycle = cycle_of(window);
+    if (cloud.frames.size() != static_cast<std::size_t>(frame_count(window))) return;
+    const auto patterns = static_cast<std::size_t>(frame_count(cycle));
+    attach_scan(cycle, *cloud.frames.front());
+    std::map<std::uint64_t, std::pair<std::size_t, const Frame*>> in_time;
+    for (std::size_t n = 0; n < cloud.frames.size(); ++n) {
+      const std::size_t pattern = (static_cast<std::size_t>(cloud.first_pattern) + n) % patterns;
+      in_time[cloud.frames[n]->stamp.sequence] = {pattern, &*cloud.frames[n]};
+    }
+    for (const auto& [number, frame] : in_time) {
+      const auto& [pattern, picture] = frame;
+      while (frames_.size() <= pattern) {
+        frames_.push_back(add(image_type(), fmt::format("frames/{}", frames_.size())));
+      }
+      const std::uint64_t time = world_time(picture->stamp.host_time);
+      write_image(*picture, time, message_);
+      writer_.write(frames_[pattern], time, message_, static_cast<std::uint32_t>(number));
+    }
+  }
+
+  /// What the frames show from now on, where that is not as before.
+  void attach_scan(const Sequence& sequence, const Frame& frame) {
+    if (sequence == sequence_) return;
+    const std::uint64_t time = world_time(frame.stamp.host_time);
+    ScanFiles scan{.sequence = sequence, .bits = frame.bits};
+    if (!run_.scanner.empty()) {
+      scan.scanner = "scanner.yaml";
+      if (!sequence_) writer_.attach("scanner.yaml", "application/yaml", time, run_.scanner);
+    }
+    writer_.attach("scan.yaml", "application/yaml", time, scan_yaml_of(scan, {}));
+    sequence_ = sequence;
+  }
+
+  PublishedRun run_;
+  McapWriter writer_;
+  std::vector<std::pair<std::uint16_t, CloudTopic>> topics_;  ///< by channel
+  std::uint16_t statistics_ = 0;
+  std::vector<std::uint16_t> frames_;  ///< by pattern
+  std::optional<Sequence> sequence_;   ///< that is attached
+  std::uint64_t next_statistics_ = 0;
+  RosMessage message_;
+};
+
 }  // namespace
 
 McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing writing)
@@ -154,7 +227,7 @@ McapWriter::McapWriter(const std::filesystem::path& path, OutputFile::Writing wr
 
 McapWriter::~McapWriter() {
   try {
-    if (file_) (void)file_->give_up(chunks_.empty() ? 0 : offset_);
+    if (file_) (void)file_->give_up(chunk_count_ == 0 ? 0 : offset_);
   } catch (const std::exception&) {
     // A destructor has nobody to tell; what was written stays.
   }
@@ -166,14 +239,14 @@ void McapWriter::put(std::initializer_list<std::span<const std::uint8_t>> parts)
   try {
     file_->write(parts);
   } catch (const WorldError&) {
-    throw WorldError(std::exchange(file_, nullptr)->give_up(chunks_.empty() ? 0 : offset_));
+    throw WorldError(std::exchange(file_, nullptr)->give_up(chunk_count_ == 0 ? 0 : offset_));
   }
   for (const auto part : parts) offset_ += part.size();
 }
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& schema_name,
                                       const std::string& text) {
-  const std::uint16_t number = ++channel_count_;  // of its schema too; 0 is none
+  const auto number = static_cast<std::uint16_t>(messages_.size() + 1);  // of its schema too
   Bytes of_schema, of_channel;
   append_record(of_schema, schema, number, schema_name, "ros2msg"sv, text);
   constexpr std::uint32_t metadata = 0;  // no more is told of it
@@ -182,7 +255,7 @@ std::uint16_t McapWriter::add_channel(const std::string& topic, const std::strin
   append(channels_, of_channel);
   append(of_schema, of_channel);
   append(chunk_, of_schema);  // both at once or none
-  statistics_.of_channel[number] = 0;
+  messages_[number] = 0;
   return number;
 }
 
@@ -191,15 +264,11 @@ void McapWriter::write(std::uint16_t number, std::uint64_t time,
   // All memory before the first byte: where there is none, no half a message is left.
   const std::size_t head = 1 + 8 + 2 + 4 + 8 + 8, needed = chunk_.size() + head + content.size();
   if (needed > chunk_.capacity()) chunk_.reserve(std::max(needed, 2 * chunk_.capacity()));
-  if (index_.empty()) now_.start = now_.end = time;
-  now_.start = std::min(now_.start, time);
-  now_.end = std::max(now_.end, time);
+  chunk_times_.take_in({time, time});
   index_[number].push_back({time, chunk_.size()});
-  const auto count = own.value_or(static_cast<std::uint32_t>(statistics_.of_channel[number]));
-  ++statistics_.of_channel[number];
+  const auto counted = static_cast<std::uint32_t>(messages_[number]++);
   append_head(chunk_, message, 2 + 4 + 8 + 8 + content.size());
-  append(chunk_, number, count, time, time, content);  // when it was logged, and published
-  ++statistics_.messages;
+  append(chunk_, number, own.value_or(counted), time, time, content);  // logged, and published
 }
 
 void McapWriter::attach(const std::string& name, const std::string& media_type, std::uint64_t time,
@@ -224,33 +293,32 @@ void McapWriter::end_chunk() {
   const std::size_t size =
       ZSTD_compress(packed_.data(), packed_.size(), chunk_.data(), chunk_.size(), compression);
   if (ZSTD_isError(size) != 0) throw WorldError(ZSTD_getErrorName(size));
-  now_.offset = offset_;
-  now_.packed = size;
-  now_.unpacked = chunk_.size();
+  const auto& [start, end] = chunk_times_;
+  const std::uint64_t packed = size, unpacked = chunk_.size(), offset = offset_;
   Bytes head, indices;
   append_head(head, chunk, 8 + 8 + 8 + 4 + (4 + 4) + 8 + size);
-  append(head, now_.start, now_.end, now_.unpacked, checksum(chunk_), "zstd"sv, now_.packed);
-  now_.length = head.size() + size;
+  append(head, start, end, unpacked, checksum(chunk_), "zstd"sv, packed);
+  const std::uint64_t length = head.size() + size;
+  std::map<std::uint16_t, std::uint64_t> begins;  // of each channel's index
   for (const auto& [number, places] : index_) {
-    now_.indices[number] = now_.offset + now_.length + indices.size();
+    begins[number] = offset + length + indices.size();
     append_head(indices, message_index, 2 + 4 + 16 * places.size());
     append(indices, number, static_cast<std::uint32_t>(16 * places.size()));
     for (const auto& [time, place] : places) append(indices, time, place);
   }
   put({head, {packed_.data(), size}, indices});
-  now_.index_length = indices.size();
-  const bool first = chunks_.empty();
-  statistics_.start = first ? now_.start : std::min(statistics_.start, now_.start);
-  statistics_.end = std::max(statistics_.end, now_.end);
-  chunks_.push_back(std::exchange(now_, {}));
+  append_record(chunk_indices_, chunk_index, start, end, offset, length, map_of(begins),
+                std::uint64_t{indices.size()}, "zstd"sv, packed, unpacked);
+  ++chunk_count_;
+  times_.take_in(std::exchange(chunk_times_, {}));
   index_.clear();
   chunk_.clear();
 }
 
 void McapWriter::finish() {
   if (!file_) return;  // what failed was told
-  if (statistics_.messages == 0) return std::exchange(file_, nullptr)->discard();
   end_chunk();
+  if (chunk_count_ == 0) return std::exchange(file_, nullptr)->discard();
   Bytes end;
   append_record(end, data_end, std::uint32_t{0});  // no checksum of all before
   put({end});
@@ -263,20 +331,17 @@ void McapWriter::finish() {
                   summary + records.size(), std::uint64_t{group.size()});
     append(records, group);
   };
-  Bytes counts, chunks;
+  Bytes counts;
   constexpr std::uint32_t metadata = 0;
-  append_record(counts, statistics, statistics_.messages, channel_count_,
-                std::uint32_t{channel_count_}, attachment_count_, metadata,
-                static_cast<std::uint32_t>(chunks_.size()), statistics_.start, statistics_.end,
-                map_of(statistics_.of_channel));
-  for (const Chunk& one : chunks_) {
-    append_record(chunks, chunk_index, one.start, one.end, one.offset, one.length,
-                  map_of(one.indices), one.index_length, "zstd"sv, one.packed, one.unpacked);
-  }
+  std::uint64_t messages = 0;
+  for (const auto& [number, count] : messages_) messages += count;
+  append_record(counts, statistics, messages, static_cast<std::uint16_t>(messages_.size()),
+                static_cast<std::uint32_t>(messages_.size()), attachment_count_, metadata,
+                chunk_count_, times_.start, times_.end, map_of(messages_));
   add_group(schema, schemas_);
   add_group(channel, channels_);
   add_group(statistics, counts);
-  add_group(chunk_index, chunks);
+  add_group(chunk_index, chunk_indices_);
   add_group(attachment_index, attachment_indices_);
   // The footer's own checksum is of all from the summary on but itself.
   const std::uint64_t offsets_at = summary + records.size();
@@ -298,5 +363,12 @@ bool read_mcap(const std::filesystem::path& path,
     throw Error(fmt::format("{}: {}", path.string(), error.what()));
   }
 }
+
+const SinkKind mcap_sink{
+    "mcap", "mcap:FILE",
+    [](const std::string& path) { require_ending(path, "MCAP file", {".mcap"}); },
+    [](const std::string& path, PublishedRun run) -> std::unique_ptr<CloudSink> {
+      return std::make_unique<McapSink>(path, std::move(run));
+    }};
 
 }  // namespace slipstream

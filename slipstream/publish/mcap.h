@@ -1,18 +1,8 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <filesystem>
-#include <functional>
-#include <initializer_list>
+#include <algorithm>
 #include <map>
 #include <memory>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-#include <type_traits>
-#include <vector>
 
 #include "slipstream/base/numbers.h"
 #include "slipstream/io/file.h"
@@ -57,25 +47,20 @@ void append(std::vector<std::uint8_t>& record, const Values&... values) {
 }
 }  // namespace mcap
 
-/// Messages of several channels in one MCAP file (mcap.dev/spec): chunks compressed by zstd, an
-/// index behind each and one of all at the end, checksums. What was written is read up to its last
-/// whole chunk where the end is missing.
+/// Messages of several channels in one MCAP file (mcap.dev/spec): chunks compressed by zstd, each
+/// with its index, one of all at the end, checksums. Without its end it is read by whole chunks.
 class McapWriter {
  public:
   /// Throws WorldError where the file cannot be written, as all that follows: then it ends with the
   /// chunk before, and nothing more is written. With none the file that was there before stays.
   explicit McapWriter(const std::filesystem::path& path,
                       OutputFile::Writing writing = OutputFile::Writing::over_time);
-  McapWriter(const McapWriter&) = delete;
-  McapWriter& operator=(const McapWriter&) = delete;
   ~McapWriter();  ///< without finish() it ends as if it could not be written
 
-  /// What its messages are, by the name and the text of their definition ("ros2msg") in the
-  /// encoding "cdr". Returns the channel's number.
+  /// Messages in CDR, defined by a name and a "ros2msg" text. Returns the channel's number.
   std::uint16_t add_channel(const std::string& topic, const std::string& schema_name,
                             const std::string& schema);
-  /// `time`: nanoseconds of the world's clock since 1970.
-  /// `number`: the message's own; else they are counted.
+  /// `time`: ns of the world's clock since 1970. `number`: the message's own, else its count.
   void write(std::uint16_t channel, std::uint64_t time, std::span<const std::uint8_t> message,
              std::optional<std::uint32_t> number = std::nullopt);
   /// A file within the file: its name and what it is, "application/yaml".
@@ -83,8 +68,7 @@ class McapWriter {
               std::string_view content);
   /// Ends the chunk where it is full: what is written together is best read together.
   void end_message_group();
-  /// Writes the end and gives the file its name; where no message came, what was there before
-  /// stays.
+  /// Writes the end and gives the file its name; without any message the file before it stays.
   void finish();
 
  private:
@@ -92,14 +76,12 @@ class McapWriter {
   struct Index {
     std::uint64_t time, offset;
   };
-  struct Chunk {
-    std::uint64_t start = 0, end = 0, offset = 0, length = 0, packed = 0, unpacked = 0;
-    std::map<std::uint16_t, std::uint64_t> indices{};  ///< where each channel's begins
-    std::uint64_t index_length = 0;
-  };
-  struct Statistics {
-    std::uint64_t messages = 0, start = 0, end = 0;
-    std::map<std::uint16_t, std::uint64_t> of_channel{};
+  struct Span {
+    std::uint64_t start = std::numeric_limits<std::uint64_t>::max(), end = 0;
+    void take_in(const Span& other) {
+      start = std::min(start, other.start);
+      end = std::max(end, other.end);
+    }
   };
 
   void put(std::initializer_list<std::span<const std::uint8_t>> parts);
@@ -108,17 +90,14 @@ class McapWriter {
   std::filesystem::path path_;
   std::unique_ptr<OutputFile> file_;  ///< none once closed
   std::uint64_t offset_ = 0;
-  Bytes schemas_, channels_, chunk_, packed_, attachment_indices_;
-  std::uint16_t channel_count_ = 0;
-  std::uint32_t attachment_count_ = 0;
-  Chunk now_;
-  std::map<std::uint16_t, std::vector<Index>> index_;
-  std::vector<Chunk> chunks_;
-  Statistics statistics_;
+  Bytes schemas_, channels_, chunk_, packed_, chunk_indices_, attachment_indices_;
+  std::uint32_t chunk_count_ = 0, attachment_count_ = 0;
+  std::map<std::uint16_t, std::vector<Index>> index_;  ///< of the chunk, by channel
+  std::map<std::uint16_t, std::uint64_t> messages_;    ///< of each channel
+  Span chunk_times_, times_;
 };
 
-/// A message of an MCAP file; all is borrowed. A file that is attached to it is seen as one without
-/// encoding: its name as the topic, what it is as the type.
+/// A borrowed message of an MCAP file. An attached file has no encoding; the topic is its name.
 struct McapMessage {
   const std::string& topic;
   const std::string& type;      ///< its schema's name: "sensor_msgs/msg/PointCloud2"
@@ -128,10 +107,8 @@ struct McapMessage {
   std::span<const std::uint8_t> content;
 };
 
-/// Calls `see` for each message in the file's order, as far as the file is whole. Its chunks are
-/// compressed by zstd or not at all; its indices are passed over. Returns whether its end is there.
-/// Throws Error, naming the file, where it is none, is damaged, or compressed in another way; what
-/// `see` throws as Error is of the file, too.
+/// Calls `see` for each message in order, as far as the file is whole. Returns whether its end is
+/// there. Throws Error, naming the file, if it is invalid, not of zstd or plain, or if `see` does.
 bool read_mcap(const std::filesystem::path& path,
                const std::function<void(const McapMessage&)>& see);
 

@@ -1,31 +1,17 @@
 #include <algorithm>
 #include <atomic>
-#include <cctype>
-#include <chrono>
 #include <cstdlib>
-#include <exception>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <string>
-#include <string_view>
-#include <thread>
-#include <utility>
-#include <vector>
+#include <regex>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/frames/thread_priority.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/publish/dds_messages.h"
-#include "slipstream/publish/ros_parameters.h"
 
 namespace slipstream {
 namespace {
-using namespace std::chrono_literals;
 
 constexpr auto between_requests = DDS_MSECS(200);
 constexpr std::size_t most_news = 64;
@@ -36,10 +22,8 @@ std::string variable(const char* name) {
 }
 
 dds_entity_t made(dds_entity_t entity, std::string_view what) {
-  if (entity < 0) {
-    throw WorldError(fmt::format("--publish ros2: {}: {}", what, dds_strretcode(-entity)));
-  }
-  return entity;
+  if (entity >= 0) return entity;
+  throw WorldError(fmt::format("--publish ros2: {}: {}", what, dds_strretcode(-entity)));
 }
 
 using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
@@ -53,16 +37,13 @@ Qos quality(dds_reliability_kind_t reliability, int kept,
   return qos;
 }
 
-/// The domain that ROS 2's variables name, by Cyclone DDS as its own variable sets it up. What it
-/// has to say goes to people by the sink, not to stderr.
+/// The domain of ROS 2's and Cyclone DDS's variables. Its log becomes the sink's news, not stderr.
 class Domain {
  public:
   Domain() {
     const std::string asked = variable("ROS_DOMAIN_ID");
     const auto id = number_in<std::uint32_t>(asked.empty() ? "0" : asked);
-    if (!id || *id > 232) {
-      throw Error(fmt::format("ROS_DOMAIN_ID is '{}'; a number from 0 to 232 is wanted", asked));
-    }
+    throw_if(!id || *id > 232, "ROS_DOMAIN_ID is '{}'; a number from 0 to 232 is wanted", asked);
     dds_set_log_sink(
         [](void* self, const dds_log_data_t* said) {
           static_cast<Domain*>(self)->hear({said->message, said->size});
@@ -86,16 +67,13 @@ class Domain {
     if (participant_ < 0) {
       const std::vector<std::string> why = news();
       leave();
-      if (domain_ == DDS_RETCODE_PRECONDITION_NOT_MET) {
-        throw Error("a program publishes to one namespace of ROS 2");
-      }
+      throw_if(domain_ == DDS_RETCODE_PRECONDITION_NOT_MET,
+               "a program publishes to one namespace of ROS 2");
       throw WorldError(fmt::format("cannot join ROS 2's domain {}: {}", *id,
                                    why.empty() ? dds_strretcode(-participant_) : why.back()));
     }
   }
   ~Domain() { leave(); }
-  Domain(const Domain&) = delete;
-  Domain& operator=(const Domain&) = delete;
 
   [[nodiscard]] dds_entity_t participant() const { return participant_; }
   void hear(std::string line) {
@@ -211,11 +189,6 @@ class Service {
   dds_entity_t reader_, writer_;
 };
 
-struct TriggerAnswer {
-  bool success;
-  std::string text;
-};
-
 class Ros2Sink final : public DisjointCloudSink {
  public:
   Ros2Sink(const std::string& name, PublishedRun run) : run_(std::move(run)), name_(name) {
@@ -223,7 +196,7 @@ class Ros2Sink final : public DisjointCloudSink {
     if (run_.has_points) {
       for (const auto& topic : {camera_info_topic(), depth_topic(), points_topic()}) add(topic);
     }
-    add_trigger("capture", [this] { return TriggerAnswer{true, run_.save()}; });
+    add_trigger("capture", [this] { return run_.save(); });
     add_trigger("check", [this] { return check(); });
     if (run_.settings) {
       for (const RosService& service : parameter_services(name, run_)) {
@@ -241,7 +214,7 @@ class Ros2Sink final : public DisjointCloudSink {
     tell_node();
     thread_ = std::thread([this] { serve(); });
   }
-  ~Ros2Sink() override { stop(); }
+  ~Ros2Sink() override { Ros2Sink::finish(); }
 
   void put(const Pooled<LiveCloud>& cloud, bool alone) override {
     const PublishedCloud published{*cloud, run_, alone};
@@ -251,7 +224,11 @@ class Ros2Sink final : public DisjointCloudSink {
     }
   }
 
-  void finish() override { stop(); }
+  void finish() override {
+    stopping_ = true;
+    dds_set_guardcondition(wake_, true);
+    if (thread_.joinable()) thread_.join();
+  }
   std::vector<std::string> news() override { return domain_.news(); }
 
  private:
@@ -259,12 +236,6 @@ class Ros2Sink final : public DisjointCloudSink {
     topics_.emplace_back(
         topic, MessageWriter(participant_, "rt/" + name_ + "/" + topic.name, topic.type.name,
                              quality(DDS_RELIABILITY_BEST_EFFORT, 5)));
-  }
-
-  void stop() {
-    stopping_ = true;
-    dds_set_guardcondition(wake_, true);
-    if (thread_.joinable()) thread_.join();
   }
 
   void serve() {
@@ -280,30 +251,23 @@ class Ros2Sink final : public DisjointCloudSink {
   }
 
   /// A service std_srvs/srv/Trigger.
-  void add_trigger(const char* what, std::function<TriggerAnswer()> pulled) {
+  void add_trigger(const char* what, std::function<std::string()> pulled) {
     services_.emplace_back(participant_,
                            RosService{name_ + "/" + what, "std_srvs/srv/Trigger",
                                       [pulled = std::move(pulled)](CdrReader&, Cdr& answer) {
-                                        const auto [success, text] = outcome_of(pulled);
-                                        answer.add(static_cast<std::uint8_t>(success));
-                                        answer.add_text(text);
+                                        add_outcome(answer, pulled);
                                       }});
   }
-  static TriggerAnswer outcome_of(const std::function<TriggerAnswer()>& pulled) try {
-    return pulled();
-  } catch (const std::exception& error) {
-    return {false, error.what()};
-  }
 
-  TriggerAnswer check() {
+  [[nodiscard]] std::string check() const {
     std::vector<std::string> amiss;
     if (std::string trouble = run_.trouble(); !trouble.empty()) amiss.push_back(trouble);
     const auto document = nlohmann::json::parse(run_.statistics());
     for (const auto& finding : document.value("findings", nlohmann::json::array())) {
       if (finding.at("end").is_null()) amiss.push_back(finding.at("what").get<std::string>());
     }
-    if (amiss.empty()) return {true, "nothing is amiss"};
-    return {false, fmt::format("{}", fmt::join(amiss, "; "))};
+    if (amiss.empty()) return "nothing is amiss";
+    throw Error(fmt::format("{}", fmt::join(amiss, "; ")));
   }
 
   /// To who listens, what any sink or the viewer has changed.
@@ -319,8 +283,7 @@ class Ros2Sink final : public DisjointCloudSink {
   } catch (const std::exception&) {  // the camera is going, or nobody takes it: later
   }
 
-  /// rmw_dds_common/msg/ParticipantEntitiesInfo: by this ROS 2 knows of the node. An identity has
-  /// 24 bytes up to Humble, 16 since.
+  /// rmw_dds_common/msg/ParticipantEntitiesInfo of the node. Identities have 24 bytes up to Humble.
   void tell_node() {
     const std::string distribution = variable("ROS_DISTRO");
     const std::size_t spare = distribution == "humble" ? 8 : 0;
@@ -354,27 +317,15 @@ class Ros2Sink final : public DisjointCloudSink {
   std::thread thread_;
 };
 
-bool is_name(std::string_view part) {
-  const auto fits = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
-  return !part.empty() && std::isdigit(static_cast<unsigned char>(part.front())) == 0 &&
-         part.find("__") == part.npos && std::all_of(part.begin(), part.end(), fits);
-}
-
 /// "scanner" of "scanner" and "/scanner"; throws Error where ROS 2 would not take it.
 std::string ros_namespace(const std::string& given) {
-  std::string name = given.substr(given.starts_with('/') ? 1 : 0);
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t end = std::min(name.find('/', begin), name.size());
-    if (!is_name(std::string_view(name).substr(begin, end - begin))) {
-      throw Error(fmt::format(
-          "--publish ros2:{}: a namespace of ROS 2 is wanted, as ros2:scanner or ros2:cell/left: "
-          "letters, digits and single _, no digit first",
-          given));
-    }
-    if (end == name.size()) return name;
-    begin = end + 1;
-  }
+  static const std::regex form(R"(/?((?!.*__)[A-Za-z_]\w*(/[A-Za-z_]\w*)*))");
+  std::smatch found;
+  if (std::regex_match(given, found, form)) return found[1];
+  throw Error(fmt::format(
+      "--publish ros2:{}: a namespace of ROS 2 is wanted, as ros2:scanner or ros2:cell/left: "
+      "letters, digits and single _, no digit first",
+      given));
 }
 
 }  // namespace

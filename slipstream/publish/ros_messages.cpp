@@ -1,17 +1,10 @@
 #include "slipstream/publish/ros_messages.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <optional>
-#include <string_view>
-#include <utility>
 #include <variant>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/file.h"
 
 namespace slipstream {
@@ -70,8 +63,7 @@ void write_camera_info(const Lens& lens, Size size, std::uint64_t time, RosMessa
     return std::any_of(D.begin() + static_cast<std::ptrdiff_t>(first), D.end(),
                        [](double d) { return d != 0; });
   };
-  // Of ROS's models the first has five coefficients, the second eight; OpenCV, which reads them,
-  // takes 12 and 14 as well.
+  // ROS's first model has five coefficients, its second eight; OpenCV reads 12 and 14 as well.
   const std::size_t count = any_from(12) ? 14 : any_from(8) ? 12 : any_from(5) ? 8 : 5;
   Cdr cdr = begin_picture(message, time, size);
   cdr.add_text(count == 5 ? "plumb_bob" : "rational_polynomial").add_count(count);
@@ -112,10 +104,6 @@ RosType image_type() {
           "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
           "uint8 is_bigendian\nuint32 step\nuint8[] data\n" +
               header_definition()};
-}
-
-RosType string_type() {
-  return {"std_msgs/msg/String", "string data\n"};
 }
 
 CloudTopic image_topic() {
@@ -203,11 +191,11 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
     return !offset || (step >= sizeof(float) && *offset <= step - sizeof(float));
   };
   const std::uint64_t points = std::uint64_t{width} * height;
-  if (big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
-      !std::all_of(offsets.begin(), offsets.end(), largest) || points > largest_picture ||
-      row_step < std::uint64_t{width} * step || data.size() < std::uint64_t{row_step} * height) {
-    throw Error("a cloud whose points are not 32-bit x, y, z, little-endian, in their places");
-  }
+  throw_if(big_endian || !offsets[0] || !offsets[1] || !offsets[2] || points == 0 ||
+               !std::all_of(offsets.begin(), offsets.end(), largest) || points > largest_picture ||
+               row_step < std::uint64_t{width} * step ||
+               data.size() < std::uint64_t{row_step} * height,
+           "a cloud whose points are not 32-bit x, y, z, little-endian, in their places");
   const Size size{static_cast<int>(width), static_cast<int>(height)};
   StoredCloud stored{.cloud = Cloud(size), .organised = height > 1};
   if (offsets.back()) stored.uncertainty.emplace(size);
@@ -228,16 +216,14 @@ StoredCloud read_point_cloud(std::span<const std::uint8_t> message) {
     }
   }
   Cloud& cloud = stored.cloud;
-  for (int row = 0; row < size.height; ++row) {
-    for (int column = 0; column < size.width; ++column) {
-      if (std::isfinite(cloud.x(column, row)) && std::isfinite(cloud.y(column, row)) &&
-          std::isfinite(cloud.z(column, row))) {
-        cloud.validity(column, row) = Validity::valid;
-      } else {
-        cloud.leave_out(column, row, Validity::no_point);
-      }
+  for_each_pixel_in_order(size, [&](int column, int row) {
+    if (std::isfinite(cloud.x(column, row)) && std::isfinite(cloud.y(column, row)) &&
+        std::isfinite(cloud.z(column, row))) {
+      cloud.validity(column, row) = Validity::valid;
+    } else {
+      cloud.leave_out(column, row, Validity::no_point);
     }
-  }
+  });
   return stored;
 }
 
@@ -269,19 +255,14 @@ Frame read_frame(std::span<const std::uint8_t> message, int bits) {
   const bool big_endian = cdr.get<std::uint8_t>() != 0;
   const std::uint64_t row = std::uint64_t{width} * (bits > 8 ? 2 : 1), step = cdr.count();
   const auto data = cdr.list();
-  if (big_endian || encoding != (bits > 8 ? "mono16" : "mono8") || width == 0 || height == 0 ||
-      std::uint64_t{width} * height > largest_picture || step != row ||
-      data.size() != row * height) {
-    throw Error(fmt::format("a frame that is no grey picture of {} bits", bits));
-  }
+  throw_if(big_endian || encoding != (bits > 8 ? "mono16" : "mono8") || width == 0 || height == 0 ||
+               std::uint64_t{width} * height > largest_picture || step != row ||
+               data.size() != row * height,
+           "a frame that is no grey picture of {} bits", bits);
   Frame frame({{static_cast<int>(width), static_cast<int>(height)}, bits});
   std::visit([&](auto& pixels) { std::memcpy(pixels.begin(), data.data(), data.size()); },
              frame.pixels);
   return frame;
-}
-
-void write_string(std::string_view text, RosMessage& message) {
-  Cdr(message).add_text(text);
 }
 
 }  // namespace slipstream

@@ -1,18 +1,119 @@
 #pragma once
 
 #include <chrono>
-#include <cstdint>
-#include <span>
-#include <string>
-#include <string_view>
+#include <cstring>
 
-#include "slipstream/geometry/lens.h"
+#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/geometry/scanner.h"
 #include "slipstream/io/cloud_file.h"
-#include "slipstream/live/live_cloud.h"
-#include "slipstream/publish/cdr.h"
 #include "slipstream/publish/cloud_sink.h"
 
 namespace slipstream {
+
+/// A message of ROS 2 in its binary form: CDR, little-endian.
+using RosMessage = std::vector<std::uint8_t>;
+
+/// Adds numbers and texts one after the other, each where CDR aligns it.
+class Cdr {
+ public:
+  /// Begins the message anew; its memory is used.
+  explicit Cdr(RosMessage& message) : message_(message) {
+    message_.assign({0, 1, 0, 0});  // CDR, little-endian
+  }
+
+  template <class Number>
+  Cdr& add(Number number) {
+    const std::size_t at = message_.size() + (4 - message_.size()) % sizeof number;
+    message_.resize(at + sizeof number);
+    std::memcpy(&message_[at], &number, sizeof number);
+    return *this;
+  }
+  /// How many follow, or how long something is.
+  Cdr& add_count(std::size_t count) { return add(static_cast<std::uint32_t>(count)); }
+  Cdr& add_text(std::string_view text) {
+    add_count(text.size() + 1);
+    message_.insert(message_.end(), text.begin(), text.end());
+    message_.push_back(0);
+    return *this;
+  }
+  /// Seconds and nanoseconds.
+  Cdr& add_time(std::uint64_t nanoseconds) {
+    constexpr std::uint64_t second = 1'000'000'000;
+    add(static_cast<std::int32_t>(nanoseconds / second));
+    return add(static_cast<std::uint32_t>(nanoseconds % second));
+  }
+  Cdr& add_header(std::uint64_t time) { return add_time(time).add_text("camera"); }
+  /// A list of so many bytes, to be filled before more is added.
+  std::span<std::uint8_t> add_bytes(std::size_t count) {
+    add_count(count);
+    message_.resize(message_.size() + count);
+    return std::span(message_).last(count);
+  }
+
+ private:
+  RosMessage& message_;
+};
+
+/// Takes numbers and texts off the front of untrusted bytes. Throws Error if they end too soon.
+class ByteReader {
+ public:
+  explicit ByteReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+  [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
+  std::span<const std::uint8_t> take(std::uint64_t count) {
+    if (count > left()) throw Error("it ends too soon");
+    at_ += count;
+    return bytes_.subspan(at_ - count, count);
+  }
+  template <class Number>
+  Number get() {
+    return number_at<Number>(take(sizeof(Number)), 0);
+  }
+  /// Behind its length in 32 bits.
+  std::string_view text() {
+    const auto letters = take(get<std::uint32_t>());
+    return {reinterpret_cast<const char*>(letters.data()), letters.size()};
+  }
+  /// Goes on at the next multiple of `size`, counted from the begin.
+  void align(std::size_t size) { take((size - at_ % size) % size); }
+
+ private:
+  std::span<const std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+/// The same of an untrusted message. The constructor throws Error if it is not little-endian CDR.
+class CdrReader : private ByteReader {
+ public:
+  explicit CdrReader(std::span<const std::uint8_t> message) : ByteReader(content_of(message)) {}
+
+  template <class Number>
+  Number get() {
+    align(sizeof(Number));
+    return ByteReader::get<Number>();
+  }
+  std::uint32_t count() { return get<std::uint32_t>(); }
+  std::string_view text() {
+    align(4);
+    const std::string_view text = ByteReader::text();
+    return text.substr(0, text.find('\0'));
+  }
+  /// Those of a list of numbers of so many bytes each.
+  std::span<const std::uint8_t> list(std::size_t size = 1) {
+    const std::uint64_t numbers = count();
+    if (numbers > 0) align(size);
+    return take(numbers * size);
+  }
+
+ private:
+  static std::span<const std::uint8_t> content_of(std::span<const std::uint8_t> message) {
+    if (message.size() < 4 || message[0] != 0 || message[1] != 1) {
+      throw Error("a message is no little-endian CDR");
+    }
+    return message.subspan(4);
+  }
+};
 
 /// A type of message: "sensor_msgs/msg/Image", and its definition with those that it names.
 struct RosType {
@@ -21,7 +122,6 @@ struct RosType {
 };
 RosType point_cloud_type();
 RosType image_type();
-RosType string_type();
 
 /// Nanoseconds of the world's clock since 1970 at that time of this machine's.
 std::uint64_t world_time(std::chrono::steady_clock::time_point time);
@@ -52,24 +152,51 @@ CloudTopic camera_info_topic();
 
 /// Each into `message`, whose memory is used; `time`: world_time.
 
-/// sensor_msgs/msg/PointCloud2, organised as the camera's pixels: x, y, z in metres (each the
-/// cloud's millimetres divided by 1000, rounded to float), NaN where there is no point, and
-/// intensity in grey levels of 255, as 32-bit floats. Where the uncertainty is there,
-/// sigma_coordinate, sigma_x, sigma_y and sigma_z likewise.
+/// sensor_msgs/msg/PointCloud2 of 32-bit floats, organised as the camera's pixels: x, y, z in
+/// metres (the cloud's millimetres divided by 1000), NaN without a point, intensity in grey levels
+/// of 255, and with the uncertainty sigma_coordinate, sigma_x, sigma_y and sigma_z likewise.
 void write_point_cloud(const Cloud& cloud, std::uint64_t time, RosMessage& message,
                        const Uncertainty* uncertainty = nullptr);
 /// sensor_msgs/msg/Image: a camera's frame, mono8 or mono16.
 void write_image(const Frame& frame, std::uint64_t time, RosMessage& message);
 /// The same of a cloud's intensity, mono8.
 void write_image(const Cloud& cloud, std::uint64_t time, RosMessage& message);
-/// std_msgs/msg/String.
-void write_string(std::string_view text, RosMessage& message);
 
 /// What of a PointCloud2's fields write_point_cloud has, in mm, whoever wrote it. Throws Error,
 /// naming no file, where it is none, has no x, y, z of 32-bit float, or is not little-endian.
 StoredCloud read_point_cloud(std::span<const std::uint8_t> message);
-/// The frame of an Image, of a camera of so many bits; its stamp is empty. Throws Error, naming no
-/// file, where it is none.
+/// The frame of an Image of so many bits, without its stamp. Throws Error, naming no file.
 Frame read_frame(std::span<const std::uint8_t> message, int bits);
+
+/// A service of ROS 2.
+struct RosService {
+  std::string name;  ///< "scanner/capture"
+  std::string type;  ///< "std_srvs/srv/Trigger"
+  /// Reads what is asked and adds the answer. Throws Error where the request is none.
+  std::function<void(CdrReader& request, Cdr& answer)> answer;
+};
+
+/// Adds a Trigger or SetParametersResult: true and what `work` returns, or false and its error.
+template <class Work>
+void add_outcome(Cdr& answer, const Work& work) {
+  std::string text;
+  bool success = false;
+  try {
+    text = work();
+    success = true;
+  } catch (const std::exception& error) {
+    text = error.what();
+  }
+  answer.add(static_cast<std::uint8_t>(success)).add_text(text);
+}
+
+/// The services by which ROS 2 reads and changes a node's parameters: the settings of the borrowed
+/// run. Numbers are doubles (whole numbers are taken too), switches booleans, all else texts.
+std::vector<RosService> parameter_services(const std::string& node, const PublishedRun& run);
+
+/// rcl_interfaces/msg/ParameterEvent: settings that have come, changed and gone. False if none has.
+bool write_parameter_event(const std::string& node, std::uint64_t time,
+                           const std::vector<RunSetting>& before,
+                           const std::vector<RunSetting>& now, RosMessage& message);
 
 }  // namespace slipstream

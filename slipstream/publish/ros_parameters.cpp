@@ -1,15 +1,10 @@
-#include "slipstream/publish/ros_parameters.h"
-
 #include <algorithm>
-#include <exception>
 #include <iterator>
-#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/numbers.h"
+#include "slipstream/publish/ros_messages.h"
 
 namespace slipstream {
 namespace {
@@ -22,7 +17,7 @@ struct Wish {
   std::string name, value;
 };
 
-/// Of a setting that is none, which has no name, none.
+/// Kind::none for a setting without a name.
 Kind kind_of(const RunSetting& setting) {
   if (setting.name.empty()) return Kind::none;
   if (setting.choices.empty()) return Kind::real;
@@ -66,31 +61,19 @@ void add_parameters(const Settings& settings, Cdr& cdr) {
   }
 }
 
-std::vector<std::string> read_names(CdrReader& request) {
-  std::vector<std::string> names;
-  for (std::uint32_t left = request.count(); left > 0; --left) names.emplace_back(request.text());
-  return names;
+template <class Read>
+auto read_list(CdrReader& request, Read read) {
+  std::vector<decltype(read(request))> list;
+  for (std::uint32_t left = request.count(); left > 0; --left) list.push_back(read(request));
+  return list;
 }
 
-std::vector<Wish> read_wishes(CdrReader& request) {
-  std::vector<Wish> wishes;
-  for (std::uint32_t left = request.count(); left > 0; --left) {
-    std::string name(request.text());
-    wishes.push_back({std::move(name), read_value(request)});
-  }
-  return wishes;
+std::string read_name(CdrReader& request) {
+  return std::string(request.text());
 }
 
-/// A SetParametersResult of what that does.
-template <class Change>
-void add_result(Cdr& answer, Change change) {
-  std::string refusal;
-  try {
-    change();
-  } catch (const std::exception& error) {
-    refusal = error.what();
-  }
-  answer.add(static_cast<std::uint8_t>(refusal.empty())).add_text(refusal);
+Wish read_wish(CdrReader& request) {
+  return {read_name(request), read_value(request)};  // in this order
 }
 
 /// All of them or none, as far as a camera lets itself be set back.
@@ -129,7 +112,7 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
   const auto of_each = [&run](auto add) {
     return [&run, add](CdrReader& request, Cdr& answer) {
       const Settings settings = run.settings();
-      const std::vector<std::string> names = read_names(request);
+      const std::vector<std::string> names = read_list(request, read_name);
       answer.add_count(names.size());
       for (const std::string& name : names) add(name, find(settings, name), answer);
     };
@@ -146,29 +129,34 @@ std::vector<RosService> parameter_services(const std::string& node, const Publis
               })),
       service("list_parameters", "ListParameters",
               [&run](CdrReader& request, Cdr& answer) {
-                const std::vector<std::string> wanted = read_names(request);
-                std::vector<std::string> names;
-                for (const RunSetting& setting : run.settings()) {
-                  const auto found = std::find(wanted.begin(), wanted.end(), setting.name);
-                  if (wanted.empty() || found != wanted.end()) names.push_back(setting.name);
-                }
-                answer.add_count(names.size());
-                for (const std::string& name : names) answer.add_text(name);
+                const std::vector<std::string> wanted = read_list(request, read_name);
+                Settings listed = run.settings();
+                std::erase_if(listed, [&](const RunSetting& setting) {
+                  return !wanted.empty() &&
+                         std::find(wanted.begin(), wanted.end(), setting.name) == wanted.end();
+                });
+                answer.add_count(listed.size());
+                for (const RunSetting& setting : listed) answer.add_text(setting.name);
                 answer.add_count(0);  // no name has parts
               }),
       service("set_parameters", "SetParameters",
               [&run](CdrReader& request, Cdr& answer) {
-                const std::vector<Wish> wishes = read_wishes(request);
+                const std::vector<Wish> wishes = read_list(request, read_wish);
                 answer.add_count(wishes.size());
                 for (const auto& [name, value] : wishes) {
-                  add_result(answer,
-                             [&, &name = name, &value = value] { run.change(name, value); });
+                  add_outcome(answer, [&, &name = name, &value = value] {
+                    run.change(name, value);
+                    return "";
+                  });
                 }
               }),
       service("set_parameters_atomically", "SetParametersAtomically",
               [&run](CdrReader& request, Cdr& answer) {
-                const std::vector<Wish> wishes = read_wishes(request);
-                add_result(answer, [&] { change_all(run, wishes); });
+                const std::vector<Wish> wishes = read_list(request, read_wish);
+                add_outcome(answer, [&] {
+                  change_all(run, wishes);
+                  return "";
+                });
               }),
   };
 }

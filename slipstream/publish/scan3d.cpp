@@ -1,10 +1,9 @@
 #include "slipstream/publish/scan3d.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 #include <initializer_list>
-#include <limits>
-#include <string_view>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -14,8 +13,7 @@
 namespace slipstream {
 namespace {
 
-/// Elements of a node around its value, in the order of the schema, and the feature that says which
-/// of several it is.
+/// Elements around a node's value, in the schema's order, and the feature that selects one of many.
 struct Around {
   std::string before{}, after{}, selector{};
 };
@@ -215,21 +213,17 @@ void add_scan3d(Features& features) {
   features.add("Float", "Scan3dInvalidDataValue", invalid_value, "RO", of_each);
 }
 
-bool is_letter(char c) {
-  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
-}
-
 /// A name as GenApi wants them: "MinModulation" of "min-modulation".
 std::string name_from(const std::string& words) {
   std::string name;
   bool begins = true;
-  for (const char c : words) {
-    const bool is_part = is_letter(c) || (c >= '0' && c <= '9');
-    if (is_part) name += begins && c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  for (const unsigned char c : words) {
+    const bool is_part = std::isalnum(c) != 0;
+    if (is_part) name += static_cast<char>(begins ? std::toupper(c) : c);
     begins = !is_part;
     if (begins && !name.empty() && name.back() != '_' && c != '-') name += '_';
   }
-  return !name.empty() && is_letter(name.front()) ? name : "N" + name;
+  return std::isalpha(static_cast<unsigned char>(name[0])) != 0 ? name : "N" + name;
 }
 
 std::string escaped(const std::string& words) {
@@ -313,13 +307,11 @@ void write_values(std::vector<std::uint8_t>& bytes, const Rectangle& region, Val
   bytes.resize(static_cast<std::size_t>(region.size.width) *
                static_cast<std::size_t>(region.size.height) * sizeof(Value));
   std::uint8_t* to = bytes.data();
-  for (int row = region.y; row < region.y + region.size.height; ++row) {
-    for (int column = region.x; column < region.x + region.size.width; ++column) {
-      const Value value = value_at(column, row);
-      std::memcpy(to, &value, sizeof value);
-      to += sizeof value;
-    }
-  }
+  for_each_pixel_in_order(region.size, [&](int column, int row) {
+    const Value value = value_at(region.x + column, region.y + row);
+    std::memcpy(to, &value, sizeof value);
+    to += sizeof value;
+  });
 }
 
 }  // namespace

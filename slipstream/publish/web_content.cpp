@@ -1,19 +1,16 @@
 #include "slipstream/publish/web_content.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <map>
 #include <variant>
-#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
 #include "slipstream/base/error.h"
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
@@ -45,15 +42,11 @@ DepthRange range_of(const Image<float>& depth, int step) {
 }
 
 /// Writes values one after the other.
-struct Places {
-  char* at;
-
-  template <class Value>
-  void put(Value value) {
-    std::memcpy(at, &value, sizeof value);
-    at += sizeof value;
-  }
-};
+template <class Value>
+void put(char*& at, Value value) {
+  std::memcpy(at, &value, sizeof value);
+  at += sizeof value;
+}
 
 constexpr std::array counts{
     "captured",           "lost",      "overwritten",  "repeated", "clouds", "done",
@@ -108,7 +101,8 @@ int web_step(Size camera) {
   const auto sent = [&] {
     return std::int64_t{thinned(camera.width, step)} * thinned(camera.height, step);
   };
-  while (sent() > most_web_pixels) ++step;
+  constexpr std::int64_t most = 1 << 20;
+  while (sent() > most) ++step;
   return step;
 }
 
@@ -137,30 +131,30 @@ std::string web_cloud(const LiveCloud& live, const Image<std::uint8_t>& phase) {
   const DepthScale numbers{step, nearest - step};
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   std::string bytes(24 + (phase.empty() ? 3 : 4) * pixels, '\0');
-  Places head{bytes.data()};
+  char* at = bytes.data();
   for (const int number :
        {width, height, int{has_depth}, static_cast<int>(has_depth ? point_count(cloud) : 0)}) {
-    head.put(number);
+    put(at, number);
   }
-  head.put(nearest);
-  head.put(step);
-  Places greys{head.at + 2 * pixels};
+  put(at, nearest);
+  put(at, step);
+  char* greys = at + 2 * pixels;
   if (has_depth) {
     each_sent(size, every, [&](int column, int row) {
-      head.put(numbers(cloud.z(column, row)));
-      greys.put(grey_level(cloud.intensity(column, row)));
+      put(at, numbers(cloud.z(column, row)));
+      put(greys, grey_level(cloud.intensity(column, row)));
     });
   } else {
     std::visit(
         [&](const auto& pictured) {
           each_sent(size, every, [&](int column, int row) {
-            greys.put(static_cast<std::uint8_t>(pictured(column, row) >> (frame.bits - 8)));
+            put(greys, static_cast<std::uint8_t>(pictured(column, row) >> (frame.bits - 8)));
           });
         },
         frame.pixels);
   }
   if (!phase.empty()) {
-    each_sent(size, every, [&](int column, int row) { greys.put(phase(column, row)); });
+    each_sent(size, every, [&](int column, int row) { put(greys, phase(column, row)); });
   }
   return bytes;
 }

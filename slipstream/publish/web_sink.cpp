@@ -1,27 +1,20 @@
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <chrono>
-#include <exception>
-#include <functional>
-#include <mutex>
-#include <optional>
+#include <numeric>
 #include <random>
 #include <set>
-#include <string_view>
-#include <thread>
-#include <utility>
+#include <utility>  // before Boost 1.74, which forgets it
 
 #include <boost/asio.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/frames/thread_priority.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/publish/cloud_sink.h"
 #include "slipstream/publish/web_content.h"
 
@@ -37,7 +30,7 @@ using asio::ip::tcp;
 using namespace std::chrono_literals;
 using Failure = boost::system::error_code;
 using Request = http::request<http::string_body>;
-using Bytes = std::shared_ptr<const std::string>;
+using SharedBytes = std::shared_ptr<const std::string>;
 
 constexpr std::size_t most_clients = 32, largest_header = 8 << 10, largest_body = 256,
                       largest_message = 64;
@@ -49,12 +42,6 @@ constexpr const char* page_rules =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-struct WebAddress {
-  std::string host = "127.0.0.1";  ///< as a number
-  std::uint16_t port = 0;          ///< 0: one that is free
-  bool loopback = true;            ///< nobody but this machine reaches it
-};
-
 std::string random_token() {
   std::random_device device;  // of the system
   std::string token;
@@ -62,13 +49,10 @@ std::string random_token() {
   return token;
 }
 
-/// In a time that says nothing of where they differ.
+/// Constant-time comparison.
 bool is_same(std::string_view a, std::string_view b) {
-  unsigned differences = a.size() == b.size() ? 0 : 1;
-  for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
-    differences |= static_cast<unsigned>(a[i] ^ b[i]);
-  }
-  return differences == 0;
+  return a.size() == b.size() && std::transform_reduce(a.begin(), a.end(), b.begin(), 0,
+                                                       std::bit_or<>(), std::bit_xor<>()) == 0;
 }
 
 std::string_view text_of(beast::string_view text) {
@@ -86,34 +70,164 @@ class Connection;
 /// What is served, and who asks. All but `put`, `news` and `finish` is the serving thread's.
 class WebSink final : public CloudSink {
  public:
-  WebSink(const WebAddress& address, PublishedRun run);
-  ~WebSink() override { stop(); }
+  WebSink(const tcp::endpoint& endpoint, PublishedRun run);
+  ~WebSink() override { WebSink::finish(); }
 
-  void put(const Pooled<LiveCloud>& cloud, bool alone) override;
-  void finish() override { stop(); }
-  std::vector<std::string> news() override;
+  void put(const Pooled<LiveCloud>& cloud, bool /*alone*/) override {
+    {
+      const std::lock_guard lock(mutex_);
+      newest_ = cloud;
+      ++count_;
+    }
+    if (anybody_waits_.exchange(false)) asio::post(io_, [this] { serve_waiting(); });
+  }
 
-  void tell(const std::string& line);
+  void finish() override {
+    io_.stop();
+    if (thread_.joinable()) thread_.join();
+    const std::lock_guard lock(mutex_);
+    newest_ = {};
+  }
+
+  std::vector<std::string> news() override {
+    const std::lock_guard lock(mutex_);
+    return std::exchange(news_, {});
+  }
+
+  void tell(const std::string& line) {
+    const std::lock_guard lock(mutex_);
+    if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
+  }
+
   /// Whether the request comes from the page, or from who may know of it; else why not.
-  [[nodiscard]] std::string refusal(const Request& request) const;
-  http::response<http::string_body> answer(const Request& request);
+  [[nodiscard]] std::string refusal(const Request& request) const {
+    const std::string_view host = text_of(request[http::field::host]),
+                           origin = text_of(request[http::field::origin]),
+                           target = text_of(request.target()), name = without_port(host);
+    if (token_.empty() && name != "localhost" && name != host_ && name != "[::1]") {
+      return "this page is for localhost";  // a foreign name may point here
+    }
+    if (!token_.empty()) {
+      const std::size_t question = target.find("?token=");
+      if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
+        return "the token is wrong; the whole address was printed where slipstream began";
+      }
+    }
+    const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
+    const std::size_t scheme = origin.find("://");
+    if (changes && (scheme == origin.npos || origin.substr(scheme + 3) != host)) {
+      return "another page's script asks";
+    }
+    return "";
+  }
+
+  http::response<http::string_body> answer(const Request& request) {
+    http::response<http::string_body> response(http::status::ok, request.version());
+    response.keep_alive(request.keep_alive());
+    response.set(http::field::cache_control, "no-store");
+    response.set("X-Content-Type-Options", "nosniff");
+    response.set("Referrer-Policy", "no-referrer");
+    const auto say = [&](http::status status, std::string body, const char* type = "text/plain") {
+      response.result(status);
+      response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
+      response.body() = std::move(body);
+    };
+    const std::string_view target = text_of(request.target());
+    const auto asked =
+        fmt::format("{} {}", text_of(request.method_string()), target.substr(0, target.find('?')));
+    try {
+      if (const std::string why = refusal(request); !why.empty()) {
+        say(http::status::forbidden, why + "\n");
+      } else if (asked == "GET /") {
+        response.set("Content-Security-Policy", page_rules);
+        say(http::status::ok, std::string(web_page()), "text/html");
+      } else if (asked == "GET /rays") {
+        say(http::status::ok, rays_, "application/octet-stream");
+      } else if (asked == "GET /statistics") {
+        say(http::status::ok, run_.statistics(), "application/json");
+      } else if (asked == "GET /metrics") {
+        say(http::status::ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
+      } else if (asked == "GET /health") {
+        const std::string trouble = run_.trouble();
+        say(trouble.empty() ? http::status::ok : http::status::service_unavailable,
+            (trouble.empty() ? "ok" : trouble) + "\n");
+      } else if (asked == "GET /settings") {
+        say(http::status::ok, settings(), "application/json");
+      } else if (asked == "POST /settings") {
+        change(request.body());
+        say(http::status::ok, settings(), "application/json");
+      } else if (asked == "POST /save") {
+        say(http::status::ok, run_.save());
+      } else {
+        say(http::status::not_found, "there is no such page\n");
+      }
+    } catch (const Error& error) {
+      say(http::status::bad_request, error.what());
+    } catch (const std::exception& error) {
+      say(http::status::internal_server_error, error.what());
+    }
+    response.prepare_payload();
+    return response;
+  }
+
   /// The newest cloud, and which it is, where it is newer.
-  std::pair<Bytes, std::uint64_t> newer_than(std::uint64_t seen, bool with_phase);
+  std::pair<SharedBytes, std::uint64_t> newer_than(std::uint64_t seen, bool with_phase) {
+    const auto now = std::chrono::steady_clock::now();
+    Sent& sent = sent_[with_phase ? 1 : 0];
+    std::unique_lock lock(mutex_);
+    if (newest_ && count_ != sent.count && now >= sent.next) {
+      const Pooled<LiveCloud> cloud = newest_;
+      sent.count = count_;
+      // Clouds come a little early and late.
+      sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
+      lock.unlock();
+      const bool has_phase = with_phase && run_.phase;
+      sent.bytes = std::make_shared<const std::string>(
+          web_cloud(*cloud, has_phase ? run_.phase(*cloud) : Image<std::uint8_t>()));
+    }
+    if (sent.count <= seen) return {};
+    return {sent.bytes, sent.count};
+  }
+
   void wait_for_cloud() { anybody_waits_ = true; }
 
   std::set<Connection*> connections{};
 
  private:
-  void stop();
   void accept();
   void serve_waiting();
-  void serve();
-  const std::string& settings();
-  void change(const std::string& wish);
+  void serve() {
+    let_others_go_first();
+    while (true) {
+      try {
+        io_.run();
+        return;
+      } catch (const std::exception& error) {  // of one client, who is let go
+        tell(error.what());
+      }
+    }
+  }
 
-  const WebAddress address_;
+  /// A camera is not asked for each page.
+  const std::string& settings() {
+    const auto now = std::chrono::steady_clock::now();
+    if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
+    settings_ = nlohmann::json(run_.settings()).dump();
+    looked_at_ = now;
+    return settings_;
+  }
+
+  /// As "min-modulation=20".
+  void change(const std::string& wish) {
+    const std::size_t mark = std::min(wish.find('='), wish.size());
+    if (mark == wish.size()) throw Error("NAME=VALUE is wanted");
+    settings_.clear();
+    run_.change(wish.substr(0, mark), wish.substr(mark + 1));
+  }
+
+  const std::string host_;  ///< the address, as a number
   const PublishedRun run_;
-  const std::string token_;
+  const std::string token_;  ///< none where nobody but this machine reaches the page
   const std::string rays_;
   std::mutex mutex_;  ///< of the four that follow
   std::vector<std::string> news_;
@@ -122,7 +236,7 @@ class WebSink final : public CloudSink {
   std::set<std::string> told_;
   std::atomic<bool> anybody_waits_ = false;
   struct Sent {
-    Bytes bytes{};
+    SharedBytes bytes{};
     std::uint64_t count = 0;                       ///< of the cloud
     std::chrono::steady_clock::time_point next{};  ///< when another may be
   };
@@ -142,8 +256,6 @@ class Connection : public std::enable_shared_from_this<Connection> {
     sink_.connections.insert(this);
   }
   ~Connection() { sink_.connections.erase(this); }
-  Connection(const Connection&) = delete;
-  Connection& operator=(const Connection&) = delete;
 
   void read_request() {
     parser_.emplace();
@@ -229,51 +341,28 @@ class Connection : public std::enable_shared_from_this<Connection> {
   http::response<http::string_body> response_;
   std::optional<websocket::stream<beast::tcp_stream>> page_;
   bool asked_ = false, with_phase_ = false;
-  Bytes sending_;
+  SharedBytes sending_;
   std::uint64_t seen_ = 0;  ///< count of the newest cloud that was sent
 };
 
-WebSink::WebSink(const WebAddress& address, PublishedRun run)
-    : address_(address),
+WebSink::WebSink(const tcp::endpoint& endpoint, PublishedRun run)
+    : host_(endpoint.address().to_string()),
       run_(std::move(run)),
-      token_(address.loopback ? "" : random_token()),
+      token_(endpoint.address().is_loopback() ? "" : random_token()),
       rays_(run_.has_points ? web_rays(run_.camera) : "") {
-  const tcp::endpoint endpoint(asio::ip::make_address(address.host), address.port);
   try {
-    acceptor_.open(endpoint.protocol());
-    acceptor_.set_option(tcp::acceptor::reuse_address(true));
-    acceptor_.bind(endpoint);
-    acceptor_.listen();
+    acceptor_ = tcp::acceptor(io_, endpoint);
   } catch (const boost::system::system_error& error) {
     throw WorldError(
-        fmt::format("--publish web:{}:{}: {}", address.host, address.port, error.code().message()));
+        fmt::format("--publish web:{}:{}: {}", host_, endpoint.port(), error.code().message()));
   }
-  const std::string host = !address.loopback            ? asio::ip::host_name()
-                           : endpoint.address().is_v6() ? "[" + address.host + "]"
-                                                        : address.host;
+  const std::string host = !token_.empty()              ? asio::ip::host_name()
+                           : endpoint.address().is_v6() ? "[" + host_ + "]"
+                                                        : host_;
   tell(fmt::format("http://{}:{}/{}", host, acceptor_.local_endpoint().port(),
                    token_.empty() ? "" : "?token=" + token_));
   accept();
   thread_ = std::thread([this] { serve(); });
-}
-
-void WebSink::serve() {
-  let_others_go_first();
-  while (true) {
-    try {
-      io_.run();
-      return;
-    } catch (const std::exception& error) {  // of one client, who is let go
-      tell(error.what());
-    }
-  }
-}
-
-void WebSink::stop() {
-  io_.stop();
-  if (thread_.joinable()) thread_.join();
-  const std::lock_guard lock(mutex_);
-  newest_ = {};
 }
 
 void WebSink::accept() {
@@ -294,163 +383,33 @@ void WebSink::accept() {
   });
 }
 
-void WebSink::put(const Pooled<LiveCloud>& cloud, bool /*alone*/) {
-  {
-    const std::lock_guard lock(mutex_);
-    newest_ = cloud;
-    ++count_;
-  }
-  if (anybody_waits_.exchange(false)) asio::post(io_, [this] { serve_waiting(); });
-}
-
 void WebSink::serve_waiting() {
   for (Connection* const connection : connections) connection->send_cloud();
 }
 
-std::pair<Bytes, std::uint64_t> WebSink::newer_than(std::uint64_t seen, bool with_phase) {
-  const auto now = std::chrono::steady_clock::now();
-  Sent& sent = sent_[with_phase ? 1 : 0];
-  std::unique_lock lock(mutex_);
-  if (newest_ && count_ != sent.count && now >= sent.next) {
-    const Pooled<LiveCloud> cloud = newest_;
-    sent.count = count_;
-    // Clouds come a little early and late.
-    sent.next = std::max(sent.next + between_clouds, now + between_clouds / 2);
-    lock.unlock();
-    const bool has_phase = with_phase && run_.phase;
-    sent.bytes = std::make_shared<const std::string>(
-        web_cloud(*cloud, has_phase ? run_.phase(*cloud) : Image<std::uint8_t>()));
-  }
-  if (sent.count <= seen) return {};
-  return {sent.bytes, sent.count};
-}
-
-void WebSink::tell(const std::string& line) {
-  const std::lock_guard lock(mutex_);
-  if (told_.size() < 64 && told_.insert(line).second) news_.push_back(line);
-}
-
-std::vector<std::string> WebSink::news() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(news_, {});
-}
-
-std::string WebSink::refusal(const Request& request) const {
-  const std::string_view host = text_of(request[http::field::host]),
-                         origin = text_of(request[http::field::origin]),
-                         target = text_of(request.target()), name = without_port(host);
-  if (address_.loopback && name != "localhost" && name != address_.host && name != "[::1]") {
-    return "this page is for localhost";  // a foreign name may point here
-  }
-  if (!token_.empty()) {
-    const std::size_t question = target.find("?token=");
-    if (question == target.npos || !is_same(target.substr(question + 7), token_)) {
-      return "the token is wrong; the whole address was printed where slipstream began";
-    }
-  }
-  const bool changes = request.method() != http::verb::get || websocket::is_upgrade(request);
-  const std::size_t scheme = origin.find("://");
-  if (changes && (scheme == origin.npos || origin.substr(scheme + 3) != host)) {
-    return "another page's script asks";
-  }
-  return "";
-}
-
-/// A camera is not asked for each page.
-const std::string& WebSink::settings() {
-  const auto now = std::chrono::steady_clock::now();
-  if (!settings_.empty() && now - looked_at_ < between_looks) return settings_;
-  settings_ = nlohmann::json(run_.settings()).dump();
-  looked_at_ = now;
-  return settings_;
-}
-
-/// As "min-modulation=20".
-void WebSink::change(const std::string& wish) {
-  const std::size_t mark = std::min(wish.find('='), wish.size());
-  if (mark == wish.size()) throw Error("NAME=VALUE is wanted");
-  settings_.clear();
-  run_.change(wish.substr(0, mark), wish.substr(mark + 1));
-}
-
-http::response<http::string_body> WebSink::answer(const Request& request) {
-  http::response<http::string_body> response(http::status::ok, request.version());
-  response.keep_alive(request.keep_alive());
-  response.set(http::field::cache_control, "no-store");
-  response.set("X-Content-Type-Options", "nosniff");
-  response.set("Referrer-Policy", "no-referrer");
-  const auto say = [&](http::status status, std::string body, const char* type = "text/plain") {
-    response.result(status);
-    response.set(http::field::content_type, fmt::format("{}; charset=utf-8", type));
-    response.body() = std::move(body);
-  };
-  const std::string_view target = text_of(request.target());
-  const std::string path(target.substr(0, target.find('?')));
-  const bool get = request.method() == http::verb::get;
-  try {
-    if (const std::string why = refusal(request); !why.empty()) {
-      say(http::status::forbidden, why + "\n");
-    } else if (get && path == "/") {
-      response.set("Content-Security-Policy", page_rules);
-      say(http::status::ok, std::string(web_page()), "text/html");
-    } else if (get && path == "/rays") {
-      say(http::status::ok, rays_, "application/octet-stream");
-    } else if (get && path == "/statistics") {
-      say(http::status::ok, run_.statistics(), "application/json");
-    } else if (get && path == "/metrics") {
-      say(http::status::ok, metrics_of(run_.statistics()), "text/plain; version=0.0.4");
-    } else if (get && path == "/health") {
-      const std::string trouble = run_.trouble();
-      say(trouble.empty() ? http::status::ok : http::status::service_unavailable,
-          (trouble.empty() ? "ok" : trouble) + "\n");
-    } else if (get && path == "/settings") {
-      say(http::status::ok, settings(), "application/json");
-    } else if (request.method() == http::verb::post && path == "/settings") {
-      change(request.body());
-      say(http::status::ok, settings(), "application/json");
-    } else if (request.method() == http::verb::post && path == "/save") {
-      say(http::status::ok, run_.save());
-    } else {
-      say(http::status::not_found, "there is no such page\n");
-    }
-  } catch (const Error& error) {
-    say(http::status::bad_request, error.what());
-  } catch (const std::exception& error) {
-    say(http::status::internal_server_error, error.what());
-  }
-  response.prepare_payload();
-  return response;
-}
-
-/// From "PORT" or "ADDRESS:PORT", as "8080", "0.0.0.0:8080", "[::1]:8080".
-WebAddress web_address_from(const std::string& where) {
-  WebAddress address;
+/// From "PORT" or "ADDRESS:PORT", as "8080", "0.0.0.0:8080", "[::1]:8080". Port 0: a free one.
+tcp::endpoint web_endpoint_from(const std::string& where) {
   const std::size_t colon = where.rfind(':');
-  if (colon != std::string::npos) address.host = where.substr(0, colon);
-  if (address.host.starts_with('[') && address.host.ends_with(']')) {
-    address.host = address.host.substr(1, address.host.size() - 2);
-  }
+  std::string host = colon == where.npos ? "127.0.0.1" : where.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   const auto port = number_in<std::uint16_t>(where.substr(colon + 1));  // of all without a colon
   Failure failure;
-  const auto number = asio::ip::make_address(address.host, failure);
-  if (!port || failure) {
-    throw Error(fmt::format(
-        "--publish web:{}: a port, or the number of one of this machine's addresses and a port, is "
-        "wanted, as web:8080 or web:0.0.0.0:8080",
-        where));
-  }
-  address.port = *port;
-  address.loopback = number.is_loopback();
-  return address;
+  const auto address = asio::ip::make_address(host, failure);
+  throw_if(
+      !port || failure,
+      "--publish web:{}: a port, or the number of one of this machine's addresses and a port, is "
+      "wanted, as web:8080 or web:0.0.0.0:8080",
+      where);
+  return {address, *port};
 }
 
 }  // namespace
 
 const SinkKind web_sink{
     "web", "web:[ADDRESS:]PORT",
-    [](const std::string& where) { static_cast<void>(web_address_from(where)); },
+    [](const std::string& where) { static_cast<void>(web_endpoint_from(where)); },
     [](const std::string& where, PublishedRun run) -> std::unique_ptr<CloudSink> {
-      return std::make_unique<WebSink>(web_address_from(where), std::move(run));
+      return std::make_unique<WebSink>(web_endpoint_from(where), std::move(run));
     }};
 
 }  // namespace slipstream

@@ -1,19 +1,11 @@
-#include "slipstream/reconstruct/depth_unwrapper.h"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <utility>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/reconstruct/pipeline.h"
 
 namespace slipstream {
 namespace {
@@ -46,10 +38,8 @@ void require_narrow(const EngineSetup& setup, double periods) {
       ray_through(setup.scanner.camera, {(size.width - 1) / 2.0, (size.height - 1) / 2.0});
   const double covered =
       std::abs(coordinate_at(setup, ray, farthest) - coordinate_at(setup, ray, nearest));
-  if (!std::isfinite(covered)) {
-    throw Error(fmt::format("depths from {} mm on begin behind the projector; name a farther one",
-                            nearest));
-  }
+  throw_if(!std::isfinite(covered),
+           "depths from {} mm on begin behind the projector; name a farther one", nearest);
   if (covered * periods < 1 || setup.sequence.strategy.is_spectral()) return;
   constexpr double sure = 0.95;  // of a period: noise takes the rest
   throw Error(
@@ -72,17 +62,15 @@ DepthUnwrapper::DepthUnwrapper(const EngineSetup& setup)
       bounds_(setup.scanner.camera.size) {
   require_narrow(setup, periods_);
   const double end = farthest_past_field(projector_length(setup));
-  for_each_row(bounds_.height(), [&](int row) {
-    for (int column = 0; column < bounds_.width(); ++column) {
-      const Eigen::Vector3d ray = ray_through(setup.scanner.camera, {column, row});
-      const double near = coordinate_at(setup, ray, *setup.settings.nearest);
-      const double far = coordinate_at(setup, ray, *setup.settings.farthest);
-      const bool known = std::isfinite(near) && std::isfinite(far);
-      const double least = std::max(std::min(near, far), -end),
-                   largest = std::min(std::max(near, far), 1 + end);
-      bounds_(column, row) = {static_cast<float>(known ? least * periods_ : nan),
-                              static_cast<float>(known ? largest * periods_ : nan)};
-    }
+  for_each_pixel(bounds_.size(), [&](int column, int row) {
+    const Eigen::Vector3d ray = ray_through(setup.scanner.camera, {column, row});
+    const double near = coordinate_at(setup, ray, *setup.settings.nearest);
+    const double far = coordinate_at(setup, ray, *setup.settings.farthest);
+    const bool known = std::isfinite(near) && std::isfinite(far);
+    const double least = std::max(std::min(near, far), -end),
+                 largest = std::min(std::max(near, far), 1 + end);
+    bounds_(column, row) = {static_cast<float>(known ? least * periods_ : nan),
+                            static_cast<float>(known ? largest * periods_ : nan)};
   });
 }
 
@@ -96,29 +84,23 @@ void DepthUnwrapper::operator()(const Image<float>& wrapped_phase, const Image<f
     to.phase = Image<float>(size);
   }
   const auto grey_level = static_cast<float>(full_scale / 255);
-  for_each_row(size.height, [&](int row) {
-    const float *const phi = wrapped_phase.row(row), *const B = modulation.row(row);
-    float* const phase = to.phase.row(row);
-    for (int column = 0; column < size.width; ++column) {
-      const float levels = B[column] / grey_level;
-      const bool lit = !by_surfaces_ || levels >= least_modulation_;
-      phase[column] = lit ? phi[column] : std::numeric_limits<float>::quiet_NaN();
-      to.possible(column, row) = possible(phi[column], levels, bounds_(column, row));
-    }
+  for_each_pixel(size, [&](int column, int row) {
+    const float phi = wrapped_phase(column, row), levels = modulation(column, row) / grey_level;
+    const bool lit = !by_surfaces_ || levels >= least_modulation_;
+    to.phase(column, row) = lit ? phi : std::numeric_limits<float>::quiet_NaN();
+    to.possible(column, row) = possible(phi, levels, bounds_(column, row));
   });
   const Image<int>* const orders =
       by_surfaces_ ? &to.by_surfaces(to.phase, by_possible_orders(to.possible)) : nullptr;
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      const auto [first, last] = to.possible(column, row);
-      const bool known = !std::isnan(bounds_(column, row).least);
-      int order = first == last ? first : SurfaceOrders::none;
-      if (orders != nullptr) order = (*orders)(column, row);
-      to.order(column, row) = order;
-      Validity& validity = to.validity(column, row);
-      validity = known && first > last ? Validity::out_of_range : Validity::doubtful_order;
-      if (order != SurfaceOrders::none) validity = Validity::valid;
-    }
+  for_each_pixel(size, [&](int column, int row) {
+    const auto [first, last] = to.possible(column, row);
+    const bool known = !std::isnan(bounds_(column, row).least);
+    int order = first == last ? first : SurfaceOrders::none;
+    if (orders != nullptr) order = (*orders)(column, row);
+    to.order(column, row) = order;
+    Validity& validity = to.validity(column, row);
+    validity = known && first > last ? Validity::out_of_range : Validity::doubtful_order;
+    if (order != SurfaceOrders::none) validity = Validity::valid;
   });
 }
 
@@ -126,12 +108,10 @@ template <class Real>
 void DepthUnwrapper::unwrap(const Image<Real>& wrapped_phase, const Image<int>& order,
                             Image<Real>& coordinate) const {
   if (coordinate.size() != order.size()) coordinate = Image<Real>(order.size());
-  for_each_row(order.height(), [&](int row) {
-    for (int column = 0; column < order.width(); ++column) {
-      const int k = order(column, row);
-      const double y = unwrapped_coordinate(wrapped_phase(column, row), k, periods_);
-      coordinate(column, row) = static_cast<Real>(k == SurfaceOrders::none ? nan : y);
-    }
+  for_each_pixel(order.size(), [&](int column, int row) {
+    const int k = order(column, row);
+    const double y = unwrapped_coordinate(wrapped_phase(column, row), k, periods_);
+    coordinate(column, row) = static_cast<Real>(k == SurfaceOrders::none ? nan : y);
   });
 }
 

@@ -1,22 +1,14 @@
 #include "slipstream/reconstruct/engine.h"
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <cmath>
-#include <functional>
-#include <limits>
 #include <mutex>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include "slipstream/base/error.h"
-#include "slipstream/base/parallel_rows.h"
+#include <fmt/format.h>
+
+#include "slipstream/base/numbers.h"
 #include "slipstream/decode/band_unwrapper.h"
 #include "slipstream/decode/frame_adapter.h"
 #include "slipstream/decode/frame_motion.h"
-#include "slipstream/frames/merged_exposures.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
 #include "slipstream/reconstruct/gpu/gpu_engine.h"
 #include "slipstream/reconstruct/pipeline.h"
@@ -25,35 +17,33 @@ namespace slipstream {
 namespace {
 
 void pack(const Cloud& cloud, PackedPoints& points) {
-  const std::array values{std::pair(&cloud.x, &points.x), std::pair(&cloud.y, &points.y),
-                          std::pair(&cloud.z, &points.z),
-                          std::pair(&cloud.intensity, &points.intensity)};
-  for (const auto& [from, to] : values) {
-    if (to->size() != cloud.size()) *to = Image<float>(cloud.size(), uninitialised);
+  const std::array from{&cloud.x, &cloud.y, &cloud.z, &cloud.intensity};
+  const std::array to{&points.x, &points.y, &points.z, &points.intensity};
+  for (std::size_t k = 0; k < from.size(); ++k) {
+    if (to[k]->size() != cloud.size()) *to[k] = Image<float>(cloud.size(), uninitialised);
     points.count = 0;
-    for (std::size_t i = 0; i < from->pixel_count(); ++i) {
+    for (std::size_t i = 0; i < from[k]->pixel_count(); ++i) {
       if (cloud.validity.begin()[i] == Validity::valid)
-        to->begin()[points.count++] = from->begin()[i];
+        to[k]->begin()[points.count++] = from[k]->begin()[i];
     }
   }
-}
-
-template <class Body>
-void for_each_index(Size size, const Body& body) {
-  for_each_row(size.height, [&](int row) {
-    const std::size_t first = static_cast<std::size_t>(row) * static_cast<std::size_t>(size.width);
-    for (std::size_t i = first; i < first + static_cast<std::size_t>(size.width); ++i) body(i);
-  });
 }
 
 /// One scale of brightness for all pixels: that of the shortest exposure.
 void divide_by_gain(const FrameViews& frames, Image<float>& intensity) {
   if (!frames.merged()) return;
-  const auto& gain = frames.gain();
   for_each_row(intensity.height(), [&](int row) {
-    std::transform(intensity.row(row), intensity.row(row) + intensity.width(), gain.row(row),
-                   intensity.row(row), std::divides<>());
+    std::transform(intensity.row(row), intensity.row(row) + intensity.width(),
+                   frames.gain().row(row), intensity.row(row), std::divides<>());
   });
+}
+
+std::string without_gpu(const GpuError& error) {
+  return fmt::format("{}; the processor goes on", error.what());
+}
+
+std::string without_fused(const std::string& why) {
+  return fmt::format("no fused engine: {}; the reference engine goes on", why);
 }
 
 /// With the frames of a cycle and more as one window; and with lenses and a pose, where nobody has
@@ -84,37 +74,38 @@ struct Engine::Tables {
     noise = depth_noise(complete);
     const Band& band = measuring_band(complete.sequence.strategy.layout());
     if (MotionMeasurement::is_possible(band)) measure_motion.emplace(band);
-    if (setup.settings.engine != EngineKind::reference) {
-      fused = FusedEngine::make(complete, corrections);
+    const EngineKind asked = setup.settings.engine;
+    if (asked != EngineKind::reference && !setup.own_engine) {
+      std::string why_not;
+      fused = FusedEngine::make(complete, corrections, &why_not);
+      if (!fused && asked == EngineKind::fused) fall_back(without_fused(why_not));
     }
-    if (fused && setup.settings.engine == EngineKind::gpu) {
+    if (fused && asked == EngineKind::gpu) {
       try {
         gpu = GpuEngine::make(*fused, setup.settings.gpu);
       } catch (const GpuError& error) {  // too small for such pictures: the processor is not
-        give_up_gpu(error);
+        fall_back(without_gpu(error));
       }
     }
-    if (!fused || fused->wants_coarse()) static_cast<void>(reference());
+    if (!setup.own_engine && (!fused || fused->wants_coarse())) static_cast<void>(reference());
   }
 
+  /// What computes such frames: what is asked for or, where that cannot, the next that can.
+  [[nodiscard]] EngineKind engine_for(const FrameViews& frames) const {
+    if (!fused || !frames.quantised()) return EngineKind::reference;
+    return gpu && !fell_back ? EngineKind::gpu : EngineKind::fused;
+  }
+  /// Another engine computes from now on, for all copies.
+  void fall_back(const std::string& why_not) {
+    std::call_once(once_fallen_back, [&] {
+      fallback_reason = why_not;
+      fell_back = true;
+    });
+  }
   /// Its tables take long to build: they are when they are first wanted.
   const ReferenceEngine& reference() {
     std::call_once(once, [this] { built.emplace(complete, corrections); });
     return *built;
-  }
-  /// The processor computes from now on, for all copies.
-  void give_up_gpu(const GpuError& error) {
-    if (error.why == GpuFailure::lost && gpu) gpu->device().lose();
-    std::call_once(gave_up_gpu, [&] {
-      gpu_failure = error.what();
-      gpu_failed = true;
-    });
-  }
-  /// In grey levels of the frames.
-  [[nodiscard]] DepthNoise noise_for(const FrameViews& frames) const {
-    DepthNoise scaled = noise;
-    scaled.noise *= static_cast<float>(frames.full_scale() / 255);
-    return scaled;
   }
   /// The most noise that a pixel has.
   [[nodiscard]] double noise_variance_of(const FrameViews& frames) const {
@@ -126,10 +117,6 @@ struct Engine::Tables {
   void require_geometry() const {
     if (!has_geometry(setup.scanner)) throw Error("without a scanner frames give maps, no points");
   }
-  [[nodiscard]] bool is_fused(const FrameViews& frames) const {
-    return fused && frames.quantised();
-  }
-  [[nodiscard]] bool is_on_gpu() const { return gpu && !gpu_failed; }
 
   EngineSetup setup;
   /// See as_reconstructed; with the modulation that its cue needs.
@@ -139,9 +126,9 @@ struct Engine::Tables {
   std::optional<MotionMeasurement> measure_motion;  ///< of windows of more than a cycle
   std::optional<FusedEngine> fused;
   std::optional<GpuEngine> gpu;
-  std::once_flag gave_up_gpu;
-  std::string gpu_failure;  ///< once gpu_failed
-  std::atomic<bool> gpu_failed = false;
+  std::once_flag once_fallen_back;
+  std::string fallback_reason;  ///< once it fell back
+  std::atomic<bool> fell_back = false;
   std::once_flag once;
   std::optional<ReferenceEngine> built;
 };
@@ -162,24 +149,20 @@ struct Engine::Memory {
 };
 
 Engine::Engine(const EngineSetup& setup)
-    : tables_(std::make_shared<Tables>(setup)), memory_(std::make_unique<Memory>(setup)) {}
+    : tables_(std::make_shared<Tables>(setup)), memory_(std::make_shared<Memory>(setup)) {}
 
 Engine::Engine(const Scanner& scanner, const Sequence& sequence,
                const ReconstructSettings& settings)
     : Engine(EngineSetup{scanner, sequence, settings}) {}
 
 Engine::Engine(const Engine& other)
-    : tables_(other.tables_), memory_(std::make_unique<Memory>(other.setup())) {}
-
-Engine::Engine(Engine&& other) noexcept = default;
+    : tables_(other.tables_), memory_(std::make_shared<Memory>(other.setup())) {}
 
 Engine& Engine::operator=(Engine other) noexcept {
   std::swap(tables_, other.tables_);
   std::swap(memory_, other.memory_);
   return *this;
 }
-
-Engine::~Engine() = default;
 
 const EngineSetup& Engine::setup() const {
   return tables_->setup;
@@ -193,7 +176,7 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   Memory& memory = *memory_;
   if (outputs.makes_points()) tables_->require_geometry();
   const FrameViews& frames = merged(given);
-  const bool packs = tables_->is_fused(frames) && !tables_->is_on_gpu() && !frames.merged() &&
+  const bool packs = tables_->engine_for(frames) == EngineKind::fused && !frames.merged() &&
                      !tables_->measure_motion;
   Outputs made = outputs;
   if (outputs.points != nullptr && !packs) {
@@ -203,7 +186,7 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
   if (outputs.cloud != nullptr && outputs.maps == nullptr && memory.clean.wants_modulation()) {
     made.modulation = &memory.modulation;
   }
-  compute(frames, made);
+  compute(frames, made, nullptr);
   leave_out_moved(frames, made);
   if (made.cloud == nullptr) return {};
   divide_by_gain(frames, made.cloud->intensity);
@@ -212,23 +195,29 @@ ValidityCounts Engine::run(const FrameViews& given, const Outputs& outputs) {
     return {};
   }
   const auto& modulation = outputs.maps != nullptr ? outputs.maps->modulation : memory.modulation;
-  return memory.clean(*made.cloud, modulation, tables_->noise_for(frames));
+  DepthNoise noise = tables_->noise;
+  noise.noise *= static_cast<float>(frames.full_scale() / 255);
+  return memory.clean(*made.cloud, &modulation, noise);
 }
 
-void Engine::compute(const FrameViews& frames, const Outputs& outputs) {
-  if (!tables_->is_fused(frames)) return tables_->reference().run(frames, outputs);
-  if (tables_->fused->wants_coarse()) return compute_by_picture(frames, outputs);
-  run_pass(frames, outputs, nullptr);
-}
-
-/// On the GPU, or where it has failed in the fused pass.
-void Engine::run_pass(const FrameViews& frames, const Outputs& outputs,
-                      const Image<float>* coarse) {
-  if (tables_->is_on_gpu()) {
+/// By the engine chosen, else by the next that can.
+void Engine::compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse) {
+  if (setup().own_engine) return setup().own_engine->run(frames, outputs);
+  const EngineKind kind = tables_->engine_for(frames);
+  if (kind == EngineKind::reference) {
+    if (setup().settings.engine == EngineKind::fused && !frames.quantised()) {
+      tables_->fall_back(without_fused("it takes frames of 8 to 16 bits"));
+    }
+    return tables_->reference().run(frames, outputs);
+  }
+  if (tables_->fused->wants_coarse() && coarse == nullptr)
+    return compute_by_picture(frames, outputs);
+  if (kind == EngineKind::gpu) {
     try {
       return (*tables_->gpu)(frames, outputs, memory_->gpu, coarse);
     } catch (const GpuError& error) {  // the same comes from the processor
-      tables_->give_up_gpu(error);
+      if (error.why == GpuFailure::lost) tables_->gpu->gpu->lose();
+      tables_->fall_back(without_gpu(error));
     }
   }
   memory_->gpu.slots.clear();
@@ -244,18 +233,18 @@ void Engine::compute_by_picture(const FrameViews& frames, const Outputs& outputs
     convert(tables_->reference().maps(frames).coordinate, memory.coarse);
   } else {
     if (memory.coarse.size() != frames.size()) memory.coarse = Image<float>(frames.size());
-    run_pass(frames, {.maps = &memory.phases}, &memory.coarse);
+    compute(frames, {.maps = &memory.phases}, &memory.coarse);
     const Image<float>& phase = memory.phases.wrapped_phase;
     (*by_depth)(phase, memory.phases.modulation, frames.full_scale(), memory.orders);
     by_depth->unwrap(phase, memory.orders.order, memory.coarse);
   }
-  run_pass(frames, outputs, &memory.coarse);
+  compute(frames, outputs, &memory.coarse);
   const auto say_why = [&](Image<Validity>& validity) {
-    for_each_index(validity.size(), [&](std::size_t i) {
-      Validity& pixel = validity.begin()[i];
+    for_each_pixel(validity.size(), [&](int column, int row) {
+      Validity& pixel = validity(column, row);
       const bool unmeasured = pixel == Validity::too_dark || pixel == Validity::saturated;
-      if (unmeasured || !std::isnan(memory.coarse.begin()[i])) return;
-      pixel = by_depth == nullptr ? Validity::doubtful_order : memory.orders.validity.begin()[i];
+      if (unmeasured || !std::isnan(memory.coarse(column, row))) return;
+      pixel = by_depth == nullptr ? Validity::doubtful_order : memory.orders.validity(column, row);
     });
   };
   if (outputs.cloud != nullptr) say_why(outputs.cloud->validity);
@@ -268,21 +257,18 @@ void Engine::leave_out_moved(const FrameViews& frames, const Outputs& outputs) {
   (*tables_->measure_motion)(frames, motion);
   constexpr double deviations = 5;
   const auto limit = static_cast<float>(deviations * std::sqrt(tables_->noise_variance_of(frames)));
-  const auto leave_out = [&](Validity& pixel, auto&... depths) {
-    if (pixel != Validity::valid) return;
-    pixel = Validity::moved;
-    ((depths = std::numeric_limits<float>::quiet_NaN()), ...);
-  };
-  for_each_index(motion.unexplained.size(), [&](std::size_t i) {
-    if (!(motion.unexplained.begin()[i] > limit)) return;
+  for_each_pixel(motion.unexplained.size(), [&](int column, int row) {
+    if (!(motion.unexplained(column, row) > limit)) return;
+    const auto leave_out = [&](Image<Validity>& validity, auto&... depths) {
+      if (validity(column, row) != Validity::valid) return;
+      validity(column, row) = Validity::moved;
+      ((depths(column, row) = std::numeric_limits<float>::quiet_NaN()), ...);
+    };
     if (Cloud* const cloud = outputs.cloud) {
-      leave_out(cloud->validity.begin()[i], cloud->x.begin()[i], cloud->y.begin()[i],
-                cloud->z.begin()[i]);
+      leave_out(cloud->validity, cloud->x, cloud->y, cloud->z);
     }
-    if (Depth* const depth = outputs.depth) {
-      leave_out(depth->validity.begin()[i], depth->z.begin()[i]);
-    }
-    if (outputs.depth16 != nullptr) outputs.depth16->begin()[i] = 0;
+    if (Depth* const depth = outputs.depth) leave_out(depth->validity, depth->z);
+    if (outputs.depth16 != nullptr) (*outputs.depth16)(column, row) = 0;
   });
   if (outputs.maps != nullptr) std::swap(outputs.maps->motion, motion.speed);
 }
@@ -301,12 +287,14 @@ Uncertainty Engine::uncertainty(const Cloud& cloud, const Maps& maps, const Fram
 }
 
 std::string Engine::backend_for(const FrameViews& frames) {
-  if (!tables_->is_fused(frames)) return tables_->reference().method_for(frames);
-  return tables_->is_on_gpu() ? "gpu" : "fused";
+  if (setup().own_engine) return setup().own_engine->name;
+  const EngineKind kind = tables_->engine_for(frames);
+  if (kind == EngineKind::reference) return tables_->reference().method_for(frames);
+  return kind == EngineKind::gpu ? "gpu" : "fused";
 }
 
-std::string Engine::gpu_failure() const {
-  return tables_->gpu_failed ? tables_->gpu_failure : "";
+std::string Engine::fallback_reason() const {
+  return tables_->fell_back ? tables_->fallback_reason : "";
 }
 
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings) {

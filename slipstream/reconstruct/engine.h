@@ -1,14 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <string>
 
-#include "slipstream/cloud/cloud.h"
-#include "slipstream/decode/maps.h"
-#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scan.h"
-#include "slipstream/reconstruct/outputs.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
 namespace slipstream {
@@ -28,22 +23,19 @@ class Engine {
   Engine(const Scanner& scanner, const Sequence& sequence,
          const ReconstructSettings& settings = {});
   Engine(const Engine& other);
-  Engine(Engine&& other) noexcept;
+  Engine(Engine&& other) noexcept = default;
   Engine& operator=(Engine other) noexcept;
-  ~Engine();
 
   [[nodiscard]] const EngineSetup& setup() const;
 
-  /// The frames of several exposures merged, or what frames hold at once taken apart, in memory
-  /// that lasts until others are; frames that need neither as they are. What follows does that of
-  /// itself.
+  /// Frames with exposures merged, and with what a frame holds at once taken apart, in memory that
+  /// lasts until the next call; other frames as they are. All calls below do so themselves.
   [[nodiscard]] const FrameViews& merged(const FrameViews& frames);
 
-  /// Makes what is wanted of a scan, by the engine chosen or the next that can: the GPU, else the
-  /// fused pass, else the reference engine. Of a window over more than a cycle, pixels are left out
-  /// whose frames differ by what neither noise nor an even motion makes; then a cloud is cleaned.
-  /// Returns how many of its points cleaning took, by reason. Throws Error when the frames are not
-  /// of the camera's size or not as many as the sequence's.
+  /// Makes what is wanted of a scan, by the engine chosen or the next that can: GPU, fused pass,
+  /// reference engine. Of a window over more than a cycle, pixels are rejected whose frames differ
+  /// by more than noise and even motion explain; then a cloud is cleaned. Returns how many points
+  /// cleaning took, by reason. Throws Error if size or number of the frames is wrong.
   ValidityCounts run(const FrameViews& frames, const Outputs& outputs);
 
   ValidityCounts cloud(const FrameViews& frames, Cloud& cloud) {
@@ -55,9 +47,8 @@ class Engine {
   void depth(const FrameViews& frames, const DepthScale& scale, Image<std::uint16_t>& numbers) {
     run(frames, {.depth16 = &numbers, .scale = scale});
   }
-  /// The points of the cloud alone, not cleaned, in the same order whatever the threads. The fused
-  /// pass packs points without a cloud between; of merged frames and in motion, and on other
-  /// engines, they are packed from a cloud.
+  /// The points of the cloud alone, not cleaned, in the same order whatever the threads. Only the
+  /// fused pass needs no cloud for them, and not of merged frames nor in motion.
   void points(const FrameViews& frames, PackedPoints& points) { run(frames, {.points = &points}); }
   /// Coordinates as each pixel says them, before the neighbours confirm or deny them.
   void maps(const FrameViews& frames, Maps& maps) { run(frames, {.maps = &maps}); }
@@ -76,34 +67,45 @@ class Engine {
   [[nodiscard]] Uncertainty uncertainty(const Cloud& cloud, const Maps& maps,
                                         const FrameViews& frames);
 
-  /// What really reconstructs such frames: "fused", "gpu", or the methods by which the reference
-  /// engine computes their phases, "lut", "equation", "closed-form". Where a GPU has failed, in any
-  /// copy, it is "fused" from then on.
+  /// What really reconstructs such frames: "fused", "gpu" until it fails in any copy, or the
+  /// reference engine's methods for their phases, "lut", "equation", "closed-form".
   [[nodiscard]] std::string backend_for(const FrameViews& frames);
-  /// Why the GPU that was asked for no longer computes, in one line; empty where it does, or where
-  /// none was.
-  [[nodiscard]] std::string gpu_failure() const;
+  /// Why the engine asked for does not compute, and what does, in one line; empty where it does.
+  [[nodiscard]] std::string fallback_reason() const;
 
  private:
-  void compute(const FrameViews& frames, const Outputs& outputs);
+  void compute(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse);
   void compute_by_picture(const FrameViews& frames, const Outputs& outputs);
-  void run_pass(const FrameViews& frames, const Outputs& outputs, const Image<float>* coarse);
   void leave_out_moved(const FrameViews& frames, const Outputs& outputs);
 
   struct Tables;
   struct Memory;
 
   std::shared_ptr<Tables> tables_;
-  std::unique_ptr<Memory> memory_;
+  std::shared_ptr<Memory> memory_;  ///< its own
 };
 
 /// The cloud of a scan, by an engine made for it alone. Throws Error where the scan has no scanner
 /// or does not fit it.
 Cloud reconstruct(const Scan& scan, const ReconstructSettings& settings = {});
 
-/// What an engine for that scan is made of: its scanner, completed by what the scan says, its
-/// sequence and the settings. Throws Error where the scan has no scanner, does not fit it, or has a
-/// cue that cannot be read without an ambient light that the scanner does not know.
+/// An engine's setup for that scan: its scanner, completed by what the scan says, its sequence and
+/// the settings. Throws Error where the scan has no scanner, does not fit it, or has a cue that
+/// needs an ambient light unknown to the scanner.
 EngineSetup setup_for(const Scan& scan, const ReconstructSettings& settings = {});
+
+/// What the frames of a scan say about its light, with or without a scanner.
+struct PictureReport {
+  Image<Validity> validity{};  ///< too_dark, saturated, else valid
+  double modulation = 0;       ///< median of the valid pixels, grey levels of 255; 0 without any
+};
+
+/// By the maps of these frames, which are merged where there are several exposures: Engine::merged.
+PictureReport picture_report(const FrameViews& frames, const Maps& maps,
+                             const ReconstructSettings& settings);
+
+/// Projector coordinates of pixels that are lit, not saturated and confirmed by their neighbours,
+/// NaN elsewhere; with or without a scanner.
+Image<double> measured_coordinates(Engine& engine, const FrameViews& frames);
 
 }  // namespace slipstream

@@ -1,13 +1,9 @@
 #include "slipstream/reconstruct/gpu.h"
 
-#include <algorithm>
-#include <array>
-#include <atomic>
-#include <initializer_list>
-#include <limits>
+#ifdef SLIPSTREAM_GPU
+
 #include <map>
 #include <mutex>
-#include <utility>
 
 #include <fmt/format.h>
 #include <vulkan/vulkan_raii.hpp>
@@ -124,7 +120,6 @@ std::initializer_list<vk::MemoryPropertyFlags> kinds_for(GpuMemory memory) {
 struct Gpu::Parts {
   explicit Parts(const vk::raii::PhysicalDevice& of)
       : physical(of),
-        description(describe(physical)),
         family(compute_queues(physical)),
         device(device_of(physical, family)),
         queue(device, family, 0),
@@ -133,11 +128,9 @@ struct Gpu::Parts {
         limits(physical.getProperties().limits) {}
 
   vk::raii::PhysicalDevice physical;
-  GpuDescription description;
   std::uint32_t family;
   vk::raii::Device device;
-  mutable std::mutex mutex{};  ///< of the queue
-  mutable std::atomic<bool> lost = false;
+  std::mutex mutex{};  ///< of the queue
   vk::raii::Queue queue;
   vk::raii::DescriptorSetLayout set_layout;
   vk::raii::PipelineLayout layout;
@@ -148,8 +141,7 @@ struct GpuBuffer::Parts {
   std::shared_ptr<const Gpu> gpu;
   vk::raii::Buffer buffer{nullptr};
   vk::raii::DeviceMemory memory{nullptr};
-  std::size_t size = 0;
-  std::byte* data = nullptr;
+  bool mapped = false;
   bool coherent = true;  ///< the host sees what is written without asking for it
 
   /// Memory of a kind, or nothing where there is none of it left.
@@ -175,40 +167,30 @@ struct GpuBuffer::Parts {
 };
 
 GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemory memory)
-    : parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu), .size = bytes})) {
-  const Gpu::Parts& own = *parts_->gpu->parts_;
-  if (bytes > parts_->gpu->most_bytes()) {
+    : size_(bytes), parts_(std::make_shared<Parts>(Parts{.gpu = std::move(gpu)})) {
+  const Gpu& own = *parts_->gpu;
+  const std::string& name = own.description().name;
+  if (bytes > own.most_bytes()) {
     throw GpuError(GpuFailure::too_small,
-                   fmt::format("{} takes {} bytes at a time, and {} are wanted",
-                               own.description.name, parts_->gpu->most_bytes(), bytes));
+                   fmt::format("{} takes {} bytes at a time, and {} are wanted", name,
+                               own.most_bytes(), bytes));
   }
   told([&] {
-    parts_->buffer =
-        vk::raii::Buffer(own.device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
-                                                          vk::BufferUsageFlagBits::eStorageBuffer));
+    parts_->buffer = vk::raii::Buffer(
+        own.parts_->device, vk::BufferCreateInfo({}, std::max<std::size_t>(bytes, 4),
+                                                 vk::BufferUsageFlagBits::eStorageBuffer));
     const vk::MemoryRequirements wanted = parts_->buffer.getMemoryRequirements();
     const auto kinds = kinds_for(memory);
     if (std::none_of(kinds.begin(), kinds.end(),
                      [&](auto kind) { return parts_->take(wanted, kind); })) {
-      throw GpuError(GpuFailure::no_memory, fmt::format("{} has no memory left for {} bytes",
-                                                        own.description.name, bytes));
+      throw GpuError(GpuFailure::no_memory,
+                     fmt::format("{} has no memory left for {} bytes", name, bytes));
     }
     parts_->buffer.bindMemory(*parts_->memory, 0);
     if (memory == GpuMemory::device) return;
-    parts_->data = static_cast<std::byte*>(parts_->memory.mapMemory(0, VK_WHOLE_SIZE));
+    parts_->mapped = true;
+    data_ = static_cast<std::byte*>(parts_->memory.mapMemory(0, VK_WHOLE_SIZE));
   });
-}
-
-GpuBuffer::GpuBuffer(GpuBuffer&&) noexcept = default;
-GpuBuffer& GpuBuffer::operator=(GpuBuffer&&) noexcept = default;
-GpuBuffer::~GpuBuffer() = default;
-
-std::size_t GpuBuffer::size() const {
-  return parts_->size;
-}
-
-std::byte* GpuBuffer::data() const {
-  return parts_->data;
 }
 
 struct GpuProgram::Parts {
@@ -236,32 +218,23 @@ GpuProgram::GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint
   });
 }
 
-GpuProgram::GpuProgram(GpuProgram&&) noexcept = default;
-GpuProgram& GpuProgram::operator=(GpuProgram&&) noexcept = default;
-GpuProgram::~GpuProgram() = default;
-
 struct GpuRun::Parts {
-  explicit Parts(std::shared_ptr<const Gpu> of)
-      : gpu(std::move(of)),
-        sets(gpu->parts_->device, pool_info()),
-        set(std::move(
-            vk::raii::DescriptorSets(gpu->parts_->device,
-                                     vk::DescriptorSetAllocateInfo(*sets, *gpu->parts_->set_layout))
-                .front())),
-        commands(gpu->parts_->device,
-                 vk::CommandPoolCreateInfo(vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
-                                           gpu->parts_->family)),
-        command(
-            std::move(vk::raii::CommandBuffers(gpu->parts_->device,
-                                               vk::CommandBufferAllocateInfo(
-                                                   *commands, vk::CommandBufferLevel::ePrimary, 1))
-                          .front())),
-        done(gpu->parts_->device, vk::FenceCreateInfo()) {}
-
-  static vk::DescriptorPoolCreateInfo pool_info() {
+  explicit Parts(std::shared_ptr<const Gpu> of) : gpu(std::move(of)) {
+    const Gpu::Parts& own = *gpu->parts_;
     static constexpr vk::DescriptorPoolSize size(vk::DescriptorType::eStorageBuffer,
                                                  GpuProgram::most_buffers);
-    return {vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size};
+    sets = {own.device, vk::DescriptorPoolCreateInfo(
+                            vk::DescriptorPoolCreateFlagBits::eFreeDescriptorSet, 1, size)};
+    set = std::move(
+        vk::raii::DescriptorSets(own.device, vk::DescriptorSetAllocateInfo(*sets, *own.set_layout))
+            .front());
+    commands = {own.device, vk::CommandPoolCreateInfo(
+                                vk::CommandPoolCreateFlagBits::eResetCommandBuffer, own.family)};
+    command = std::move(
+        vk::raii::CommandBuffers(own.device, vk::CommandBufferAllocateInfo(
+                                                 *commands, vk::CommandBufferLevel::ePrimary, 1))
+            .front());
+    done = {own.device, vk::FenceCreateInfo()};
   }
 
   /// All bindings have a buffer: those that no program asks for the first.
@@ -289,9 +262,9 @@ struct GpuRun::Parts {
   }
 
   void submit() {
-    const Gpu::Parts& own = *gpu->parts_;
-    if (own.lost) {
-      throw GpuError(GpuFailure::lost, fmt::format("{} is lost", own.description.name));
+    Gpu::Parts& own = *gpu->parts_;
+    if (gpu->lost_) {
+      throw GpuError(GpuFailure::lost, fmt::format("{} is lost", gpu->description().name));
     }
     own.device.resetFences(*done);
     const std::lock_guard lock(own.mutex);
@@ -304,7 +277,8 @@ struct GpuRun::Parts {
     const Gpu::Parts& own = *gpu->parts_;
     try {
       if (own.device.waitForFences(*done, VK_TRUE, longest) != vk::Result::eSuccess) {
-        throw GpuError(GpuFailure::lost, fmt::format("{} does not answer", own.description.name));
+        throw GpuError(GpuFailure::lost,
+                       fmt::format("{} does not answer", gpu->description().name));
       }
     } catch (const vk::DeviceLostError&) {  // nothing runs there
       runs = false;
@@ -313,7 +287,7 @@ struct GpuRun::Parts {
     runs = false;
     std::vector<vk::MappedMemoryRange> written;
     for (const auto& buffer : buffers) {
-      if (buffer->data == nullptr || buffer->coherent) continue;
+      if (!buffer->mapped || buffer->coherent) continue;
       written.emplace_back(*buffer->memory, 0, VK_WHOLE_SIZE);
     }
     if (!written.empty()) own.device.invalidateMappedMemoryRanges(written);
@@ -322,32 +296,28 @@ struct GpuRun::Parts {
   std::shared_ptr<const Gpu> gpu;
   std::vector<std::shared_ptr<const GpuBuffer::Parts>> buffers;
   std::vector<std::shared_ptr<const GpuProgram::Parts>> programs;
-  vk::raii::DescriptorPool sets;
-  vk::raii::DescriptorSet set;
-  vk::raii::CommandPool commands;
-  vk::raii::CommandBuffer command;
-  vk::raii::Fence done;
+  vk::raii::DescriptorPool sets{nullptr};
+  vk::raii::DescriptorSet set{nullptr};
+  vk::raii::CommandPool commands{nullptr};
+  vk::raii::CommandBuffer command{nullptr};
+  vk::raii::Fence done{nullptr};
   bool runs = false;
-  Parts* kept_before = nullptr;  ///< see ~GpuRun
+  Parts* kept_before = nullptr;  ///< see `end`
+
+  static void end(Parts* own) {
+    try {
+      own->gpu->lost_ ? own->wait(0) : own->wait();
+    } catch (const std::runtime_error&) {
+    }
+    if (!own->runs) return delete own;
+    // The device may write there yet: kept for good, in a list by which leak checkers know of it.
+    static std::atomic<Parts*> kept = nullptr;
+    own->kept_before = kept.exchange(own);
+  }
 };
 
 GpuRun::GpuRun(std::shared_ptr<const Gpu> gpu)
-    : parts_(told([&] { return std::make_unique<Parts>(std::move(gpu)); })) {}
-
-GpuRun::GpuRun(GpuRun&&) noexcept = default;
-
-GpuRun::~GpuRun() {
-  if (!parts_ || !parts_->runs) return;
-  try {
-    parts_->gpu->parts_->lost ? parts_->wait(0) : parts_->wait();
-  } catch (const std::runtime_error&) {
-  }
-  if (!parts_->runs) return;
-  // The device may write there yet: kept for good, in a list by which leak checkers know of it.
-  static std::atomic<Parts*> kept = nullptr;
-  Parts* const own = parts_.release();
-  own->kept_before = kept.exchange(own);
-}
+    : parts_(told([&] { return new Parts(std::move(gpu)); }), Parts::end) {}
 
 void GpuRun::start(std::span<const GpuBuffer* const> buffers,
                    std::span<const GpuProgram* const> programs, std::uint64_t invocations,
@@ -381,8 +351,12 @@ void GpuRun::wait() {
   told([&] { parts_->wait(); });
 }
 
-Gpu::Gpu(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-Gpu::~Gpu() = default;
+Gpu::Gpu(int number) {
+  const vk::raii::PhysicalDevice& device = loader().devices[static_cast<std::size_t>(number)];
+  description_ = describe(device);
+  parts_ = std::make_shared<Parts>(device);
+  most_bytes_ = parts_->limits.maxStorageBufferRange;
+}
 
 std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   const std::vector<GpuDescription> devices = gpu_devices();
@@ -403,24 +377,10 @@ std::shared_ptr<const Gpu> Gpu::open(std::optional<int> number) {
   static std::mutex mutex;
   static std::map<int, std::weak_ptr<const Gpu>> open;
   const std::lock_guard lock(mutex);
-  if (auto shared = open[*number].lock(); shared && !shared->parts_->lost) return shared;
-  std::shared_ptr<const Gpu> gpu(told([&] {
-    return new Gpu(std::make_unique<Parts>(loader().devices[static_cast<std::size_t>(*number)]));
-  }));
+  if (auto shared = open[*number].lock(); shared && !shared->lost_) return shared;
+  std::shared_ptr<const Gpu> gpu(told([&] { return new Gpu(*number); }));
   open[*number] = gpu;
   return gpu;
-}
-
-const GpuDescription& Gpu::description() const {
-  return parts_->description;
-}
-
-std::size_t Gpu::most_bytes() const {
-  return parts_->limits.maxStorageBufferRange;
-}
-
-void Gpu::lose() const {
-  parts_->lost = true;
 }
 
 std::vector<GpuDescription> gpu_devices() {
@@ -433,3 +393,29 @@ std::vector<GpuDescription> gpu_devices() {
 }
 
 }  // namespace slipstream
+
+#else  // Vulkan's headers or a compiler for its shaders are not installed
+
+namespace slipstream {
+
+std::vector<GpuDescription> gpu_devices() {
+  return {};
+}
+
+std::shared_ptr<const Gpu> Gpu::open(std::optional<int>) {
+  throw WorldError(
+      "this program was built without Vulkan (libvulkan-dev and glslc, -DSLIPSTREAM_GPU=ON)");
+}
+
+// Never called, as no device is ever open.
+GpuBuffer::GpuBuffer(std::shared_ptr<const Gpu>, std::size_t, GpuMemory) {}
+GpuProgram::GpuProgram(std::shared_ptr<const Gpu>, std::span<const std::uint32_t>,
+                       std::span<const std::uint32_t>) {}
+GpuRun::GpuRun(std::shared_ptr<const Gpu>) {}
+void GpuRun::start(std::span<const GpuBuffer* const>, std::span<const GpuProgram* const>,
+                   std::uint64_t, std::uint32_t) {}
+void GpuRun::wait() {}
+
+}  // namespace slipstream
+
+#endif

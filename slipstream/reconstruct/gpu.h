@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,8 +24,7 @@ struct GpuDescription {
   std::uint64_t memory = 0;  ///< bytes of its own
 };
 
-/// The devices of this machine, in the order of its drivers; none where there is no driver, or
-/// where the library was built without Vulkan.
+/// The devices of this machine, in the order of its drivers; none without Vulkan.
 std::vector<GpuDescription> gpu_devices();
 
 enum class GpuFailure {
@@ -53,17 +53,16 @@ class Gpu;
 class GpuBuffer {
  public:
   GpuBuffer(std::shared_ptr<const Gpu> gpu, std::size_t bytes, GpuMemory memory);
-  GpuBuffer(GpuBuffer&&) noexcept;
-  GpuBuffer& operator=(GpuBuffer&&) noexcept;
-  ~GpuBuffer();
 
-  [[nodiscard]] std::size_t size() const;
+  [[nodiscard]] std::size_t size() const { return size_; }
   /// As the host sees it; null for GpuMemory::device.
-  [[nodiscard]] std::byte* data() const;
+  [[nodiscard]] std::byte* data() const { return data_; }
 
  private:
   friend class GpuRun;
   struct Parts;
+  std::size_t size_ = 0;
+  std::byte* data_ = nullptr;
   std::shared_ptr<Parts> parts_;
 };
 
@@ -75,12 +74,10 @@ class GpuProgram {
   /// Invocations of a work group: local_size_x of every shader.
   static constexpr std::uint32_t group_size = 64;
 
+  GpuProgram() = default;  ///< none
   /// `constants`: the specialisation constants 0, 1, ... Throws GpuError.
   GpuProgram(std::shared_ptr<const Gpu> gpu, std::span<const std::uint32_t> spirv,
              std::span<const std::uint32_t> constants);
-  GpuProgram(GpuProgram&&) noexcept;
-  GpuProgram& operator=(GpuProgram&&) noexcept;
-  ~GpuProgram();
 
  private:
   friend class GpuRun;
@@ -88,21 +85,18 @@ class GpuProgram {
   std::shared_ptr<Parts> parts_;
 };
 
-/// Runs programs one after another on the same buffers. It keeps both until it has, which it waits
-/// for before it ends; those that a device is at which no longer answers are never freed. One
-/// thread uses it at a time.
+/// Runs programs one after another on the same buffers. It keeps both until they are done, and
+/// waits for that at its end; those of a device that does not answer are never freed. For one
+/// thread.
 class GpuRun {
  public:
   /// Of every device.
   static constexpr std::uint32_t most_layers = 65535;
 
   explicit GpuRun(std::shared_ptr<const Gpu> gpu);
-  GpuRun(GpuRun&&) noexcept;
-  ~GpuRun();
 
-  /// Each program with at least so many invocations, which tell those beyond by themselves, and
-  /// that for each of `layers`: gl_WorkGroupID.z. The last start has been waited for. Throws
-  /// GpuError.
+  /// Each program with at least so many invocations, and that for each of `layers`:
+  /// gl_WorkGroupID.z. The last start must have been waited for. Throws GpuError.
   void start(std::span<const GpuBuffer* const> buffers, std::span<const GpuProgram* const> programs,
              std::uint64_t invocations, std::uint32_t layers = 1);
   /// Until all that was started is computed and the host sees it. Throws GpuError.
@@ -110,32 +104,33 @@ class GpuRun {
 
  private:
   struct Parts;
-  std::unique_ptr<Parts> parts_;
+  std::shared_ptr<Parts> parts_;
 };
 
 /// A device in use. What was made of it keeps it. Thread-safe.
 class Gpu {
  public:
-  /// The device of that number in gpu_devices(); without a number the first that is discrete, or
-  /// else that is not software, or else the first. Who opens one that others use shares it. Throws
-  /// WorldError where there is none such, GpuError where it cannot be used.
+  /// The device of that number in gpu_devices(), else the first that is discrete, or not software,
+  /// or at all; shared by all who open it. Throws WorldError where there is none such, GpuError
+  /// where it cannot be used.
   static std::shared_ptr<const Gpu> open(std::optional<int> number);
-  ~Gpu();
 
-  [[nodiscard]] const GpuDescription& description() const;
+  [[nodiscard]] const GpuDescription& description() const { return description_; }
   /// The largest buffer.
-  [[nodiscard]] std::size_t most_bytes() const;
-  /// From now on it fails whoever asks, as a device does that the driver has lost; open gives
-  /// another. Called where it has failed, and by tests.
-  void lose() const;
+  [[nodiscard]] std::size_t most_bytes() const { return most_bytes_; }
+  /// It fails from now on as a device does that the driver has lost; open gives another.
+  void lose() const { lost_ = true; }
 
  private:
   friend class GpuBuffer;
   friend class GpuProgram;
   friend class GpuRun;
   struct Parts;
-  explicit Gpu(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  explicit Gpu(int number);
+  GpuDescription description_;
+  std::size_t most_bytes_ = 0;
+  mutable std::atomic<bool> lost_ = false;
+  std::shared_ptr<Parts> parts_;
 };
 
 }  // namespace slipstream

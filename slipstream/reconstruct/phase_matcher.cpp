@@ -1,22 +1,12 @@
 #include "slipstream/reconstruct/phase_matcher.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numbers>
-#include <optional>
-#include <string_view>
-#include <utility>
-#include <vector>
-
 #include <Eigen/Dense>
-#include <fmt/format.h>
 
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
-#include "slipstream/decode/maps.h"
-#include "slipstream/reconstruct/second_camera.h"
+#include "slipstream/reconstruct/epipolar.h"
 
 namespace slipstream {
 namespace {
@@ -78,21 +68,19 @@ Match nearest_match(const EpipolarLine& line, const Image<Phasor>& phase, Phasor
     const double slope = (difference(depth + step) - difference(depth - step)) / (2 * step);
     return {depth, slope};
   };
-  double nearer = start, d_nearer = difference(start);
-  double farther = start, d_farther = d_nearer;
+  const double d_start = difference(start);
+  double d_nearer = d_start, d_farther = d_start;
   for (int i = 1; i <= farthest; ++i) {
     const double next_near = start - i * step, next_far = start + i * step;
     const double d_next_near = difference(next_near), d_next_far = difference(next_far);
-    const Match near = match_between(nearer, next_near, d_nearer, d_next_near);
-    const Match far = match_between(farther, next_far, d_farther, d_next_far);
+    const Match near = match_between(start - (i - 1) * step, next_near, d_nearer, d_next_near);
+    const Match far = match_between(start + (i - 1) * step, next_far, d_farther, d_next_far);
     if (std::isfinite(near.depth) || std::isfinite(far.depth)) {
       const bool take_far =
           !std::isfinite(near.depth) || std::abs(far.depth - start) < std::abs(near.depth - start);
       return take_far ? far : near;
     }
-    nearer = next_near;
     d_nearer = d_next_near;
-    farther = next_far;
     d_farther = d_next_far;
   }
   return {};
@@ -163,16 +151,13 @@ double plane_depth(const Matches& matches, int column, int row, int half_width) 
 void require_pair(const Scanner& first, const Scanner& second, const PhaseMatchSettings& match) {
   require_valid(first);
   require_valid(second);
-  if (first.projector.size != second.projector.size ||
-      !first.projector.intrinsic.isApprox(second.projector.intrinsic)) {
-    throw Error("the two cameras' scanners have different projectors; it is one projector");
-  }
-  if (Stereo(first, second).translation.norm() < 1e-9) {
-    throw Error("the two cameras stand in one place and see no depth; check their translations");
-  }
-  if (match.window < 0 || match.window > 100) {
-    throw Error(fmt::format("match window {} is out of range; 0 to 100 pixels", match.window));
-  }
+  throw_if(first.projector.size != second.projector.size ||
+               !first.projector.intrinsic.isApprox(second.projector.intrinsic),
+           "the two cameras' scanners have different projectors; it is one projector");
+  throw_if(Stereo(first, second).translation.norm() < 1e-9,
+           "the two cameras stand in one place and see no depth; check their translations");
+  throw_if(match.window < 0 || match.window > 100,
+           "match window {} is out of range; 0 to 100 pixels", match.window);
 }
 
 /// One period of each band, from few periods to many, in rad of the band before.
@@ -219,13 +204,11 @@ SearchedOrders search_orders(const CameraPhases& first, const CameraPhases& seco
 }
 
 void require_size(const FrameViews& frames, const Scanner& scanner, std::string_view which) {
-  if (frames.size() != scanner.camera.size) {
-    throw Error(
-        fmt::format("frames of the {} camera are {}x{}, its scanner says {}x{}; both must "
-                    "agree",
-                    which, frames.size().width, frames.size().height, scanner.camera.size.width,
-                    scanner.camera.size.height));
-  }
+  throw_if(frames.size() != scanner.camera.size,
+           "frames of the {} camera are {}x{}, its scanner says {}x{}; both must "
+           "agree",
+           which, frames.size().width, frames.size().height, scanner.camera.size.width,
+           scanner.camera.size.height);
 }
 
 }  // namespace
@@ -239,12 +222,10 @@ PhaseMatcher::PhaseMatcher(const Scanner& first, const Scanner& second, const Se
       decode_(sequence.strategy.layout(), projector_length(first_), settings.phase_method) {
   require_valid(first_);
   require_pair(first, second, match);
-  if (order_source(decode_.layout()) != OrderSource::bands) {
-    throw Error(
-        fmt::format("{}: its frames do not match between cameras; use a strategy of sinusoids, one "
-                    "band or bands that unwrap each other, or --one-camera",
-                    sequence.strategy.name()));
-  }
+  throw_if(order_source(decode_.layout()) != OrderSource::bands,
+           "{}: its frames do not match between cameras; use a strategy of sinusoids, one "
+           "band or bands that unwrap each other, or --one-camera",
+           sequence.strategy.name());
   if (!has_coordinate(sequence.strategy)) {
     second_triangulate_.emplace(second, sequence.axis, PointMethod::form3);
   }
@@ -270,51 +251,47 @@ PhaseMatcher::Result PhaseMatcher::operator()(const FrameViews& first_frames,
 
   Matches matches(size);
   Image<PixelPosition> directions(size);
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      if (first.validity(column, row) != Validity::valid) continue;
-      const Eigen::Vector3d ray = ray_through(first_.scanner.camera, {column, row});
-      directions(column, row) = {ray.x(), ray.y()};
-      const double y = first.maps.coordinate(column, row);
-      const double guess = triangulate_(column, row, y).z();
-      if (!ray.allFinite() || !(guess > 0)) continue;
-      const EpipolarLine line(stereo, second_.camera, ray, second);
-      const Match match = match_pixel(line, first, second, column, row, guess, fringes);
-      if (!std::isfinite(match.depth) || !std::isfinite(match.slope) || match.slope == 0) continue;
-      if (searched) {
-        const double quarter = searched->period / 4;
-        const double beside = triangulate_(column, row, y + quarter).z();
-        if (!(std::abs(match.depth - guess) < std::abs(beside - guess))) continue;
-        if (!searched->seen_from_second(line.pixel(match.depth), y)) continue;
-      }
-      matches.depth(column, row) = match.depth;
-      matches.weight(column, row) = std::norm(match.slope * first.bands.back()(column, row));
-      matches.pixel_step(column, row) = line.depth_of_a_pixel(match.depth);
+  for_each_pixel(size, [&](int column, int row) {
+    if (first.validity(column, row) != Validity::valid) return;
+    const Eigen::Vector3d ray = ray_through(first_.scanner.camera, {column, row});
+    directions(column, row) = {ray.x(), ray.y()};
+    const double y = first.maps.coordinate(column, row);
+    const double guess = triangulate_(column, row, y).z();
+    if (!ray.allFinite() || !(guess > 0)) return;
+    const EpipolarLine line{stereo, second_.camera, ray, second};
+    const Match match = match_pixel(line, first, second, column, row, guess, fringes);
+    if (!std::isfinite(match.depth) || !std::isfinite(match.slope) || match.slope == 0) return;
+    if (searched) {
+      const double quarter = searched->period / 4;
+      const double beside = triangulate_(column, row, y + quarter).z();
+      if (!(std::abs(match.depth - guess) < std::abs(beside - guess))) return;
+      if (!searched->seen_from_second(line.pixel(match.depth), y)) return;
     }
+    matches.depth(column, row) = match.depth;
+    matches.weight(column, row) = std::norm(match.slope * first.bands.back()(column, row));
+    matches.pixel_step(column, row) = line.depth_of_a_pixel(match.depth);
   });
 
   Cloud cloud(size);
   cloud.validity = std::move(first.validity);
   const double grey_level = first_frames.full_scale() / 255;
-  for_each_row(size.height, [&](int row) {
-    for (int column = 0; column < size.width; ++column) {
-      cloud.intensity(column, row) = static_cast<float>(first.maps.mean(column, row) / grey_level);
-      Validity& pixel = cloud.validity(column, row);
-      if (pixel != Validity::valid) continue;
-      if (!std::isfinite(matches.depth(column, row))) {
-        pixel = searched && std::isnan(searched->first(column, row)) ? Validity::doubtful_order
-                                                                     : Validity::no_point;
-        continue;
-      }
-      const double Z = plane_depth(matches, column, row, match_.window);
-      if (Z < depths.nearest || Z > depths.farthest) {
-        pixel = Validity::out_of_range;
-        continue;
-      }
-      cloud.x(column, row) = static_cast<float>(Z * directions(column, row).x);
-      cloud.y(column, row) = static_cast<float>(Z * directions(column, row).y);
-      cloud.z(column, row) = static_cast<float>(Z);
+  for_each_pixel(size, [&](int column, int row) {
+    cloud.intensity(column, row) = static_cast<float>(first.maps.mean(column, row) / grey_level);
+    Validity& pixel = cloud.validity(column, row);
+    if (pixel != Validity::valid) return;
+    if (!std::isfinite(matches.depth(column, row))) {
+      pixel = searched && std::isnan(searched->first(column, row)) ? Validity::doubtful_order
+                                                                   : Validity::no_point;
+      return;
     }
+    const double Z = plane_depth(matches, column, row, match_.window);
+    if (Z < depths.nearest || Z > depths.farthest) {
+      pixel = Validity::out_of_range;
+      return;
+    }
+    cloud.x(column, row) = static_cast<float>(Z * directions(column, row).x);
+    cloud.y(column, row) = static_cast<float>(Z * directions(column, row).y);
+    cloud.z(column, row) = static_cast<float>(Z);
   });
   Cleaner clean(settings.clean);
   clean(cloud);

@@ -3,10 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "slipstream/cloud/cloud.h"
 #include "slipstream/decode/decoder.h"
-#include "slipstream/decode/maps.h"
-#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 

@@ -2,10 +2,6 @@
 // stages. A setup names scanner, patterns and settings; equation numbers are the dissertation's.
 #include "slipstream/reconstruct/pipeline.h"
 
-#include <algorithm>
-#include <cstdint>
-#include <utility>
-
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
@@ -14,25 +10,17 @@ namespace slipstream {
 namespace {
 
 PointMethod point_method(PhaseMethod method) {
-  switch (method) {
-    case PhaseMethod::equation:
-    case PhaseMethod::intensity_ratio:
-      return PointMethod::inverse;
-    case PhaseMethod::closed_form:
-      return PointMethod::form1;
-    case PhaseMethod::tables:
-      return PointMethod::form3;
-  }
-  return PointMethod::inverse;
-}
-
-void require_size(const FrameViews& frames, Size camera) {
-  if (frames.size() == camera) return;
-  throw Error(fmt::format("frames are {}x{}, the scanner's camera has {}x{}; both must agree",
-                          frames.size().width, frames.size().height, camera.width, camera.height));
+  if (method == PhaseMethod::closed_form) return PointMethod::form1;
+  return method == PhaseMethod::tables ? PointMethod::form3 : PointMethod::inverse;
 }
 
 }  // namespace
+
+void require_size(const FrameViews& frames, Size camera) {
+  if (frames.size() == camera) return;
+  throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
+                          text_of(frames.size()), text_of(camera)));
+}
 
 ReferenceEngine::ReferenceEngine(const EngineSetup& setup, const PhaseCorrections& corrections)
     : setup_(setup),

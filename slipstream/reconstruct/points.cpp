@@ -1,17 +1,12 @@
 // Which pixels become points, where these lie and how sure they are.
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <numbers>
-#include <optional>
-#include <utility>
-#include <vector>
 
+#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/statistics.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/unwrapping.h"
-#include "slipstream/decode/maps.h"
 #include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/response/correction.h"
 
@@ -32,7 +27,7 @@ bool is_lit(const Lens& lens, const Eigen::Vector3d& point, const Eigen::Vector2
 
 Validity validity_of(double coordinate, const Eigen::Vector3d& point, const EngineSetup& setup) {
   if (!point.allFinite() || point.z() <= 0) return Validity::no_point;
-  const auto& [scanner, sequence, settings] = setup;
+  const auto& [scanner, sequence, settings, own_engine] = setup;
   const Eigen::Vector3d in_projector = in_projector_frame(scanner, point);
   if (in_projector.z() <= 0) return Validity::no_point;
   const double end = farthest_past_field(projector_length(setup));
@@ -54,7 +49,7 @@ Validity validity_of(double coordinate, const Eigen::Vector3d& point, const Engi
 /// a change of z relative to it. The projector's lens is asked forwards, and no point solved for.
 double change_along_ray(const Eigen::Vector3d& point, const EngineSetup& setup) {
   constexpr double step = 1e-6;  // where y is a straight line of the distance
-  const auto& [scanner, sequence, settings] = setup;
+  const auto& [scanner, sequence, settings, own_engine] = setup;
   const auto y = [&](double distance) {
     const Eigen::Vector2d pixel =
         project(scanner.projector, in_projector_frame(scanner, distance * point));
@@ -103,18 +98,16 @@ BasicCloud<double> triangulated(const Image<double>& coordinates, Image<Validity
                                 const Triangulator& triangulate, const EngineSetup& setup) {
   BasicCloud<double> cloud(validity.size());
   cloud.validity = std::move(validity);
-  for_each_row(cloud.size().height, [&](int row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      Validity& pixel = cloud.validity(column, row);
-      if (pixel != Validity::valid) continue;
-      const double coordinate = coordinates(column, row);
-      const Eigen::Vector3d point = triangulate(column, row, coordinate);
-      pixel = validity_of(coordinate, point, setup);
-      if (pixel != Validity::valid) continue;
-      cloud.x(column, row) = point.x();
-      cloud.y(column, row) = point.y();
-      cloud.z(column, row) = point.z();
-    }
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    Validity& pixel = cloud.validity(column, row);
+    if (pixel != Validity::valid) return;
+    const double coordinate = coordinates(column, row);
+    const Eigen::Vector3d point = triangulate(column, row, coordinate);
+    pixel = validity_of(coordinate, point, setup);
+    if (pixel != Validity::valid) return;
+    cloud.x(column, row) = point.x();
+    cloud.y(column, row) = point.y();
+    cloud.z(column, row) = point.z();
   });
   return cloud;
 }
@@ -128,34 +121,79 @@ Uncertainty uncertainty_of(const Cloud& cloud, const Maps& maps, const EngineSet
   const Band& band = measuring_band(layout);
   const std::optional<StepRun> run = bent_run(band);
   const auto& corrected = setup.scanner.photometry.response;
-  const bool by_noise = !way_of(layout.unwrapping).whole_stripes;
+  const bool by_noise = !layout.unwrapping->whole_stripes;
   const double unit_variance = coordinate_variance(layout, 1, 1);
   Uncertainty sigma(cloud.size());
-  for_each_row(cloud.size().height, [&](int row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      if (cloud.validity(column, row) != Validity::valid) continue;
-      const double modulation = maps.modulation(column, row) / grey_level;
-      const double noise_variance =
-          noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
-      const double y = maps.coordinate(column, row);
-      const double phi = 2 * std::numbers::pi * band.periods * y;
-      const double gain =
-          run && corrected && band.carrier == 0
-              ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
-              : 1;
-      const double sigma_y = by_noise
-                                 ? gain * std::sqrt(unit_variance * noise_variance) / modulation
-                                 : std::sqrt(unit_variance);
-      const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
-      const Eigen::Vector3d sigma_point =
-          point.cwiseAbs() * (sigma_y / change_along_ray(point, setup));
-      sigma.coordinate(column, row) = static_cast<float>(sigma_y);
-      sigma.x(column, row) = static_cast<float>(sigma_point.x());
-      sigma.y(column, row) = static_cast<float>(sigma_point.y());
-      sigma.z(column, row) = static_cast<float>(sigma_point.z());
-    }
+  for_each_pixel(cloud.size(), [&](int column, int row) {
+    if (cloud.validity(column, row) != Validity::valid) return;
+    const double modulation = maps.modulation(column, row) / grey_level;
+    const double noise_variance =
+        noise_variance_at(maps.mean(column, row) / grey_level, at_half, by_light);
+    const double y = maps.coordinate(column, row);
+    const double phi = 2 * std::numbers::pi * band.periods * y;
+    const double gain =
+        run && corrected && band.carrier == 0
+            ? noise_gain(corrected->response, run->steps, shifted_phase(run->shifts, phi))
+            : 1;
+    const double sigma_y = by_noise ? gain * std::sqrt(unit_variance * noise_variance) / modulation
+                                    : std::sqrt(unit_variance);
+    const Eigen::Vector3d point(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row));
+    const Eigen::Vector3d sigma_point =
+        point.cwiseAbs() * (sigma_y / change_along_ray(point, setup));
+    sigma.coordinate(column, row) = static_cast<float>(sigma_y);
+    sigma.x(column, row) = static_cast<float>(sigma_point.x());
+    sigma.y(column, row) = static_cast<float>(sigma_point.y());
+    sigma.z(column, row) = static_cast<float>(sigma_point.z());
   });
   return sigma;
+}
+
+PictureReport picture_report(const FrameViews& frames, const Maps& maps,
+                             const ReconstructSettings& settings) {
+  const auto least = static_cast<float>(least_modulation(settings, frames.full_scale()));
+  const Image<std::uint8_t> saturated = saturation_mask(frames);
+  PictureReport report{.validity = Image<Validity>(frames.size())};
+  std::vector<float> modulations;
+  for (std::size_t i = 0; i < saturated.pixel_count(); ++i) {
+    const float modulation = maps.modulation.begin()[i];
+    Validity& pixel = report.validity.begin()[i];
+    // First, as what is saturated in all frames has no modulation either.
+    if (saturated.begin()[i] != 0) {
+      pixel = Validity::saturated;
+    } else if (!(modulation >= least)) {
+      pixel = Validity::too_dark;
+    } else {
+      modulations.push_back(modulation);
+    }
+  }
+  if (!modulations.empty()) {
+    report.modulation = 255 / frames.full_scale() * static_cast<double>(quantile(modulations, 0.5));
+  }
+  return report;
+}
+
+Image<double> measured_coordinates(Engine& engine, const FrameViews& given) {
+  EngineSetup setup = engine.setup();
+  raise_least_modulation(setup);
+  const FrameViews& frames = engine.merged(given);
+  Maps maps;
+  engine.maps(frames, maps);
+  Image<double> coordinate = converted<double>(maps.coordinate);
+  const PictureReport report = picture_report(frames, maps, setup.settings);
+  Image<std::uint8_t> left_out(frames.size()), lit(frames.size());
+  std::transform(report.validity.begin(), report.validity.end(), lit.begin(),
+                 [](Validity pixel) { return pixel == Validity::valid ? 1 : 0; });
+  if (!maps.fringe_order_doubt.empty()) {
+    left_out = unconfirmed_fringe_orders(coordinate, converted<double>(maps.fringe_order_doubt),
+                                         lit, highest_frequency(setup.sequence.strategy),
+                                         setup.settings.fringe_order);
+  }
+  for (std::size_t i = 0; i < coordinate.pixel_count(); ++i) {
+    if (lit.begin()[i] == 0 || left_out.begin()[i] != 0) {
+      coordinate.begin()[i] = nan;
+    }
+  }
+  return coordinate;
 }
 
 }  // namespace slipstream

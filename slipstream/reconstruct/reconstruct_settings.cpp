@@ -1,20 +1,10 @@
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <limits>
-#include <string_view>
-#include <system_error>
-
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/codes/unwrapping.h"
-#include "slipstream/decode/cue_evidence.h"
 #include "slipstream/geometry/triangulator.h"
 #include "slipstream/response/correction.h"
 
@@ -26,11 +16,10 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 void require_valid(const ReconstructSettings& settings) {
   require_in_range(settings);
   const double nearest = settings.nearest.value_or(0);
-  require_in_range({.name = "nearest_depth", .unit = "mm", .least = 0}, nearest);
   const double farthest = settings.farthest.value_or(infinity);
-  if (!(farthest > nearest)) {
-    throw Error(fmt::format("farthest depth {} is out of range; more than the nearest", farthest));
-  }
+  require_in_range({.name = "nearest_depth", .unit = "mm", .least = 0}, nearest);
+  throw_if(!(farthest > nearest), "farthest depth {} is out of range; more than the nearest",
+           farthest);
   require_valid(settings.clean);
 }
 
@@ -39,20 +28,15 @@ void require_valid(const ReconstructSettings& settings) {
 void set_backend(ReconstructSettings& settings, std::string_view name) {
   settings.gpu.reset();
   if (name == "fused") {
-    settings.engine = EngineKind::automatic;
+    settings.engine = EngineKind::fused;
     return;
   }
   if (name == "gpu" || name.starts_with("gpu:")) {
     settings.engine = EngineKind::gpu;
     if (name == "gpu") return;
-    int number = 0;
-    const std::string_view digits = name.substr(4);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-    if (error != std::errc() || end != digits.data() + digits.size() || number < 0) {
-      throw Error(fmt::format("backend '{}' names no GPU; gpu:0 is the first", name));
-    }
-    settings.gpu = number;
-    return;
+    settings.gpu = number_in<int>(name.substr(4));
+    if (settings.gpu.value_or(-1) >= 0) return;
+    throw Error(fmt::format("backend '{}' names no GPU; gpu:0 is the first", name));
   }
   settings.engine = EngineKind::reference;
   for (const PhaseMethod method : {PhaseMethod::equation, PhaseMethod::closed_form,
@@ -65,7 +49,7 @@ void set_backend(ReconstructSettings& settings, std::string_view name) {
 }
 
 DepthRange depth_range(const EngineSetup& setup) {
-  const auto& [scanner, sequence, settings] = setup;
+  const auto& [scanner, sequence, settings, own_engine] = setup;
   DepthRange usual{0, infinity};
   if (const auto& covered = scanner.calibrated_depths) {
     usual = {covered->nearest / 2, covered->farthest * 2};
@@ -84,13 +68,12 @@ bool unwraps_by_picture(const EngineSetup& setup) {
 }
 
 void require_valid(const EngineSetup& setup) {
-  const auto& [scanner, sequence, settings] = setup;
+  const auto& [scanner, sequence, settings, own_engine] = setup;
   require_valid(scanner);
   require_depth_visible(scanner, sequence.axis);
   require_valid(sequence.light);
-  if (sequence.both_axes) {
-    throw Error("patterns along both axes are read from a scan that is done; here take --axis x");
-  }
+  throw_if(sequence.both_axes,
+           "patterns along both axes are read from a scan that is done; here take --axis x");
   require_resolved(sequence.strategy, sequence.axis, scanner.projector.size);
   require_valid(settings);
 }

@@ -1,15 +1,18 @@
 #pragma once
 
+#include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
-#include "slipstream/base/setting.h"
 #include "slipstream/cloud/cleaner.h"
 #include "slipstream/codes/sequence.h"
 #include "slipstream/decode/cue_evidence.h"
 #include "slipstream/decode/maps.h"
 #include "slipstream/decode/phase_decoder.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/geometry/scanner.h"
 
 namespace slipstream {
@@ -18,7 +21,7 @@ namespace slipstream {
 enum class EngineKind {
   automatic,  ///< `fused` where it can, else `reference`; no GPU, see docs/gpu.md
   reference,  ///< in double, stage by stage over the whole picture: any layout, frames and lens
-  fused,      ///< in float, one pass over the pixels; `reference` stands in where it cannot
+  fused,      ///< in float, one pass over the pixels; where it cannot, `reference`, saying why
   gpu,        ///< what `fused` computes, by Vulkan; `fused` stands in where it cannot or fails
 };
 
@@ -33,11 +36,11 @@ struct ReconstructSettings {
   FringeOrderConsensus fringe_order{};
   /// Of a strategy whose fringe order comes from a cue in the same frames.
   CueRule cue_rule = CueRule::consensus;
-  /// Likewise: a pixel is asked for its neighbours' orders from this share of the least modulation
-  /// on, though it may be too dark for a point.
+  /// Likewise: the share of the least modulation from which a pixel votes, too dark for a point or
+  /// not.
   double least_voting_share = 0.8;
-  /// How far past the ends of the projector's field, as a share of its length across the stripes, a
-  /// point may lie.
+  /// How far past the projector's field, as a share of its length across the stripes, a point may
+  /// lie.
   double field_margin = 0.02;
   std::optional<double> nearest{};   ///< mm, least depth; none: see depth_range
   std::optional<double> farthest{};  ///< mm, largest depth; none: see depth_range
@@ -87,49 +90,72 @@ inline constexpr const char* backend_forms =
 /// Error for another.
 void set_backend(ReconstructSettings& settings, std::string_view name);
 
+/// What is wanted of a scan; null is not. At most one of cloud, depth, depth16 and points, and no
+/// maps beside points. An output's memory is used again where it is of the picture's size.
+struct Outputs {
+  Cloud* cloud = nullptr;
+  Depth* depth = nullptr;
+  Image<std::uint16_t>* depth16 = nullptr;  ///< depth by `scale`, without reasons
+  PackedPoints* points = nullptr;           ///< by the fused pass alone
+  Maps* maps = nullptr;  ///< coordinates as each pixel says them, not confirmed by its neighbours
+  Image<float>* modulation = nullptr;  ///< that of the maps, where the rest of them is not wanted
+  DepthScale scale{};
+
+  [[nodiscard]] bool makes_points() const {
+    return cloud != nullptr || depth != nullptr || depth16 != nullptr || points != nullptr;
+  }
+};
+
+/// An engine of one's own, in the place of slipstream's.
+struct OwnEngine {
+  std::string name;  ///< what Engine::backend_for says
+  /// Makes what is wanted of the adapted frames of a scan, but never points. Called from all
+  /// threads that have a copy of the Engine.
+  std::function<void(const FrameViews& frames, const Outputs& outputs)> run;
+};
+
 /// All that an engine is made of.
 struct EngineSetup {
   Scanner scanner{};
   Sequence sequence{};
   ReconstructSettings settings{};
+  std::shared_ptr<const OwnEngine> own_engine{};  ///< null: as the settings say
 
   friend bool operator==(const EngineSetup&, const EngineSetup&) = default;
 };
 
-/// The depths that may become points, mm. Where the settings say none: from half the nearest to
-/// twice the farthest that the calibration's boards covered; any where the scanner does not know
-/// these.
+/// Throws Error where the frames are not of the camera's size.
+void require_size(const FrameViews& frames, Size camera);
+
+/// The depths that may become points, mm: as set, else from half the nearest to twice the farthest
+/// that the calibration's boards covered, else any.
 DepthRange depth_range(const EngineSetup& setup);
 
-/// Whether the fringe order comes from the range of depth: frames that give no projector coordinate
-/// alone, and both ends of the range named.
+/// Whether the fringe order comes from the range of depth: both its ends are set, and the frames
+/// give no projector coordinate alone.
 bool unwraps_by_depth(const EngineSetup& setup);
 
 /// Whether it comes from the whole picture rather than from a pixel's frames: that, or surfaces.
 bool unwraps_by_picture(const EngineSetup& setup);
 
-/// Throws Error where the scanner or the settings are not valid or see no depth along that axis, or
-/// where the strategy is too fine for the projector. An ambient light that is not known is taken
-/// for none: see needs_ambient_light.
+/// Throws Error where scanner or settings are not valid or see no depth along that axis, or where
+/// the strategy is too fine for the projector. An unknown ambient light counts as none.
 void require_valid(const EngineSetup& setup);
 
-/// Likewise, and where the frames of one camera give no projector coordinate, alone or by the range
-/// of depth.
+/// Likewise, and where one camera's frames give no coordinate, alone or by the range of depth.
 void require_reconstructible(const EngineSetup& setup);
 
-/// Throws Error, naming `scanner`, where the layout has a cue that cannot be read without an
-/// ambient light that the scanner does not know.
+/// Throws Error, naming `scanner`, where a cue needs an ambient light unknown to the scanner.
 void require_ambient_known(const EngineSetup& setup, std::string_view scanner);
 
 /// What a cue needs beside the frames: light of patterns and room, noise, the rule.
 CueSettings cue_settings(const EngineSetup& setup);
 
-/// What is added to each band's phase so that the scanner's response does not show; none where it
-/// is not known.
+/// What is added to each band's phase to correct for the scanner's response; none if unknown.
 PhaseCorrections phase_corrections(const EngineSetup& setup);
 
-/// What the frames' noise does to depth, to first order and but for the projector's distortion:
-/// Eq. (3.40) or (3.63) through the derivative of the point. For frames of 8 bits.
+/// What the noise of 8-bit frames does to depth, to first order and without the projector's
+/// distortion: Eq. (3.40) or (3.63) through the derivative of the point.
 DepthNoise depth_noise(const EngineSetup& setup);
 
 /// Projector pixels along the axis of the patterns.

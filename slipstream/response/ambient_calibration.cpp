@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <numbers>
-#include <vector>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/response/harmonics.h"
+#include "slipstream/response/correction.h"
 
 namespace slipstream {
 namespace {
@@ -33,6 +29,20 @@ std::optional<StepRun> first_run_of_four(const Layout& layout) {
 double light_at_angle(const PatternLight& light, const Response& response, double angle) {
   const double value = light.alpha_p * (1 + std::cos(angle)) / 2 + light.beta_p;
   return 255 * light_at(response, value / 255);
+}
+
+/// The linear patterns whose mean and modulation are those of the light that a response makes of
+/// sinusoidal ones; its beta_p may be negative.
+PatternLight linear_equivalent(const PatternLight& light, const Response& response) {
+  constexpr int samples = 720;  // harmonics up to 700 are not folded in
+  double mean = 0, first = 0;
+  for (int i = 0; i < samples; ++i) {
+    const double angle = 2 * pi * i / samples;
+    const double shown = light_at_angle(light, response, angle);
+    mean += shown / samples;
+    first += 2 * shown * std::cos(angle) / samples;
+  }
+  return {2 * first, mean - first};
 }
 
 /// What a second harmonic as large as the first would be measured as.
@@ -75,7 +85,7 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
   const auto linearity = response_linearity(scans);
   if (!linearity) return;
   const double expected =
-      response ? second_harmonic(scans.sequence().light, *response, linearity->steps) : 0;
+      response ? second_harmonic(scans.sequence.light, *response, linearity->steps) : 0;
   if (has_second_harmonic(*linearity, expected)) return;
   const double percent = 100 * linearity->second;
   if (response) {
@@ -92,18 +102,6 @@ void require_response(const ScanAverage& scans, const std::optional<Response>& r
 }
 
 }  // namespace
-
-PatternLight linear_equivalent(const PatternLight& light, const Response& response) {
-  constexpr int samples = 720;  // harmonics up to 700 are not folded in
-  double mean = 0, first = 0;
-  for (int i = 0; i < samples; ++i) {
-    const double angle = 2 * pi * i / samples;
-    const double shown = light_at_angle(light, response, angle);
-    mean += shown / samples;
-    first += 2 * shown * std::cos(angle) / samples;
-  }
-  return {2 * first, mean - first};
-}
 
 double second_harmonic(const PatternLight& light, const Response& response, int steps) {
   constexpr int phases = 90;
@@ -123,15 +121,15 @@ double second_harmonic(const PatternLight& light, const Response& response, int 
 
 std::optional<ResponseLinearity> response_linearity(const ScanAverage& scans) {
   constexpr std::size_t fewest_pixels = 100;
-  const auto run = first_run_of_four(scans.sequence().strategy.layout());
+  const auto run = first_run_of_four(scans.sequence.strategy.layout());
   if (!run) return std::nullopt;
-  const FrameSet frames = scans.frames().mean();
+  const FrameSet frames = scans.frames.mean();
   const auto pixels = pixel_harmonics(frames, run->first, run->steps);
   const Image<std::uint8_t> lit = well_lit(pixels, frames);
   ResponseLinearity found{.steps = run->steps};
   ShareFit fit;
   const auto serves = [&](std::size_t i) {
-    return lit.begin()[i] != 0 && scans.unclipped().begin()[i] != 0;
+    return lit.begin()[i] != 0 && scans.unclipped.begin()[i] != 0;
   };
   for (std::size_t i = 0; i < pixels.pixel_count(); ++i) {
     if (!serves(i)) continue;
@@ -175,12 +173,10 @@ Image<double> ambient_map(const Image<double>& mean, const Image<double>& modula
 AmbientEstimate ambient_estimate(const Image<double>& map) {
   constexpr std::size_t fewest = 100;
   std::vector<double> values = finite_values(map);
-  if (values.size() < fewest) {
-    throw Error(
-        fmt::format("{} pixels are bright enough to measure ambient light; at least {} are "
-                    "wanted",
-                    values.size(), fewest));
-  }
+  throw_if(values.size() < fewest,
+           "{} pixels are bright enough to measure ambient light; at least {} are "
+           "wanted",
+           values.size(), fewest);
   std::sort(values.begin(), values.end());
   const auto count = static_cast<double>(values.size());
   AmbientEstimate estimate{
@@ -194,10 +190,8 @@ AmbientEstimate ambient_estimate(const Image<double>& map) {
 }
 
 void require_ambient_measurable(const Scan& scan, const std::string& name) {
-  if (scan.exposures.size() > 1) {
-    throw Error(fmt::format("{}: {} exposures; ambient light is measured with one", name,
-                            scan.exposures.size()));
-  }
+  throw_if(scan.exposures.size() > 1, "{}: {} exposures; ambient light is measured with one", name,
+           scan.exposures.size());
   const Strategy& strategy = scan.sequence.strategy;
   const Layout& layout = strategy.layout();
   if (order_source(layout) != OrderSource::neighbours && carrier_periods(strategy) == 0) return;
@@ -210,14 +204,14 @@ AmbientCalibration calibrate_ambient(const ScanAverage& scans, double least_alph
                                      const std::optional<Response>& response) {
   require_in_range(least_alpha > 0 && least_alpha <= 1, "--least-reflectivity", least_alpha,
                    "above 0, at most 1");
-  const Sequence& sequence = scans.sequence();
+  const Sequence& sequence = scans.sequence;
   require_response(scans, response);
   const Band& band = sequence.strategy.layout().bands.front();
-  const PhaseMaps maps = PhaseDecoder(PhaseMethod::equation, {})(scans.frames().mean(), band);
+  const PhaseMaps maps = PhaseDecoder(PhaseMethod::equation, {})(scans.frames.mean(), band);
   const PatternLight light =
       response ? linear_equivalent(sequence.light, *response) : sequence.light;
   const Image<double> map =
-      ambient_map(maps.mean, maps.modulation, light, least_alpha, scans.unclipped());
+      ambient_map(maps.mean, maps.modulation, light, least_alpha, scans.unclipped);
   AmbientCalibration found{.estimate = ambient_estimate(map)};
   const double reach = std::max(1.0, 5 * std::sqrt(found.estimate.variance));
   found.histogram =

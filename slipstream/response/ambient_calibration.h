@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
 #include <optional>
 
 #include "slipstream/base/image.h"
@@ -11,10 +9,6 @@
 #include "slipstream/response/scan_average.h"
 
 namespace slipstream {
-
-/// The linear patterns whose mean and modulation are those of the light that a response makes of
-/// sinusoidal ones; its beta_p may be negative.
-PatternLight linear_equivalent(const PatternLight& light, const Response& response);
 
 /// How far frames are from what a linear response would show.
 struct ResponseLinearity {

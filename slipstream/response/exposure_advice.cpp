@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/phase_decoder.h"
-#include "slipstream/frames/merged_exposures.h"
+#include "slipstream/frames/frame_set.h"
 
 namespace slipstream {
 namespace {
@@ -81,47 +77,32 @@ LitPixels lit_pixels(const FrameViews& frames, const Layout& layout, double shor
   return lit;
 }
 
-/// So many pixels are asked at most, evenly spread over the picture.
-std::vector<LitPixel> sample(const std::vector<LitPixel>& pixels) {
-  constexpr std::size_t most = 20000;
-  const std::size_t step = pixels.size() / most + 1;
-  std::vector<LitPixel> samples;
-  for (std::size_t i = 0; i < pixels.size(); i += step) samples.push_back(pixels[i]);
-  return samples;
-}
-
 /// What exposures do to the pixels of one scan.
-class Prediction {
- public:
-  Prediction(const LitPixels& lit, const Layout& layout, const ExposureNeeds& needs)
-      : samples_(sample(lit.known)),
-        unknown_(static_cast<double>(lit.saturated) / static_cast<double>(lit.count())),
-        layout_(layout),
-        needs_(needs),
-        brightest_(255 - 3 * std::sqrt(needs.noise_variance)) {}
-
-  [[nodiscard]] const std::vector<LitPixel>& samples() const { return samples_; }
+struct Prediction {
+  std::vector<LitPixel> samples{};
+  double unknown = 0;  ///< share of the lit pixels that the shortest exposure saturates
+  const Layout& layout;
+  const ExposureNeeds& needs;
   /// What passes it may be saturated, by noise of 3 standard deviations.
-  [[nodiscard]] double brightest() const { return brightest_; }
-  [[nodiscard]] double unknown() const { return unknown_; }
+  double brightest = 255 - 3 * std::sqrt(needs.noise_variance);
 
   [[nodiscard]] ExposureChoice of(const std::vector<double>& exposures) const {
     std::vector<double> measured;
     std::size_t saturated = 0;
-    for (const LitPixel& pixel : samples_) {
+    for (const LitPixel& pixel : samples) {
       const double B = merged_modulation(pixel, exposures);
       if (B == 0) ++saturated;
-      if (B >= needs_.least_modulation) measured.push_back(B);
+      if (B >= needs.least_modulation) measured.push_back(B);
     }
     const double share =
-        (1 - unknown_) / static_cast<double>(std::max<std::size_t>(samples_.size(), 1));
+        (1 - unknown) / static_cast<double>(std::max<std::size_t>(samples.size(), 1));
     ExposureChoice choice{.exposures = exposures,
                           .measured = share * static_cast<double>(measured.size()),
-                          .saturated = unknown_ + share * static_cast<double>(saturated)};
+                          .saturated = unknown + share * static_cast<double>(saturated)};
     choice.too_dark = std::max(0.0, 1 - choice.measured - choice.saturated);
     if (!measured.empty()) {
       choice.sigma =
-          std::sqrt(coordinate_variance(layout_, quantile(measured, 0.5), needs_.noise_variance));
+          std::sqrt(coordinate_variance(layout, quantile(measured, 0.5), needs.noise_variance));
     }
     return choice;
   }
@@ -129,42 +110,47 @@ class Prediction {
   /// The share measured, and in one percent of it how well.
   [[nodiscard]] double worth(const std::vector<double>& exposures) const {
     double worth = 0;
-    for (const LitPixel& pixel : samples_) {
+    for (const LitPixel& pixel : samples) {
       const double B = merged_modulation(pixel, exposures);
-      if (B >= needs_.least_modulation) worth += 1 - 0.01 * needs_.least_modulation / B;
+      if (B >= needs.least_modulation) worth += 1 - 0.01 * needs.least_modulation / B;
     }
     return worth;
   }
 
- private:
   /// As merge_exposures makes it; 0 where every exposure saturates the pixel.
   [[nodiscard]] double merged_modulation(const LitPixel& pixel,
                                          const std::vector<double>& exposures) const {
     double squares = 0;
     for (const double t : exposures) {
-      if (pixel.peak * t < brightest_) squares += t * t;
+      if (pixel.peak * t < brightest) squares += t * t;
     }
     return pixel.modulation * std::sqrt(squares);
   }
-
-  std::vector<LitPixel> samples_;
-  double unknown_;
-  const Layout& layout_;
-  ExposureNeeds needs_;
-  double brightest_;
 };
+
+/// Asks so many pixels at most, evenly spread over the picture.
+Prediction prediction_of(const LitPixels& lit, const Layout& layout, const ExposureNeeds& needs) {
+  constexpr std::size_t most = 20000;
+  const double unknown = static_cast<double>(lit.saturated) / static_cast<double>(lit.count());
+  Prediction prediction{.unknown = unknown, .layout = layout, .needs = needs};
+  const std::size_t step = lit.known.size() / most + 1;
+  for (std::size_t i = 0; i < lit.known.size(); i += step) {
+    prediction.samples.push_back(lit.known[i]);
+  }
+  return prediction;
+}
 
 /// Two to each doubling, from what spares the brightest pixels to what shows the darkest.
 std::vector<double> candidates(const Prediction& prediction, double least_modulation) {
   constexpr double few = 0.001;  // pixels that no exposure is made for
   constexpr std::size_t most = 32;
   std::vector<double> peaks, modulations;
-  for (const LitPixel& pixel : prediction.samples()) {
+  for (const LitPixel& pixel : prediction.samples) {
     peaks.push_back(pixel.peak);
     modulations.push_back(pixel.modulation);
   }
   const double longest = 1.2 * least_modulation / quantile(modulations, few);
-  std::vector<double> exposures{0.95 * prediction.brightest() / quantile(peaks, 1 - few)};
+  std::vector<double> exposures{0.95 * prediction.brightest / quantile(peaks, 1 - few)};
   while (exposures.back() < longest && exposures.size() < most) {
     exposures.push_back(exposures.back() * std::sqrt(2.0));
   }
@@ -230,10 +216,8 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
     return exposure_advice(merged_exposures(given, exposures), sequence, needs);
   }
   const Layout& layout = sequence.strategy.layout();
-  if (given.count() != layout.frames) {
-    throw Error(
-        fmt::format("{} frames given; the strategy takes {}", given.count(), layout.frames));
-  }
+  throw_if(given.count() != layout.frames, "{} frames given; the strategy takes {}", given.count(),
+           layout.frames);
   const double shortest = *std::min_element(exposures.begin(), exposures.end());
   const LitPixels lit = lit_pixels(given, layout, shortest, needs.noise_variance);
   if (lit.known.empty()) {
@@ -241,9 +225,9 @@ ExposureAdvice exposure_advice(const FrameViews& given, const Sequence& sequence
                                   : "no pixel shows the patterns; expose longer, or look at the "
                                     "frames with slipstream view");
   }
-  const Prediction prediction(lit, layout, needs);
+  const Prediction prediction = prediction_of(lit, layout, needs);
   ExposureAdvice advice{.lit = static_cast<double>(lit.count()) / static_cast<double>(lit.all),
-                        .unknown = prediction.unknown()};
+                        .unknown = prediction.unknown};
   for (const double t : exposures) advice.taken.push_back(prediction.of({t}));
   if (exposures.size() > 1) advice.taken.push_back(prediction.of(exposures));
   propose(prediction, needs, advice);

@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/response/scan_average.h"
@@ -28,10 +26,8 @@ NoiseEstimate scaled_variance(const Image<std::uint8_t>& measured, double factor
     mean += from_mean / static_cast<double>(count);
     squares += from_mean * (x - mean);
   }
-  if (count < fewest) {
-    throw Error(fmt::format("{} pixels are too few to measure noise; at least {} are wanted", count,
-                            fewest));
-  }
+  throw_if(count < fewest, "{} pixels are too few to measure noise; at least {} are wanted", count,
+           fewest);
   const double variance = factor * squares / static_cast<double>(count - 1);
   return {.variance = variance,
           .standard_error = variance * std::sqrt(2.0 / static_cast<double>(count - 1)),
@@ -146,34 +142,34 @@ bool mistakes_gamma_for_noise(const NoiseMeasurement& measurement) {
   return measurement.equation == "3.79" || measurement.equation == "3.99";
 }
 
-NoiseScan::NoiseScan(const Scan& scan) : strategy_(scan.sequence.strategy) {
+NoiseScan::NoiseScan(const Scan& scan) : strategy(scan.sequence.strategy) {
   const FrameViews frames = scan.frames;
   const double grey_level = frames.full_scale() / 255;
   const auto in_8_bits = [&](Image<double> image) {
     for (double& value : image) value /= grey_level;
     return image;
   };
-  const Layout& layout = strategy_.layout();
+  const Layout& layout = strategy.layout();
   const Band& band = layout.bands.front();
   const auto run = step_run(band);
   if (!run)
-    throw Error(strategy_.name() + ": no run of phase steps in it, by which noise is measured");
-  steps_ = run->steps;
+    throw Error(strategy.name() + ": no run of phase steps in it, by which noise is measured");
+  steps = run->steps;
   const PhaseDecoder decode(PhaseMethod::equation, {});
   const PhaseMaps maps = decode(frames, band);
-  mean_ = in_8_bits(maps.mean);
-  if (steps_ == 4 && !layout.cue) {
-    b_cos_ = in_8_bits(weighted_sum(frames.part(run->first, 4), half_phase_weights()));
+  mean = in_8_bits(maps.mean);
+  if (steps == 4 && !layout.cue) {
+    b_cos = in_8_bits(weighted_sum(frames.part(run->first, 4), half_phase_weights()));
   }
   const Image<double> modulation = in_8_bits(maps.modulation);
-  measured_ = unclipped_mask(frames);
-  std::transform(measured_.begin(), measured_.end(), modulation.begin(), measured_.begin(),
+  measured = unclipped_mask(frames);
+  std::transform(measured.begin(), measured.end(), modulation.begin(), measured.begin(),
                  [](std::uint8_t good, double B) {
                    return static_cast<std::uint8_t>(good != 0 && B >= least_modulation ? 1 : 0);
                  });
   if (order_source(layout) == OrderSource::neighbours && !layout.cue) {
-    modulations_[0] = modulation;
-    modulations_[1] = in_8_bits(decode(frames, layout.bands[1]).modulation);
+    modulations[0] = modulation;
+    modulations[1] = in_8_bits(decode(frames, layout.bands[1]).modulation);
   }
 }
 
@@ -185,31 +181,29 @@ std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans) 
   NoiseMeasurement half{"3.79", "half phase channel of one scan"};
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const NoiseScan& a = scans[i];
-    const Layout& layout = a.strategy_.layout();
-    if (!a.b_cos_.empty()) add(half, noise_from_half_phase(a.b_cos_, a.measured_));
-    if (!a.modulations_[1].empty()) {
-      add(modulations, noise_from_modulations(a.modulations_[0], a.modulations_[1], a.steps_,
-                                              layout.bands[0].share, a.measured_));
+    const Layout& layout = a.strategy.layout();
+    if (!a.b_cos.empty()) add(half, noise_from_half_phase(a.b_cos, a.measured));
+    if (!a.modulations[1].empty()) {
+      add(modulations, noise_from_modulations(a.modulations[0], a.modulations[1], a.steps,
+                                              layout.bands[0].share, a.measured));
     }
     for (const NoiseScan& b : scans.subspan(i + 1)) {
-      const bool alike = a.strategy_ == b.strategy_;
-      if (!alike && !(of_one_band(layout) && of_one_band(b.strategy_.layout()))) continue;
-      if (alike) require_two_takes(a.mean_, b.mean_);
-      const Image<std::uint8_t> both = in_both(a.measured_, b.measured_);
-      add(alike ? means : unequal_means,
-          noise_from_means(a.mean_, a.steps_, b.mean_, b.steps_, both));
-      if (alike && !a.b_cos_.empty()) add(halves, noise_from_half_phases(a.b_cos_, b.b_cos_, both));
+      const bool alike = a.strategy == b.strategy;
+      if (!alike && !(of_one_band(layout) && of_one_band(b.strategy.layout()))) continue;
+      if (alike) require_two_takes(a.mean, b.mean);
+      const Image<std::uint8_t> both = in_both(a.measured, b.measured);
+      add(alike ? means : unequal_means, noise_from_means(a.mean, a.steps, b.mean, b.steps, both));
+      if (alike && !a.b_cos.empty()) add(halves, noise_from_half_phases(a.b_cos, b.b_cos, both));
     }
   }
   std::vector<NoiseMeasurement> all;
   for (const NoiseMeasurement& sums : {halves, means, unequal_means, modulations, half}) {
     if (sums.count > 0) all.push_back(divided_by_count(sums));
   }
-  if (all.empty()) {
-    throw Error(
-        "these scans measure no noise; give two alike of one unmoved scene, one of 4 steps of one "
-        "frequency, or one of a second band in the same frames");
-  }
+  throw_if(
+      all.empty(),
+      "these scans measure no noise; give two alike of one unmoved scene, one of 4 steps of one "
+      "frequency, or one of a second band in the same frames");
   for (NoiseMeasurement& other : all) other.reason = disagreement(other, all.front());
   return all;
 }
@@ -220,9 +214,9 @@ std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans) {
   for (std::size_t i = 0; i < scans.size(); ++i) {
     for (const NoiseScan& b : scans.subspan(i + 1)) {
       const NoiseScan& a = scans[i];
-      if (!(a.strategy_ == b.strategy_)) continue;
+      if (!(a.strategy == b.strategy)) continue;
       const NoiseLine line =
-          noise_line_from_means(a.mean_, b.mean_, a.steps_, in_both(a.measured_, b.measured_));
+          noise_line_from_means(a.mean, b.mean, a.steps, in_both(a.measured, b.measured));
       sum.at_half += line.at_half;
       sum.gain += line.gain;
       sum.gain_error = std::hypot(sum.gain_error, line.gain_error);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -67,20 +66,15 @@ struct NoiseMeasurement {
 };
 
 /// What a scan says of the noise in its frames, kept without the frames.
-class NoiseScan {
- public:
+struct NoiseScan {
   explicit NoiseScan(const Scan& scan);
 
- private:
-  friend std::vector<NoiseMeasurement> calibrate_noise(std::span<const NoiseScan> scans);
-  friend std::optional<NoiseLine> noise_line(std::span<const NoiseScan> scans);
-
-  Strategy strategy_;
-  int steps_ = 0;                 ///< of the first band
-  Image<std::uint8_t> measured_;  ///< bright enough, and no frame clipped
-  Image<double> mean_;            ///< grey levels of 255, as all that follow
-  Image<double> b_cos_;           ///< 4 steps without a cue in their half phase channel
-  Image<double> modulations_[2];  ///< of two bands in the same frames
+  Strategy strategy;
+  int steps = 0;                 ///< of the first band
+  Image<std::uint8_t> measured;  ///< bright enough, and no frame clipped
+  Image<double> mean;            ///< grey levels of 255, as all that follow
+  Image<double> b_cos;           ///< 4 steps without a cue in their half phase channel
+  Image<double> modulations[2];  ///< of two bands in the same frames
 };
 
 /// All that the scans of one unmoved scene allow, the one to be trusted most first. Throws Error

@@ -5,11 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -69,6 +67,29 @@ Logistic lowest_near(const Function& f, Logistic place) {
   return place;
 }
 
+LevelFit fit_levels(const Response& response, std::span<const double> values,
+                    std::span<const double> intensities) {
+  const auto count = static_cast<double>(values.size());
+  LevelFit fit;
+  double x = 0, y = 0, xx = 0, xy = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double light = fit.left.emplace_back(light_at(response, values[i]));
+    x += light;
+    y += intensities[i];
+    xx += light * light;
+    xy += light * intensities[i];
+  }
+  fit.scale = (count * xy - x * y) / (count * xx - x * x);
+  fit.offset = (y - fit.scale * x) / count;
+  double sum = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    fit.left[i] = intensities[i] - fit.scale * fit.left[i] - fit.offset;
+    sum += fit.left[i] * fit.left[i];
+  }
+  fit.rms = std::sqrt(sum / count);
+  return fit;
+}
+
 /// Whether what a response leaves of the levels is noise (von Neumann's ratio, 2 for noise, 0 for
 /// a smooth curve), or less than any noise.
 bool leaves_noise(const LevelFit& fit) {
@@ -90,10 +111,8 @@ ResponseCurve srgb_curve() {
 }
 
 ResponseCurve logistic_curve(double slope, double centre) {
-  if (!(slope > 0 && slope <= 50 && centre >= 0 && centre <= 1)) {
-    throw Error(fmt::format(
-        "logistic curve of slope {} and centre {}: slope 0 to 50, centre 0 to 1", slope, centre));
-  }
+  throw_if(!(slope > 0 && slope <= 50 && centre >= 0 && centre <= 1),
+           "logistic curve of slope {} and centre {}: slope 0 to 50, centre 0 to 1", slope, centre);
   return through_points_of(
       [&](double value) { return 1 / (1 + std::exp(-slope * (value - centre))); });
 }
@@ -107,35 +126,10 @@ std::optional<ResponseCurve> curve_named(std::string_view name) {
   throw Error(fmt::format("{}: two numbers are wanted, as in logistic:9:0.45", name));
 }
 
-LevelFit fit_levels(const Response& response, std::span<const double> values,
-                    std::span<const double> intensities) {
-  const auto count = static_cast<double>(values.size());
-  double x = 0, y = 0, xx = 0, xy = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const double light = light_at(response, values[i]);
-    x += light;
-    y += intensities[i];
-    xx += light * light;
-    xy += light * intensities[i];
-  }
-  LevelFit fit;
-  fit.scale = (count * xy - x * y) / (count * xx - x * x);
-  fit.offset = (y - fit.scale * x) / count;
-  double sum = 0;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    fit.left.push_back(intensities[i] - fit.scale * light_at(response, values[i]) - fit.offset);
-    sum += fit.left.back() * fit.left.back();
-  }
-  fit.rms = std::sqrt(sum / count);
-  return fit;
-}
-
 GammaFit fit_gamma(std::span<const double> values, std::span<const double> intensities) {
-  if (values.size() < 4 || values.size() != intensities.size()) {
-    throw Error(
-        fmt::format("{} uniform patterns with {} intensities; a fit of gamma takes at least 4",
-                    values.size(), intensities.size()));
-  }
+  throw_if(values.size() < 4 || values.size() != intensities.size(),
+           "{} uniform patterns with {} intensities; a fit of gamma takes at least 4",
+           values.size(), intensities.size());
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   if (*least == *most) {
     throw Error(fmt::format("uniform patterns: all have the value {}; several are needed", *least));
@@ -146,9 +140,8 @@ GammaFit fit_gamma(std::span<const double> values, std::span<const double> inten
   const double gamma = lowest_between([&](double trial) { return fit_at(trial).rms; },
                                       least_gamma / 2, 2 * largest_gamma);
   const GammaFit fit{fit_at(gamma), gamma};
-  if (!(fit.scale > 0)) {
-    throw Error("uniform patterns: the intensity does not rise with the pattern's value");
-  }
+  throw_if(!(fit.scale > 0),
+           "uniform patterns: the intensity does not rise with the pattern's value");
   return fit;
 }
 

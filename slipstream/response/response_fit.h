@@ -30,8 +30,6 @@ struct LevelFit {
   double rms = 0;              ///< of what the curve leaves, grey levels
   std::vector<double> left{};  ///< that of each level, grey levels
 };
-LevelFit fit_levels(const Response& response, std::span<const double> values,
-                    std::span<const double> intensities);
 
 /// The traditional measurement (4.2): the same by value^gamma.
 struct GammaFit : LevelFit {

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 
 Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
-  if (a.size() != b.size()) {
-    throw Error("the scans are of different sizes; they are to be of one unmoved scene");
-  }
+  throw_if(a.size() != b.size(),
+           "the scans are of different sizes; they are to be of one unmoved scene");
   Image<std::uint8_t> both = a;
   std::transform(both.begin(), both.end(), b.begin(), both.begin(),
                  [](std::uint8_t x, std::uint8_t y) { return static_cast<std::uint8_t>(x & y); });
@@ -19,17 +16,17 @@ Image<std::uint8_t> in_both(const Image<std::uint8_t>& a, const Image<std::uint8
 }
 
 void ScanAverage::add(const Scan& scan, const std::string& name) {
-  const Image<std::uint8_t> unclipped = unclipped_mask(scan.frames);
-  if (count() == 0) {
-    first_name_ = name;
-    sequence_ = scan.sequence;
-    unclipped_ = Image<std::uint8_t>(unclipped.size(), 1);
-  } else if (scan.sequence.strategy != sequence_.strategy) {
+  const Image<std::uint8_t> of_scan = unclipped_mask(scan.frames);
+  if (frames.count() == 0) {
+    first_name = name;
+    sequence = scan.sequence;
+    unclipped = Image<std::uint8_t>(of_scan.size(), 1);
+  } else if (scan.sequence.strategy != sequence.strategy) {
     throw Error(fmt::format("{}: another strategy than in {}; scans that are averaged are alike",
-                            name, first_name_));
+                            name, first_name));
   }
-  frames_.add(scan.frames);
-  unclipped_ = in_both(unclipped_, unclipped);
+  frames.add(scan.frames);
+  unclipped = in_both(unclipped, of_scan);
 }
 
 }  // namespace slipstream

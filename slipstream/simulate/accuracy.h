@@ -1,11 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <optional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "slipstream/cloud/cloud.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
@@ -34,8 +30,8 @@ struct Artefacts {
 /// Throws Error, naming the file and the line, for a file that is no such map.
 Artefacts read_artefacts(const std::filesystem::path& file);
 
-/// A sphere or a plane in one position: how its points deviate from the shape of least squares of
-/// all but 0.3 % of them, which VDI/VDE 2634 part 2 allows to leave out; mm.
+/// How a sphere's or a plane's points deviate from the shape of least squares, without the 0.3 % of
+/// them that VDI/VDE 2634 part 2 allows to leave out; mm.
 struct ShapeAccuracy {
   std::string scan;
   double range = 0;     ///< the narrowest that holds all but 0.3 % of the deviations
@@ -73,21 +69,21 @@ std::vector<AccuracyFigure> accuracy_figures(const Accuracy& accuracy);
 using CloudOfScan = std::function<Cloud(const std::string& scan)>;
 
 /// Finds the artefacts in the scans' clouds, one cloud at a time, and measures them. Of a sphere
-/// count the points that the camera sees at up to 60 degrees from the normal, less those within 40
-/// degrees of the rod of a ball bar. Of a plane, which has to hold two thirds of a cloud's points,
-/// count those nearer to it than 1 % of its length (2.5 times the median distance of its points
-/// from their middle) in one piece, less a rim of 5 pixels, where blur moves what is seen. Throws
-/// Error, naming the scan, where an artefact is not found, or where repeated scans are copies.
+/// count points seen at up to 60 degrees from the normal, unless within 40 degrees of a ball bar's
+/// rod. Of a plane, which must hold two thirds of a cloud's points, count those nearer than 1 % of
+/// its length (2.5 times the median distance of its points from their middle) in one piece, without
+/// a rim of 5 pixels, where blur moves points. Throws Error, naming the scan, where an artefact is
+/// not found, or where repeated scans are copies.
 Accuracy measure_accuracy(const Artefacts& artefacts, const CloudOfScan& cloud_of);
 
-/// Writes report.md and its pictures into a folder: the figures in mm and per mille of the measured
-/// volume's diagonal (mm), each sphere and plane, and maps of what deviates most. `subject` says in
-/// a line what was measured. Throws WorldError where it cannot be written.
+/// Writes report.md and its pictures: the figures in mm and per mille of the measured volume's
+/// diagonal (mm), each sphere and plane, and maps of the worst. `subject` says in a line what was
+/// measured. Throws WorldError where it cannot be written.
 void write_accuracy_report(const std::filesystem::path& folder, const std::string& subject,
                            const Accuracy& accuracy, std::optional<double> diagonal);
 
-/// An acceptance test in the virtual world: artefacts that are exactly as certified, and the clouds
-/// of their scans, taken as they are asked for.
+/// An acceptance test in the virtual world: artefacts exactly as certified, and the clouds of their
+/// scans, taken when asked for.
 struct Rehearsal {
   Artefacts artefacts;
   CloudOfScan cloud_of;
@@ -95,11 +91,10 @@ struct Rehearsal {
 
 /// With L the diagonal of the measured volume, the largest cube about the middle of the working
 /// volume that camera and projector see whole: a ball bar of spheres of 0.1 L, 0.35 L apart, in
-/// seven positions (the four diagonals of the cube and three near its sides), a square plane with
-/// sides of 0.5 L in six, and ten scans of one of these that differ by their noise alone. The scene
-/// of `world` is not asked for. Scans are reconstructed with `calibrated`: the world's scanner,
-/// where the error of a calibration is not to be in the figures. Throws Error where the two see no
-/// volume in common.
+/// seven positions (the cube's four diagonals and three near its sides), a square plane with sides
+/// of 0.5 L in six, and ten scans of one of these that differ in noise alone. Ignores the scene of
+/// `world`. Scans are reconstructed with `calibrated`: the world's scanner leaves the error of a
+/// calibration out of the figures. Throws Error where the two see no volume in common.
 Rehearsal rehearsal(const VirtualWorld& world, const Sequence& sequence, const Scanner& calibrated,
                     const ReconstructSettings& settings = {});
 

@@ -1,23 +1,12 @@
 #include "slipstream/simulate/comparison.h"
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
-#include <limits>
-#include <variant>
 
 #include "slipstream/base/statistics.h"
 #include "slipstream/reconstruct/engine.h"
 
 namespace slipstream {
 namespace {
-
-/// The error at the pixel's own surface where it is no larger than noise may be: among neighbours
-/// on a slope the nearest would flatter.
-double depth_error(double z, double sigma, const Image<double>& depth, int column, int row) {
-  const double own = z - depth(column, row);
-  return std::abs(own) <= 5 * sigma ? own : nearest_error(z, depth, column, row);
-}
 
 /// Of a point from what rays within one and a half pixels of its own meet, mm.
 double distance_to_surfaces(const Cloud& cloud, int column, int row, const VirtualWorld& world) {
@@ -33,13 +22,11 @@ double distance_to_surfaces(const Cloud& cloud, int column, int row, const Virtu
   return nearest;
 }
 
-/// Standard deviation of depth from take to take, mm: by the median difference of two clouds of one
-/// unmoved scene. 0 where they have no point in common.
+/// Deviation of depth from take to take, mm, by the median difference of two; 0 without any.
 double repeatability(const Cloud& first, const Cloud& second) {
   std::vector<double> differences;
   for (std::size_t i = 0; i < first.z.pixel_count(); ++i) {
-    const double difference = std::abs(static_cast<double>(first.z.begin()[i]) -
-                                       static_cast<double>(second.z.begin()[i]));
+    const double difference = std::abs(double{first.z.begin()[i]} - double{second.z.begin()[i]});
     if (std::isfinite(difference)) differences.push_back(difference);
   }
   if (differences.empty()) return 0;
@@ -117,7 +104,10 @@ CloudErrors cloud_errors(const Cloud& cloud, const Uncertainty& uncertainty,
     if (std::isfinite(y)) ++measured;
     if (std::abs(coordinate(column, row) - y) * periods >= 0.5) ++wrong;
     const double z = cloud.z(column, row), sigma = uncertainty.z(column, row);
-    const double error = depth_error(z, sigma, truth.depth, column, row);
+    // At the pixel's own surface if small as noise: the nearest on a slope would flatter.
+    const double own = z - truth.depth(column, row);
+    const double error =
+        std::abs(own) <= 5 * sigma ? own : nearest_error(z, truth.depth, column, row);
     if (std::abs(error) <= 5 * sigma) {
       ++within_5;
       normalised_squares += std::pow(error / sigma, 2);

@@ -1,19 +1,9 @@
 #include "slipstream/simulate/named_scenes.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <memory>
-#include <numbers>
-#include <utility>
-
-#include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <fmt/format.h>
 
-#include "slipstream/base/did_you_mean.h"
-#include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -82,15 +72,11 @@ double visible_extent(const Lens& lens, double distance) {
 }
 
 Eigen::Isometry3d placed(const Vector& position, double about_x = 0, double about_y = 0) {
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.translate(position);
-  pose.rotate(Eigen::AngleAxisd(about_y, Vector::UnitY()));
-  pose.rotate(Eigen::AngleAxisd(about_x, Vector::UnitX()));
-  return pose;
+  return Eigen::Translation3d(position) * Eigen::AngleAxisd(about_y, Vector::UnitY()) *
+         Eigen::AngleAxisd(about_x, Vector::UnitX());
 }
 
-/// Y up and facing +Z, as meshes are made, to upright in the camera's picture and facing the
-/// camera.
+/// About X, from meshes' Y up, facing +Z, to upright in the camera's picture, facing the camera.
 constexpr double upright = std::numbers::pi;
 
 Scene board_scene(const WorkingVolume& volume) {
@@ -133,6 +119,39 @@ Scene contrast_scene(const WorkingVolume& volume) {
                .pose = placed(volume.centre),
                .texture = uniform_texture(0.1),
                .gloss = 3}};
+}
+
+bool in_picture(const Lens& lens, const Eigen::Vector3d& point) {
+  constexpr double margin = 0.01;  // of the picture
+  const Eigen::Array2d size(lens.size.width, lens.size.height), pixel = project(lens, point);
+  return point.z() > 0 && (pixel > margin * size).all() && (pixel < (1 - margin) * size).all();
+}
+
+bool seen_whole(const Scanner& scanner, const Eigen::Isometry3d& pose, double width,
+                double height) {
+  bool seen = true;
+  for_each_pixel_in_order({3, 3}, [&](int x, int y) {
+    const Vector point = pose * Vector((0.5 * x - 0.5) * width, (0.5 * y - 0.5) * height, 0);
+    seen = seen && in_picture(scanner.camera, point) &&
+           in_picture(scanner.projector, in_projector_frame(scanner, point));
+  });
+  return seen;
+}
+
+/// Pose `i`, moved from the middle by `shift` in its own direction.
+Eigen::Isometry3d pose_number(int i, const WorkingVolume& volume, double shift) {
+  constexpr double golden_angle = 2.399963;  // rad: no two poses lean or move the same way
+  const double lean_direction = golden_angle * i;
+  const double lean = (15 + 20 * std::fmod(0.618 * i, 1.0)) * degree;
+  const double nearness = 1 + 0.12 * std::cos(2.1 * i);
+  const double spin = 12 * degree * std::sin(1.3 * i);
+  const double move_direction = golden_angle * i * 2 + 0.7;
+  const auto sideways = [](double direction) {
+    return Eigen::Vector3d(std::cos(direction), std::sin(direction), 0);
+  };
+  return Eigen::Translation3d(volume.centre * nearness + shift * sideways(move_direction)) *
+         Eigen::AngleAxisd(lean, sideways(lean_direction)) *
+         Eigen::AngleAxisd(spin, Eigen::Vector3d::UnitZ());
 }
 
 }  // namespace
@@ -214,6 +233,58 @@ Scene scene_with_mesh(Mesh mesh, const Scanner& scanner, double size) {
   return {Body{.shape = std::make_shared<const MeshTree>(std::move(mesh)),
                .pose = placed(volume.centre, upright),
                .shading = Shading::lambertian}};
+}
+
+std::vector<Eigen::Isometry3d> board_poses(const Scanner& scanner, int count, double width,
+                                           double height) {
+  const WorkingVolume volume = working_volume(scanner);
+  std::vector<Eigen::Isometry3d> poses;
+  for (int i = 0; i < count; ++i) {
+    throw_if(!seen_whole(scanner, pose_number(i, volume, 0), width, height),
+             "a board of {:.4g}x{:.4g} mm does not fit into the scanner's view, "
+             "which is about {:.4g} mm; a smaller one is wanted",
+             width, height, volume.extent);
+    double near_middle = 0, too_far = volume.extent;
+    for (int halving = 0; halving < 12; ++halving) {
+      const double shift = (near_middle + too_far) / 2;
+      const bool seen = seen_whole(scanner, pose_number(i, volume, shift), width, height);
+      (seen ? near_middle : too_far) = shift;
+    }
+    poses.push_back(pose_number(i, volume, near_middle));
+  }
+  return poses;
+}
+
+Body printed_sheet(const Image<std::uint8_t>& picture, double mm_per_pixel,
+                   const Scanner& scanner) {
+  constexpr double dark = 0.08, bright = 0.85;
+  constexpr double blur = 0.5;  // camera pixels
+  const double mm_of_camera_pixel =
+      working_volume(scanner).centre.z() / scanner.camera.intrinsic(0, 0);
+  return {
+      .shape = Board{picture.width() * mm_per_pixel, picture.height() * mm_per_pixel},
+      .texture = picture_texture(picture, mm_per_pixel, dark, bright, blur * mm_of_camera_pixel),
+      .shading = Shading::lambertian};
+}
+
+Body misprinted(Body sheet, const Physics& physics) {
+  if (physics.board_stretch != 0) {
+    const double share = 1 / (1 + physics.board_stretch);
+    sheet.texture = [print = sheet.texture, share](const Eigen::Vector3d& p) {
+      return print(Eigen::Vector3d(share * p.x(), p.y(), p.z()));
+    };
+  }
+  if (physics.board_bend != 0) {
+    const Board flat = std::get<Board>(sheet.shape);
+    Mesh mesh;
+    append_surface(mesh, 1, 200, [&](double u, double v) {
+      const double across = 2 * u - 1;
+      return Eigen::Vector3d(across * flat.width / 2, (v - 0.5) * flat.height,
+                             physics.board_bend * (across * across - 1));
+    });
+    sheet.shape = std::make_shared<const MeshTree>(std::move(mesh));
+  }
+  return sheet;
 }
 
 }  // namespace slipstream

@@ -1,12 +1,5 @@
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
 #include <numeric>
-#include <utility>
-#include <vector>
 
-#include "slipstream/codes/pattern_set.h"
 #include "slipstream/simulate/seen_scene.h"
 
 namespace slipstream {
@@ -41,8 +34,7 @@ Profile blurred(const Profile& sharp, double deviation) {
   for (int i = -reach; i <= reach; ++i) {
     weights.push_back(std::exp(-0.5 * i * i / (deviation * deviation)));
   }
-  double all = 0;
-  for (const double weight : weights) all += weight;
+  const double all = std::accumulate(weights.begin(), weights.end(), 0.0);
   const int size = static_cast<int>(sharp.size());
   Profile result(sharp.size(), 0);
   for (int place = 0; place < size; ++place) {

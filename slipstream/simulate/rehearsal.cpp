@@ -1,15 +1,9 @@
-#include <array>
-#include <cmath>
 #include <map>
-#include <memory>
-#include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/geometry/lens.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/accuracy.h"
 #include "slipstream/simulate/named_scenes.h"
@@ -20,10 +14,9 @@ namespace {
 using Vector = Eigen::Vector3d;
 
 bool is_in_picture(const Lens& lens, const Vector& point) {
-  if (!(point.z() > 0)) return false;
-  const Eigen::Vector2d pixel = project(lens, point);
-  return pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= lens.size.width - 1 &&
-         pixel.y() <= lens.size.height - 1;
+  const Eigen::Array2d last(lens.size.width - 1, lens.size.height - 1);
+  const Eigen::Array2d pixel = project(lens, point);
+  return point.z() > 0 && (pixel >= 0).all() && (pixel <= last).all();
 }
 
 /// Whether both devices see all corners of a cube.
@@ -58,10 +51,8 @@ Scene ball_bar(const Artefacts& artefacts, const Eigen::Isometry3d& pose) {
   return scene;
 }
 
-/// Where a ball bar's middle stands, as a share of half the free way to the sides, and its
-/// direction.
 struct BarPosition {
-  Vector middle, direction;
+  Vector middle, direction;  ///< middle: as a share of half the free way to the sides
 };
 
 const std::array<BarPosition, 7> bar_positions{{{{0, 0, 0}, {1, 1, 1}},

@@ -1,12 +1,51 @@
 #include "slipstream/simulate/scene.h"
 
-#include <algorithm>
 #include <limits>
 #include <numeric>
-#include <utility>
+
+#include <unsupported/Eigen/BVH>
+
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
+
+using Bounds = Eigen::AlignedBox3d;
+using BoxTree = Eigen::KdBVH<double, 3, int>;
+
+/// What Eigen's tree search asks: may this box hold a nearer hit, and does this triangle?
+struct NearestHit {
+  const Mesh& mesh;
+  const Ray& ray;
+  Eigen::Array3d inverse = ray.direction.cwiseInverse();
+  Hit hit{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
+
+  bool intersectVolume(const Bounds& box) const {
+    const Eigen::Array3d a = (box.min() - ray.origin).array() * inverse;
+    const Eigen::Array3d b = (box.max() - ray.origin).array() * inverse;
+    const double enter = a.min(b).maxCoeff(), leave = a.max(b).minCoeff();
+    return enter <= leave && leave > 0 && enter < hit.distance;
+  }
+
+  bool intersectObject(int index) {
+    const auto& [i, j, k] = mesh.triangles[static_cast<std::size_t>(index)];
+    const Eigen::Vector3d& corner = mesh.vertices[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d side_a = mesh.vertices[static_cast<std::size_t>(j)] - corner;
+    const Eigen::Vector3d side_b = mesh.vertices[static_cast<std::size_t>(k)] - corner;
+    const Eigen::Vector3d normal = side_a.cross(side_b);
+    const double facing = ray.direction.dot(normal);
+    if (facing == 0) return false;
+    const Eigen::Vector3d to_corner = corner - ray.origin;
+    const double distance = to_corner.dot(normal) / facing;
+    if (distance <= 0 || distance >= hit.distance) return false;
+    const Eigen::Vector3d moment = ray.direction.cross(to_corner);
+    const double a = -side_b.dot(moment) / facing;
+    const double b = side_a.dot(moment) / facing;
+    if (a < 0 || b < 0 || a + b > 1) return false;
+    hit = {distance, normal};
+    return false;
+  }
+};
 
 std::optional<Hit> hit(const Board& board, const Ray& ray) {
   const double distance = -ray.origin.z() / ray.direction.z();
@@ -32,19 +71,11 @@ std::optional<Hit> hit(const Sphere& sphere, const Ray& ray) {
 }
 
 std::optional<Hit> hit(const Box& box, const Ray& ray) {
-  double enter = -std::numeric_limits<double>::infinity();
-  double leave = std::numeric_limits<double>::infinity();
+  const Eigen::Array3d half = box.size / 2, direction = ray.direction;
+  const Eigen::Array3d a = (-half - ray.origin.array()) / direction;
+  const Eigen::Array3d b = (half - ray.origin.array()) / direction;
   int face = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double half = box.size(axis) / 2;
-    const double a = (-half - ray.origin(axis)) / ray.direction(axis);
-    const double b = (half - ray.origin(axis)) / ray.direction(axis);
-    if (std::min(a, b) > enter) {
-      enter = std::min(a, b);
-      face = axis;
-    }
-    leave = std::min(leave, std::max(a, b));
-  }
+  const double enter = a.min(b).maxCoeff(&face), leave = a.max(b).minCoeff();
   if (enter > leave || enter <= 0) return std::nullopt;
   return Hit{enter, Eigen::Vector3d::Unit(face)};
 }
@@ -109,6 +140,52 @@ Image<float> blurred(const Image<std::uint8_t>& picture, double deviation) {
 }
 
 }  // namespace
+
+struct MeshTree::Tree {
+  BoxTree boxes;
+};
+
+void append_surface(Mesh& mesh, int rows, int columns,
+                    const std::function<Eigen::Vector3d(double u, double v)>& point) {
+  const int first = static_cast<int>(mesh.vertices.size());
+  for (int row = 0; row <= rows; ++row) {
+    for (int column = 0; column <= columns; ++column) {
+      mesh.vertices.push_back(
+          point(static_cast<double>(column) / columns, static_cast<double>(row) / rows));
+    }
+  }
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const int corner = first + row * (columns + 1) + column;
+      const int below = corner + columns + 1;
+      mesh.triangles.push_back({corner, below, corner + 1});
+      mesh.triangles.push_back({corner + 1, below, below + 1});
+    }
+  }
+}
+
+MeshTree::MeshTree(Mesh mesh) : mesh_(std::move(mesh)) {
+  if (mesh_.triangles.empty()) throw Error("the mesh has no triangle");
+  std::vector<int> indices;
+  std::vector<Bounds> boxes;
+  for (const std::array<int, 3>& triangle : mesh_.triangles) {
+    Bounds& box = boxes.emplace_back();
+    for (const int corner : triangle) {
+      throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh_.vertices.size(),
+               "a triangle of the mesh names vertex {} of {}", corner, mesh_.vertices.size());
+      box.extend(mesh_.vertices[static_cast<std::size_t>(corner)]);
+    }
+    indices.push_back(static_cast<int>(indices.size()));
+  }
+  tree_ = std::make_shared<const Tree>(
+      Tree{BoxTree(indices.begin(), indices.end(), boxes.begin(), boxes.end())});
+}
+
+std::optional<Hit> MeshTree::first_hit(const Ray& ray) const {
+  NearestHit nearest{mesh_, ray};
+  Eigen::BVIntersect(tree_->boxes, nearest);
+  return std::isinf(nearest.hit.distance) ? std::nullopt : std::optional(nearest.hit);
+}
 
 Texture uniform_texture(double alpha) {
   return [alpha](const Eigen::Vector3d&) { return alpha; };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -13,14 +14,51 @@
 #include <Eigen/Geometry>
 
 #include "slipstream/base/image.h"
-#include "slipstream/simulate/mesh.h"
 
 namespace slipstream {
 
+/// The points origin + distance direction, distance > 0. Distances are in units of the direction,
+/// so that along a camera ray (u, v, 1) they are depths.
+struct Ray {
+  Eigen::Vector3d origin;
+  Eigen::Vector3d direction;
+};
+
+/// Where a ray meets a surface.
+struct Hit {
+  double distance = 0;
+  Eigen::Vector3d normal;  ///< of any length and sign
+};
+
+/// Triangles by the indices of their corners. Units and axes are its maker's.
+struct Mesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::array<int, 3>> triangles;
+};
+
+/// Adds the surface point(u, v), u and v in [0, 1], as `rows` x `columns` cells of two triangles.
+void append_surface(Mesh& mesh, int rows, int columns,
+                    const std::function<Eigen::Vector3d(double u, double v)>& point);
+
+/// A mesh that answers rays: its triangles in a tree of boxes.
+class MeshTree {
+ public:
+  /// Throws Error when there is no triangle or one names a vertex that is not there.
+  explicit MeshTree(Mesh mesh);
+
+  /// The first triangle that the ray meets, from either side; the normal is the triangle's.
+  [[nodiscard]] std::optional<Hit> first_hit(const Ray& ray) const;
+
+ private:
+  struct Tree;
+
+  Mesh mesh_;
+  std::shared_ptr<const Tree> tree_;
+};
+
 /// A flat sheet in the plane z = 0, centred on the origin; mm.
 struct Board {
-  double width = 0;
-  double height = 0;
+  double width = 0, height = 0;
 };
 
 /// Centred on the origin; mm.
@@ -44,10 +82,9 @@ Texture uniform_texture(double alpha);
 /// Dark and light veins between the two reflectivities, that repeat about every `scale` mm.
 Texture veined_texture(double darkest, double brightest, double scale);
 
-/// A grey picture in the plane z = 0, centred on the origin, its rows along X and its columns along
-/// Y: black is reflectivity `dark`, white and all about it `bright`. Each pixel is a square of
-/// `mm_per_pixel`. Edges are soft, as a lens sees them: the picture is blurred by a Gaussian of
-/// standard deviation `blur` mm, 0: not at all.
+/// A grey picture in the plane z = 0, centred on the origin, rows along X and columns along Y:
+/// black has reflectivity `dark`, white and the surroundings `bright`. Each pixel is a square of
+/// `mm_per_pixel`. Blurred by a Gaussian of standard deviation `blur` mm, 0: not at all.
 Texture picture_texture(const Image<std::uint8_t>& picture, double mm_per_pixel, double dark,
                         double bright, double blur = 0);
 
@@ -90,8 +127,8 @@ struct Body {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< own frame to camera frame
   Texture texture = uniform_texture(0.8);
   Shading shading = Shading::none;
-  /// Added to alpha where the surface mirrors the light into the camera, less the farther it turns
-  /// from there: times the cosine between its normal and the half way to the 30th power.
+  /// Added to alpha where the surface mirrors the light into the camera: times the 30th power of
+  /// the cosine between its normal and the direction half way.
   double gloss = 0;
   Motion motion{};
   bool fixed = false;  ///< stands still when what the scene is about is made to move
@@ -111,8 +148,7 @@ struct SurfacePoint {
 
 bool is_moving(const Scene& scene);
 
-/// Frames after which a scene that does nothing but turn stands as at first; none where it stands
-/// still or moves in another way too.
+/// Frames of a whole turn of a scene that does nothing but turn; none otherwise.
 std::optional<double> frames_of_a_turn(const Scene& scene);
 
 /// In the scene as it stands at `time`, in frames (0 at the first).

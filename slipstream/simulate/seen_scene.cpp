@@ -1,10 +1,7 @@
 #include "slipstream/simulate/seen_scene.h"
 
-#include <algorithm>
 #include <numeric>
-#include <optional>
 
-#include "slipstream/base/numbers.h"
 #include "slipstream/base/parallel_rows.h"
 #include "slipstream/simulate/named_scenes.h"
 
@@ -42,9 +39,8 @@ std::optional<Eigen::Vector2d> lighting_pixel(const Scanner& scanner, const Scen
   return pixel;
 }
 
-/// Ray `ray` of `rays` from the pixel's centre, pixels. In columns and in rows alike they are
-/// evenly spread, no two the same: a lattice of two numbers, one a step of about the golden
-/// section.
+/// From the pixel's centre, pixels. Rays are evenly spread in columns and in rows: a lattice by a
+/// step of about the golden section.
 Eigen::Vector2d ray_offset(int ray, int rays) {
   int step = std::max(1, static_cast<int>(std::lround(rays / std::numbers::phi)));
   while (std::gcd(step, rays) != 1) ++step;
@@ -66,23 +62,20 @@ struct Met {
   std::optional<LitSample> light{};
 };
 
-class Onlooker {
- public:
-  Onlooker(const Scanner& scanner, const Scene& scene, const Photometry& photometry, double time)
-      : scanner_(scanner),
-        scene_(scene),
-        physics_(photometry.physics),
-        rays_(photometry.rays),
-        time_(time),
-        projector_centre_(projector_centre(scanner)),
-        working_place_(working_volume(scanner).centre),
-        projector_distance_((working_place_ - projector_centre_).norm()),
-        bright_distance_(projector_distance_ - working_volume(scanner).extent / 4) {}
-
-  [[nodiscard]] int rays() const { return rays_; }
+struct Onlooker {
+  const Scanner& scanner;
+  const Scene& scene;
+  const Photometry& photometry;
+  double time = 0;
+  const Physics& physics = photometry.physics;
+  Vector light = projector_centre(scanner);
+  Vector working_place = working_volume(scanner).centre;
+  double working_distance = (working_place - light).norm();  ///< from the projector
+  /// At which the light is what patterns say.
+  double bright_distance = working_distance - working_volume(scanner).extent / 4;
 
   [[nodiscard]] std::optional<Met> along(const Eigen::Vector2d& pixel) const {
-    const Vector direction = ray_through(scanner_.camera, pixel + residue(pixel));
+    const Vector direction = ray_through(scanner.camera, pixel + residue(pixel));
     if (!direction.allFinite()) return std::nullopt;
     return met({Vector::Zero(), direction}, time_of(pixel));
   }
@@ -92,75 +85,63 @@ class Onlooker {
                    std::vector<LitSample>& samples) const {
     const auto key = static_cast<std::uint64_t>(pixel.y() * 65536 + pixel.x());
     const double turn = uniform(key);
-    for (int i = 0; i < physics_.bounces; ++i) {
-      const double u = (i + 0.5) / physics_.bounces;
+    for (int i = 0; i < physics.bounces; ++i) {
+      const double u = (i + 0.5) / physics.bounces;
       const Vector direction = diffuse_direction(from.normal, u, turn + i / std::numbers::phi);
       const Ray ray{from.point + 1e-4 * from.normal, direction};
       const std::optional<Met> other = met(ray, time_of(pixel));
       if (!other || !other->light) continue;
       samples.push_back(*other->light);
-      samples.back().strength *= from.alpha / physics_.bounces;
+      samples.back().strength *= from.alpha / physics.bounces;
     }
   }
 
   /// Of the camera, pixels.
   [[nodiscard]] double blur(double depth) const {
-    return physics_.camera.at(std::isnan(depth) ? 1 : depth / working_place_.z());
+    return physics.camera.at(std::isnan(depth) ? 1 : depth / working_place.z());
   }
 
- private:
   [[nodiscard]] double time_of(const Eigen::Vector2d& pixel) const {
-    const double rolled = shutter_rolls * pixel.y() / scanner_.camera.size.height;
-    return physics_.rolling_shutter ? time_ + rolled : time_;
+    const double rolled = shutter_rolls * pixel.y() / scanner.camera.size.height;
+    return physics.rolling_shutter ? time + rolled : time;
   }
 
   /// A smooth field that no polynomial of a lens follows.
   [[nodiscard]] Eigen::Vector2d residue(const Eigen::Vector2d& pixel) const {
-    if (physics_.lens_residue == 0) return Eigen::Vector2d::Zero();
-    const double u = 12 * pixel.x() / scanner_.camera.size.width;
-    const double v = 12 * pixel.y() / scanner_.camera.size.width;
-    return physics_.lens_residue * Eigen::Vector2d(std::sin(u + std::cos(v)), std::cos(v - u));
+    if (physics.lens_residue == 0) return Eigen::Vector2d::Zero();
+    const double u = 12 * pixel.x() / scanner.camera.size.width;
+    const double v = 12 * pixel.y() / scanner.camera.size.width;
+    return physics.lens_residue * Eigen::Vector2d(std::sin(u + std::cos(v)), std::cos(v - u));
   }
 
   /// Seen from where the ray comes from.
   [[nodiscard]] double reflectivity(const SurfacePoint& surface, const Vector& eye) const {
     constexpr double sharpness = 30;
-    const Vector to_light = (projector_centre_ - surface.point).normalized();
+    const Vector to_light = (light - surface.point).normalized();
     double alpha = surface.alpha;
     if (surface.shading == Shading::lambertian) {
       alpha *= std::max(0.0, surface.normal.dot(to_light));
     }
     const Vector half_way = (to_light + (eye - surface.point).normalized()).normalized();
     return std::clamp(alpha, 0.0, 1.0) +
-           (surface.gloss + physics_.gloss) *
+           (surface.gloss + physics.gloss) *
                std::pow(std::max(0.0, surface.normal.dot(half_way)), sharpness);
   }
 
   [[nodiscard]] std::optional<Met> met(const Ray& ray, double time) const {
-    const std::optional<SurfacePoint> surface = first_surface(scene_, ray, time);
+    const std::optional<SurfacePoint> surface = first_surface(scene, ray, time);
     if (!surface) return std::nullopt;
-    const double distance = (surface->point - projector_centre_).norm();
+    const double distance = (surface->point - light).norm();
     Met result{*surface, reflectivity(*surface, ray.origin)};
-    const double share = physics_.fall_off ? std::pow(bright_distance_ / distance, 2) : 1;
-    if (const auto pixel = lighting_pixel(scanner_, scene_, *surface, time)) {
-      const double lens_loss =
-          1 - physics_.vignetting * off_centre(*pixel, scanner_.projector.size);
+    const double share = physics.fall_off ? std::pow(bright_distance / distance, 2) : 1;
+    if (const auto pixel = lighting_pixel(scanner, scene, *surface, time)) {
+      const double lens_loss = 1 - physics.vignetting * off_centre(*pixel, scanner.projector.size);
       result.light = {*pixel, share * lens_loss * result.reflectivity,
-                      physics_.projector.at(distance / projector_distance_),
-                      physics_.translucency * scanner_.projector.intrinsic(0, 0) / distance};
+                      physics.projector.at(distance / working_distance),
+                      physics.translucency * scanner.projector.intrinsic(0, 0) / distance};
     }
     return result;
   }
-
-  const Scanner& scanner_;
-  const Scene& scene_;
-  const Physics& physics_;
-  int rays_;
-  double time_;
-  Vector projector_centre_;
-  Vector working_place_;
-  double projector_distance_;  // to the working place
-  double bright_distance_;     // of the light that patterns say
 };
 
 /// What the rays through the pixels' centres meet.
@@ -168,15 +149,15 @@ struct MetByCentres {
   Size size;
   std::vector<std::optional<Met>> met;
 
-  [[nodiscard]] const std::optional<Met>& at(int column, int row) const {
+  /// The nearest in the picture.
+  [[nodiscard]] std::optional<Met>& at(int column, int row) {
     const int x = std::clamp(column, 0, size.width - 1), y = std::clamp(row, 0, size.height - 1);
-    return met[static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
-               static_cast<std::size_t>(x)];
+    return met[static_cast<std::size_t>(y * size.width + x)];
   }
 };
 
 /// Whether what a pixel and its neighbours see is one even surface under one even light.
-bool is_even(const MetByCentres& met, int column, int row) {
+bool is_even(MetByCentres& met, int column, int row) {
   constexpr double bend = 2e-4;  // of the depth, from pixel to pixel
   constexpr double contrast = 0.02;
   const std::optional<Met>& here = met.at(column, row);
@@ -201,32 +182,26 @@ bool is_even(const MetByCentres& met, int column, int row) {
 void add_mean_of_rays(const Onlooker& onlooker, const Eigen::Vector2d& pixel, double& albedo,
                       std::vector<LitSample>& samples) {
   albedo = 0;
-  for (int ray = 0; ray < onlooker.rays(); ++ray) {
-    const auto met = onlooker.along(pixel + ray_offset(ray, onlooker.rays()));
+  for (int ray = 0; ray < onlooker.photometry.rays; ++ray) {
+    const auto met = onlooker.along(pixel + ray_offset(ray, onlooker.photometry.rays));
     if (!met) continue;
-    albedo += met->reflectivity / onlooker.rays();
+    albedo += met->reflectivity / onlooker.photometry.rays;
     if (!met->light) continue;
     samples.push_back(*met->light);
-    samples.back().strength /= onlooker.rays();
+    samples.back().strength /= onlooker.photometry.rays;
   }
 }
 
 MetByCentres meet(const Onlooker& onlooker, Size size) {
-  const auto width = static_cast<std::size_t>(size.width);
   MetByCentres centres{
-      size, std::vector<std::optional<Met>>(width * static_cast<std::size_t>(size.height))};
-  for_each_row(size.height, [&](int row) {
-    const std::size_t first = static_cast<std::size_t>(row) * width;
-    for (int column = 0; column < size.width; ++column) {
-      centres.met[first + static_cast<std::size_t>(column)] =
-          onlooker.along(Eigen::Vector2d(column, row));
-    }
+      size, std::vector<std::optional<Met>>(static_cast<std::size_t>(size.width * size.height))};
+  for_each_pixel(size, [&](int column, int row) {
+    centres.at(column, row) = onlooker.along(Eigen::Vector2d(column, row));
   });
   return centres;
 }
 
-/// Convolved along one direction with a Gaussian that differs from pixel to pixel, of standard
-/// deviation `deviation`.
+/// Convolved along one direction with a Gaussian, whose `deviation` differs from pixel to pixel.
 Image<double> blurred(const Image<double>& picture, const Image<double>& deviation, int right,
                       int down) {
   Image<double> result(picture.size());
@@ -248,21 +223,11 @@ Image<double> blurred(const Image<double>& picture, const Image<double>& deviati
 
 }  // namespace
 
-SeenScene::SeenScene(Size size)
-    : depth(size, nan),
-      reflectivity(size, 0),
-      albedo(size, 0),
-      blur(size, 0),
-      lit_column(size, nan),
-      lit_row(size, nan),
-      samples(static_cast<std::size_t>(size.height)),
-      sample_count(size, 0) {}
-
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time) {
   const Size size = scanner.camera.size;
-  const Onlooker onlooker(scanner, scene, photometry, time);
-  const MetByCentres met = meet(onlooker, size);
+  const Onlooker onlooker{scanner, scene, photometry, time};
+  MetByCentres met = meet(onlooker, size);
   SeenScene seen(size);
   for_each_row(size.height, [&](int row) {
     std::vector<LitSample>& samples = seen.samples[static_cast<std::size_t>(row)];

@@ -1,24 +1,12 @@
 #pragma once
 
-#include <cmath>
-#include <cstdint>
-#include <functional>
-#include <numbers>
-#include <vector>
-
-#include <Eigen/Core>
-
-#include "slipstream/base/image.h"
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/frames/frame_set.h"
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/scene.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {
 
-// Random numbers that are functions of their arguments alone, so that frames do not depend on the
-// order in which threads render them.
+// Random numbers are functions of their arguments alone, so that frames do not depend on the order
+// in which threads render them.
 
 /// A well-mixed 64-bit number for each counter (the finaliser of SplitMix64).
 constexpr std::uint64_t mixed(std::uint64_t counter) {
@@ -48,25 +36,30 @@ struct LitSample {
   double spread = 0;    ///< of half of the light within the surface, likewise
 };
 
-/// What the camera's pixels see of a scene as it stands at one time: all that frames of any
-/// patterns, with any noise, are made of.
+/// What the camera's pixels see of a scene at one time, for frames of any patterns and noise.
 struct SeenScene {
-  explicit SeenScene(Size size);
+  explicit SeenScene(Size size)
+      : depth(size, nan),
+        reflectivity(size),
+        albedo(size),
+        blur(size),
+        lit_column(size, nan),
+        lit_row(size, nan),
+        samples(static_cast<std::size_t>(size.height)),
+        sample_count(size) {}
 
   Image<double> depth;         ///< at the pixels' centres, mm; NaN where there is no surface
   Image<double> reflectivity;  ///< alpha there, shading and gloss included; 0: no surface
   Image<double> albedo;        ///< mean alpha of a pixel, for ambient light
   Image<double> blur;          ///< standard deviation of the camera's Gaussian, pixels
   /// The projector's pixel that lights a pixel's centre; NaN in shadow and outside the field.
-  Image<double> lit_column;
-  Image<double> lit_row;
+  Image<double> lit_column, lit_row;
   std::vector<std::vector<LitSample>> samples;  ///< of each row's pixels, one after the other
-  Image<int> sample_count;                      ///< how many of them are a pixel's
+  Image<int> sample_count;                      ///< of each pixel
 };
 
-/// `time`: in frames, 0 at the first; of the first row where the shutter rolls. Where the surface
-/// is even a pixel sees what its centre does; at edges it is the mean of as many rays as the
-/// photometry says.
+/// `time`: in frames, 0 at the first; of the first row where the shutter rolls. On even surfaces a
+/// pixel sees what its centre does, at edges the mean of as many rays as the photometry says.
 SeenScene look(const Scanner& scanner, const Scene& scene, const Photometry& photometry,
                double time);
 
@@ -84,17 +77,16 @@ double responded(double intensity, const Photometry& photometry);
 /// The light of a picture that fills the projector's field: even over each pixel, blurred.
 ProjectedLight light_of_picture(const Image<std::uint8_t>& picture, const Photometry& photometry);
 
-/// The light of pattern n from a projector of that size, for the samples of `seen`: exact, or where
-/// physics say so by pixels of 256 levels, blurred; of binary patterns, and of those with a carrier
-/// where anything is blurred, that of their pictures.
+/// The light of pattern n for the samples of `seen`: exact, or where physics say so by pixels of
+/// 256 levels, blurred; that of its picture for binary patterns, and with a carrier where it is
+/// blurred.
 ProjectedLight projected_light(const PatternSet& patterns, int n, Size projector,
                                const Photometry& photometry, const SeenScene& seen);
 
-/// What the sensor makes of frame n, grey levels of 8 bits: noise as the photometry says, the same
-/// for the same seed.
+/// Adds the sensor's noise to frame n, grey levels of 8 bits; the same for the same seed.
 void add_noise(Image<double>& frame, int n, const Photometry& photometry);
 
-/// The frames rounded and clipped to `bits`; as they are where there are none.
+/// The frames rounded and clipped to `bits`; unchanged without.
 FrameSet digitised(std::vector<Image<double>> exposures, std::optional<int> bits);
 
 }  // namespace slipstream

@@ -1,21 +1,28 @@
 #include "slipstream/simulate/virtual_camera.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <thread>
-#include <utility>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
 
-/// What time it is in the scene at a frame of a loop in which time goes evenly to and fro.
-double time_to_and_fro(int frame, int loop) {
-  return loop / 4.0 - std::abs(frame - loop / 2.0);
+/// Share of the way from one pose to another.
+Eigen::Isometry3d between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to,
+                          double share) {
+  const Eigen::Quaterniond turn(from.linear()), end(to.linear());
+  return Eigen::Translation3d((1 - share) * from.translation() + share * to.translation()) *
+         turn.slerp(share, end);
+}
+
+/// Each pattern alone, in the order in which they are shown.
+std::vector<PatternSet> cycle_of(const std::vector<PatternSet>& sets) {
+  std::vector<PatternSet> cycle;
+  for (const PatternSet& set : sets) {
+    for (int n = 0; n < set.count; ++n) cycle.push_back(pattern_alone(set, n));
+  }
+  return cycle;
 }
 
 /// The picture's grey level at a place between its pixels.
@@ -46,8 +53,8 @@ Frame first_frame(const FrameSet& exposed) {
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   const PatternSet& patterns, const Photometry& photometry,
                                   int cycles) {
-  if (cycles < 1) throw Error(fmt::format("{} cycles of patterns; 1 or more", cycles));
-  if (!photometry.bits) throw Error("a virtual camera has 8 to 16 bits; none are given");
+  throw_if(cycles < 1, "{} cycles of patterns; 1 or more", cycles);
+  throw_if(!photometry.bits, "a virtual camera has 8 to 16 bits; none are given");
   const bool moving = is_moving(scene);
   const int count = patterns.count * cycles;
   const std::optional<double> turn = frames_of_a_turn(scene);
@@ -62,7 +69,8 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
     if (seen) {
       frame = first_frame(take_again(*seen, pattern, light));
     } else {
-      const double time = round ? n : time_to_and_fro(n, count);
+      // Evenly round, or to and fro.
+      const double time = round ? n : count / 4.0 - std::abs(n - count / 2.0);
       seen = take_scan(scanner, scene, pattern, light, time);
       frame = first_frame(seen->frames);
     }
@@ -78,13 +86,46 @@ std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
   return frames;
 }
 
+Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen::Isometry3d>& poses,
+                 const std::vector<PatternSet>& sets, int still_cycles,
+                 const std::function<void()>& rendered) {
+  throw_if(poses.empty() || sets.empty() || still_cycles < 1,
+           "a board that is moved needs a pose, a set of patterns and a cycle at least");
+  const std::vector<PatternSet> cycle = cycle_of(sets);
+  Photometry photometry = world.photometry;
+  photometry.rays = 1;  // what is printed on a sheet has soft edges of its own
+  Reel reel;
+  const auto expose = [&](const PatternSet& patterns) {
+    std::vector<Frame> seen = virtual_frames(world.scanner, {sheet}, patterns, photometry, 1);
+    photometry.seed += seen.size();
+    reel.frames.insert(reel.frames.end(), std::make_move_iterator(seen.begin()),
+                       std::make_move_iterator(seen.end()));
+  };
+  for (std::size_t p = 0; p < poses.size(); ++p) {
+    const std::size_t first = reel.frames.size();
+    reel.enough = reel.order.size() + cycle.size();  // who takes a pose sees a cycle of it
+    sheet.pose = poses[p];
+    for (const PatternSet& set : sets) expose(set);
+    for (std::size_t k = 0; k < cycle.size() * static_cast<std::size_t>(still_cycles); ++k) {
+      reel.order.push_back(first + k % cycle.size());
+    }
+    for (std::size_t k = 0; k < cycle.size(); ++k) {
+      const double share = static_cast<double>(k + 1) / static_cast<double>(cycle.size() + 1);
+      sheet.pose = between(poses[p], poses[(p + 1) % poses.size()], share);
+      reel.order.push_back(reel.frames.size());
+      expose(cycle[k]);
+    }
+    rendered();
+  }
+  return reel;
+}
+
 VirtualCamera::VirtualCamera(std::vector<Frame> loop, std::optional<double> rate)
     : loop_(std::move(loop)), rate_(rate) {
   if (loop_.empty()) throw Error("a virtual camera without frames; at least one is wanted");
   for (const Frame& frame : loop_) {
-    if (frame.format() != loop_.front().format()) {
-      throw Error("a virtual camera with frames of several sizes or bits; all must be the same");
-    }
+    throw_if(frame.format() != loop_.front().format(),
+             "a virtual camera with frames of several sizes or bits; all must be the same");
   }
   if (rate_ && !(*rate_ > 0 && std::isfinite(*rate_))) {
     throw Error(fmt::format("frame rate {} Hz is out of range; above 0", *rate_));
@@ -129,16 +170,12 @@ Arrival VirtualCamera::next(Frame& frame, std::chrono::milliseconds timeout) {
   return Arrival::frame;
 }
 
-SourceCounters VirtualCamera::counters() const {
-  return {.delivered = delivered_, .lost = lost_};
-}
-
 VirtualRig::VirtualRig(Scanner scanner, Scene scene, const Photometry& photometry)
     : scanner_(std::move(scanner)),
       scene_(std::move(scene)),
       photometry_(photometry),
       seen_(scanner_.camera.size) {
-  if (!photometry.bits) throw Error("a virtual camera has 8 to 16 bits; none are given");
+  throw_if(!photometry.bits, "a virtual camera has 8 to 16 bits; none are given");
   require_valid(scanner_);
   require_valid(photometry_);
   seen_ = look(scanner_, scene_, photometry_, 0);

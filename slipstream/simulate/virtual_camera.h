@@ -2,46 +2,46 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <string>
-#include <vector>
 
-#include "slipstream/codes/pattern_set.h"
-#include "slipstream/frames/frame_set.h"
 #include "slipstream/frames/frame_source.h"
-#include "slipstream/frames/pattern_sink.h"
 #include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/seen_scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
+#include "slipstream/simulate/virtual_world.h"
 
 namespace slipstream {
 
-/// What a camera sees while the patterns are shown `cycles` times over, one after the other, ready
-/// to be shown again from the start: the bodies move frame by frame, through the place where they
-/// stand at time 0, to and fro; round and round where they only turn and the frames are those of a
-/// whole turn, but for half a cycle. Each frame has noise of its own. Sequence and pattern
-/// index of the stamps are set. Throws Error where cycles are not 1 or more, the photometry says no
-/// bits, or as take_scan.
+/// The frames of a camera while the patterns are shown `cycles` times, ready to be repeated: bodies
+/// move from frame to frame, to and fro through where they stand at time 0; round and round where
+/// they only turn and the frames last a whole turn, to half a cycle. Each frame has noise of its
+/// own. Sets sequence and pattern index of the stamps. Throws Error for less than one cycle or a
+/// photometry without bits, and as take_scan.
 std::vector<Frame> virtual_frames(const Scanner& scanner, const Scene& scene,
                                   const PatternSet& patterns, const Photometry& photometry,
                                   int cycles);
 
-/// The first frame of a set, as a camera gives it; black where the set is unquantised.
+/// What a camera sees of a sheet that is held still for `still_cycles` in each pose and moved on
+/// within one, the last pose followed by the first, while a projector repeats the patterns of all
+/// sets. Of the last pose one cycle is enough. Each frame of a pose is rendered once; `rendered` is
+/// called after each pose. Throws Error for less than one pose or cycle, and as virtual_frames.
+Reel moved_board(const VirtualWorld& world, Body sheet, const std::vector<Eigen::Isometry3d>& poses,
+                 const std::vector<PatternSet>& sets, int still_cycles,
+                 const std::function<void()>& rendered);
+
+/// The first frame of a set; black where the set is unquantised.
 Frame first_frame(const FrameSet& exposed);
 
-/// A camera that gives frames from memory over and over, without end, and counts them as a real
-/// one does.
+/// Repeats frames from memory without end, and counts them as a real camera does.
 class VirtualCamera : public FrameSource {
  public:
-  /// Frames that wait in a camera of its own pace until they are fetched; then the oldest is lost.
+  /// Frames that a camera of its own pace keeps until they are fetched; then it loses the oldest.
   static constexpr int waiting_frames = 8;
 
-  /// `loop`: of one format, each with the pattern index that its stamp says. `rate`: Hz; without
-  /// one frames come as fast as they are asked for. Throws Error where there are no frames, their
-  /// formats differ or the rate is not positive.
+  /// `loop`: frames of one format, which keep the pattern index of their stamps. `rate`: Hz;
+  /// without one frames come as fast as they are asked for. Throws Error where there are no frames,
+  /// their formats differ or the rate is not positive.
   explicit VirtualCamera(std::vector<Frame> loop, std::optional<double> rate = std::nullopt);
 
   [[nodiscard]] FrameFormat format() const override { return loop_.front().format(); }
@@ -49,7 +49,9 @@ class VirtualCamera : public FrameSource {
   void start() override;
   Arrival next(Frame& frame, std::chrono::milliseconds timeout) override;
   void stop() override {}
-  [[nodiscard]] SourceCounters counters() const override;
+  [[nodiscard]] SourceCounters counters() const override {
+    return {.delivered = delivered_, .lost = lost_};
+  }
   [[nodiscard]] std::string state() const override { return {}; }
 
  private:
@@ -63,8 +65,7 @@ class VirtualCamera : public FrameSource {
   std::optional<double> rate_;
   Clock::time_point start_;
   std::uint64_t sequence_ = 0;
-  std::atomic<std::uint64_t> delivered_ = 0;
-  std::atomic<std::uint64_t> lost_ = 0;
+  std::atomic<std::uint64_t> delivered_ = 0, lost_ = 0;
 };
 
 /// A projector and a camera before a scene, in this machine: a world that answers patterns with
@@ -74,9 +75,9 @@ class VirtualCamera : public FrameSource {
 ///   rig.show(n);
 ///   rig.next(frame, timeout);  // the scene under pattern n, with noise of its own
 ///
-/// Where physics do not say that the projector has pixels, the light goes from the centre of one to
-/// the next evenly, whatever its blur.
-/// Bodies go on by their `motion` from each frame to the next, still while a frame is exposed.
+/// Unless physics say that the projector has pixels, light goes evenly from the centre of one to
+/// the next, without blur. Bodies go on by their `motion` from frame to frame, still in each
+/// exposure.
 class VirtualRig : public PatternSink, public FrameSource {
  public:
   /// Throws Error where the scanner or the photometry is not valid or says no bits.

@@ -1,10 +1,6 @@
 #include "slipstream/simulate/virtual_files.h"
 
-#include <utility>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/io/cloud_file.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"
@@ -20,21 +16,16 @@ Mesh read_mesh(const std::filesystem::path& path) {
   StoredPoints stored = read_points(path);
   Mesh mesh{.vertices = {}, .triangles = std::move(stored.triangles)};
   for (const auto& point : stored.points) mesh.vertices.emplace_back(point.x, point.y, point.z);
-  if (mesh.triangles.empty()) {
-    throw Error(fmt::format("{}: no triangle could be read; a whole PLY or OBJ mesh is wanted",
-                            path.string()));
-  }
+  throw_if(mesh.triangles.empty(),
+           "{}: no triangle could be read; a whole PLY or OBJ mesh is wanted", path.string());
+  const std::string name = path.string();
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
-    if (!vertex.allFinite()) {
-      throw Error(fmt::format("{}: a vertex is not finite", path.string()));
-    }
+    throw_if(!vertex.allFinite(), "{}: a vertex is not finite", name);
   }
   for (const auto& triangle : mesh.triangles) {
     for (const int corner : triangle) {
-      if (corner < 0 || static_cast<std::size_t>(corner) >= mesh.vertices.size()) {
-        throw Error(fmt::format("{}: a triangle names vertex {} of {}", path.string(), corner,
-                                mesh.vertices.size()));
-      }
+      throw_if(corner < 0 || static_cast<std::size_t>(corner) >= mesh.vertices.size(),
+               "{}: a triangle names vertex {} of {}", name, corner, mesh.vertices.size());
     }
   }
   return mesh;

@@ -1,18 +1,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 
-#include <algorithm>
-#include <cstddef>
-#include <numbers>
-#include <type_traits>
-#include <utility>
-#include <variant>
-#include <vector>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
 #include "slipstream/base/parallel_rows.h"
-#include "slipstream/codes/pattern_set.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/simulate/seen_scene.h"
 
 namespace slipstream {
@@ -78,13 +67,6 @@ std::vector<SeenScene> looks(const Scanner& scanner, const Scene& scene,
     seen.push_back(look(scanner, scene, photometry, time + later));
   }
   return seen;
-}
-
-Image<double> coordinate_of(const SeenScene& seen, Axis axis, Size projector) {
-  Image<double> coordinate = axis == Axis::x ? seen.lit_column : seen.lit_row;
-  const int length = length_along(axis, projector);
-  for (double& position : coordinate) position /= length;
-  return coordinate;
 }
 
 }  // namespace
@@ -161,9 +143,11 @@ VirtualScan take_scan(const Scanner& scanner, const Scene& scene, const PatternS
   const double middle = time + 0.5 * (patterns.count - 1 + exposure);
   const SeenScene truth =
       middle > time && is_moving(scene) ? look(scanner, scene, photometry, middle) : *first;
+  Image<double> coordinate = patterns.axis == Axis::x ? truth.lit_column : truth.lit_row;
+  for (double& position : coordinate) position /= length_along(patterns.axis, projector);
   return {digitised(std::move(exposures), photometry.bits),
           truth.depth,
-          coordinate_of(truth, patterns.axis, projector),
+          std::move(coordinate),
           truth.reflectivity,
           first,
           projector};
@@ -184,10 +168,8 @@ FrameSet take_again(const VirtualScan& scan, const PatternSet& patterns,
 
 VirtualScan take_colour_scan(const Scanner& scanner, const Scene& scene, const PatternSet& patterns,
                              const Photometry& photometry, const ColourDevices& devices) {
-  if (patterns.count % static_cast<int>(channels) != 0) {
-    throw Error(
-        fmt::format("{} patterns do not make whole pictures of three in colour", patterns.count));
-  }
+  throw_if(patterns.count % static_cast<int>(channels) != 0,
+           "{} patterns do not make whole pictures of three in colour", patterns.count);
   if (is_moving(scene)) throw Error("a scene in colour stands still");
   require_in_range(devices.paint >= 0 && devices.paint <= 1, "paint", devices.paint, "0 to 1");
   Photometry light = photometry;

@@ -1,17 +1,12 @@
 #include "slipstream/simulate/virtual_world.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "slipstream/base/did_you_mean.h"
 #include "slipstream/base/error.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_files.h"
 
 namespace slipstream {
 namespace {
@@ -96,17 +91,26 @@ constexpr std::array effects{
     Effect{"bent-board", take<&Physics::board_bend>},
     Effect{"stretched-board", take<&Physics::board_stretch>}};
 
-constexpr std::array<std::pair<std::string_view, Photometry (*)()>, 3> worlds{
-    {{"ideal", ideal}, {"bench", bench}, {"harsh", harsh}}};
+struct World {
+  std::string_view name;
+  Photometry (*photometry)();
+};
 
-template <class Entries, class NameOf>
-const auto& entry_named(const Entries& entries, std::string_view name, std::string_view kind,
-                        const NameOf& name_of) {
-  const auto found = std::find_if(entries.begin(), entries.end(),
-                                  [&](const auto& entry) { return name_of(entry) == name; });
-  if (found != entries.end()) return *found;
+constexpr std::array worlds{World{"ideal", ideal}, World{"bench", bench}, World{"harsh", harsh}};
+
+template <class Entries>
+std::vector<std::string_view> names_of(const Entries& entries) {
   std::vector<std::string_view> names;
-  for (const auto& entry : entries) names.push_back(name_of(entry));
+  for (const auto& entry : entries) names.push_back(entry.name);
+  return names;
+}
+
+template <class Entries>
+const auto& entry_named(const Entries& entries, std::string_view name, std::string_view kind) {
+  for (const auto& entry : entries) {
+    if (entry.name == name) return entry;
+  }
+  const std::vector<std::string_view> names = names_of(entries);
   throw Error(fmt::format("{} '{}' is not known; it is one of: {}{}", kind, name,
                           fmt::join(names, ", "), did_you_mean(name, names)));
 }
@@ -134,15 +138,11 @@ Scanner as_calibrated(const VirtualWorld& world) {
 }
 
 std::vector<std::string_view> world_names() {
-  std::vector<std::string_view> names;
-  for (const auto& [name, photometry] : worlds) names.push_back(name);
-  return names;
+  return names_of(worlds);
 }
 
 std::vector<std::string_view> effect_names() {
-  std::vector<std::string_view> names;
-  for (const Effect& effect : effects) names.push_back(effect.name);
-  return names;
+  return names_of(effects);
 }
 
 Photometry photometry_named(std::string_view text) {
@@ -151,16 +151,12 @@ Photometry photometry_named(std::string_view text) {
     text.remove_prefix(std::min(text.size(), name.size() + 1));
     return name;
   };
-  Photometry photometry = entry_named(worlds, next_name(), "world", [](const auto& world) {
-                            return world.first;
-                          }).second();
+  Photometry photometry = entry_named(worlds, next_name(), "world").photometry();
   while (!text.empty()) {
     std::string_view name = next_name();
     const bool out = name.starts_with("no-");
     if (out) name.remove_prefix(3);
-    entry_named(effects, name, "effect", [](const Effect& effect) {
-      return effect.name;
-    }).take(photometry, out ? ideal() : harsh());
+    entry_named(effects, name, "effect").take(photometry, out ? ideal() : harsh());
   }
   return photometry;
 }
@@ -197,6 +193,33 @@ VirtualWorld seen_from_second(const VirtualWorld& first) {
   second.scene = seen_from_second(first.scene, first.scanner, second.scanner);
   second.photometry.seed = ~first.photometry.seed;
   return second;
+}
+
+VirtualWorld virtual_world(const WorldSettings& settings) {
+  VirtualWorld world{
+      .scanner = settings.scanner ? *settings.scanner : example_scanner(settings.camera),
+      .photometry = photometry_named(settings.world)};
+  Photometry& photometry = world.photometry;
+  photometry.ambient = settings.ambient.value_or(photometry.ambient);
+  photometry.response = settings.response.value_or(photometry.response);
+  photometry.rays = settings.rays.value_or(photometry.rays);
+  photometry.bits = settings.bits;
+  photometry.seed = settings.seed;
+  if (settings.noise_variance) {
+    photometry.noise_variance = *settings.noise_variance;
+    photometry.physics.full_well = photometry.physics.row_noise = 0;
+  }
+  world.scene = settings.mesh
+                    ? scene_with_mesh(read_mesh(*settings.mesh), world.scanner, settings.mesh_size)
+                    : scene_named(settings.scene, world.scanner);
+  Motion motion = settings.motion;
+  motion.centre = working_volume(world.scanner).centre;
+  for (Body& body : world.scene) {
+    if (settings.reflectivity) body.texture = uniform_texture(*settings.reflectivity);
+    body.pose.pretranslate(settings.shift);
+    if (!body.fixed) body.motion = motion;
+  }
+  return world;
 }
 
 }  // namespace slipstream

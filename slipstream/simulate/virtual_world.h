@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
 #include <string_view>
-#include <vector>
 
-#include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/scene.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
 namespace slipstream {
@@ -17,7 +18,7 @@ struct VirtualWorld {
 };
 
 /// The world's scanner with what a calibration of light and sensor would find, rounding included,
-/// and the depths that boards before it cover.
+/// and the depths that boards cover.
 Scanner as_calibrated(const VirtualWorld& world);
 
 /// "ideal", "bench", "harsh".
@@ -34,15 +35,35 @@ std::vector<std::string_view> effect_names();
 /// "harsh,no-gloss". Throws Error for a name that is none of these.
 Photometry photometry_named(std::string_view text);
 
-/// A second camera like the scanner's, beyond its projector and turned to the same place, with the
-/// same projector: the scanner that the two make.
+/// The same projector with a second camera like the first, beyond it and turned to the same place.
 Scanner second_scanner(const Scanner& first);
 
-/// A scene in the first camera's frame as it stands in the second's. Both scanners have one
-/// projector.
+/// A scene in the first camera's frame in that of the second, which shares its projector.
 Scene seen_from_second(const Scene& scene, const Scanner& first, const Scanner& second);
 
 /// The world as a second camera of the same light sees it, with noise of its own.
 VirtualWorld seen_from_second(const VirtualWorld& first);
+
+/// A virtual world by names and numbers, as flags and keywords say it.
+struct WorldSettings {
+  std::string scene = "statue";
+  std::optional<std::filesystem::path> mesh{};  ///< in place of the scene, see scene_with_mesh
+  double mesh_size = 0;
+  std::optional<double> reflectivity{};             ///< of every surface
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< of every body, mm
+  Motion motion{};                                  ///< of all that moves, about its own centre
+  std::optional<Scanner> scanner{};                 ///< else the example with a camera of that size
+  Size camera{640, 480};
+  std::string world = "bench";
+  // In place of what that world has:
+  std::optional<double> ambient{}, noise_variance{};
+  std::optional<Response> response{};
+  std::optional<int> rays{};
+  std::optional<int> bits = 8;
+  std::uint64_t seed = 1;
+};
+
+/// Throws Error for a name that is not known and a mesh that cannot be read.
+VirtualWorld virtual_world(const WorldSettings& settings);
 
 }  // namespace slipstream

@@ -1,7 +1,5 @@
 // The least change of the steps that makes every way around close, a flow of least cost between
 // residues: Costantini, IEEE Transactions on Geoscience and Remote Sensing 36 (1998).
-#include <algorithm>
-#include <vector>
 
 #include <lemon/bucket_heap.h>
 #include <lemon/maps.h>
@@ -11,10 +9,9 @@
 namespace slipstream {
 namespace {
 
-/// The corners of pixels, between which steps are changed by way of the edges.
-///
-/// Each unit goes by the cheapest path there is left (successive shortest paths): residues are few
-/// and near each other, so that a search ends soon, where a network of all edges has to be built.
+/// The corners of pixels, between which steps are changed by way of the edges. Each unit goes by
+/// the cheapest path left (successive shortest paths): residues are few and near each other, so
+/// that a search ends soon, where a network of all edges has to be built.
 class CornerFlow {
  public:
   CornerFlow(const WrappedCycles& wrapped, EdgeSteps& steps)
@@ -84,13 +81,11 @@ class CornerFlow {
     PhaseGroups groups(residues_.pixel_count());
     for (int x = 0; x < width; ++x) groups.join(x, x + 1, 0);
     for (int y = 0; y < height; ++y) groups.join(y * wide_, (y + 1) * wide_, 0);
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        const int after = (y + 1) * wide_ + x + 1;  // the corner below and to the right
-        if (steps_.right(x, y) == EdgeSteps::closed) groups.join(after, after - wide_, 0);
-        if (steps_.down(x, y) == EdgeSteps::closed) groups.join(after, after - 1, 0);
-      }
-    }
+    for_each_pixel_in_order(size_, [&](int x, int y) {
+      const int after = (y + 1) * wide_ + x + 1;  // the corner below and to the right
+      if (steps_.right(x, y) == EdgeSteps::closed) groups.join(after, after - wide_, 0);
+      if (steps_.down(x, y) == EdgeSteps::closed) groups.join(after, after - 1, 0);
+    });
     nodes_.resize(residues_.pixel_count());
     others_.resize(residues_.pixel_count(), -1);
     for (int corner = 0; corner < static_cast<int>(nodes_.size()); ++corner) {
@@ -152,10 +147,6 @@ class CornerFlow {
     ++residue(sink);
   }
 
-  struct Settled {
-    int node, distance;
-  };
-
   const WrappedCycles& wrapped_;
   EdgeSteps& steps_;
   Size size_;
@@ -164,7 +155,7 @@ class CornerFlow {
   Image<float> weights_;
   int turn_ = 1;  ///< -1: from nodes that lack to those that have, against the arcs
   std::vector<int> nodes_, others_, potentials_, arrivals_, touched_;
-  std::vector<Settled> settled_;
+  std::vector<std::pair<int, int>> settled_;  ///< nodes and their distances
   Places places_;
   Heap heap_{places_};
 };

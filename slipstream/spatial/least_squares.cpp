@@ -1,11 +1,9 @@
 // The surface whose differences are the nearest to the wrapped ones, weighted, by conjugate
 // gradients preconditioned by a cosine transform: Ghiglia and Romero, Journal of the Optical
 // Society of America A 11 (1994). The orders are those nearest to it.
-#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <vector>
 
 #include <Eigen/IterativeLinearSolvers>
 #include <Eigen/SparseCore>
@@ -82,12 +80,10 @@ class CosinePreconditioner {
     const auto curvature = [](int place, int length) {
       return 2 - 2 * std::cos(std::numbers::pi * place / length);
     };
-    for (int x = 0; x < width; ++x) {
-      for (int y = 0; y < height; ++y) {
-        const double both = curvature(x, width) + curvature(y, height);
-        columns(x, y) = x + y == 0 ? 0 : static_cast<float>(columns(x, y) / both);
-      }
-    }
+    for_each_pixel({height, width}, [&](int y, int x) {
+      const double both = curvature(x, width) + curvature(y, height);
+      columns(x, y) = x + y == 0 ? 0 : static_cast<float>(columns(x, y) / both);
+    });
     transform_rows(columns, true);
     rows = columns.transpose();
     transform_rows(rows, true);

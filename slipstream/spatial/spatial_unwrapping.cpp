@@ -1,20 +1,22 @@
 #include "slipstream/spatial/spatial_unwrapping.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include <fmt/format.h>
-
-#include "slipstream/base/did_you_mean.h"
-#include "slipstream/base/error.h"
+#include "slipstream/base/parallel_rows.h"
 #include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
 #include "slipstream/spatial/detail/methods.h"
 
 namespace slipstream {
 namespace {
+
+/// Of the difference of two phases in [-0.5, 0.5].
+float nearest(float difference) {
+  return difference - (difference > 0.5F ? 1.F : 0.F) + (difference < -0.5F ? 1.F : 0.F);
+}
 
 constexpr double period = 2 * std::numbers::pi;
 
@@ -55,9 +57,7 @@ WrappedCycles cycles_of(const Image<Number>& wrapped, const Image<float>& qualit
   for (std::size_t i = 0; i < wrapped.pixel_count(); ++i) {
     const auto phase = static_cast<double>(wrapped.begin()[i]);
     if (!std::isfinite(phase)) continue;
-    if (std::abs(phase) > largest) {
-      throw Error(fmt::format("{:g} is no phase in rad; at most {:g} is", phase, largest));
-    }
+    throw_if(std::abs(phase) > largest, "{:g} is no phase in rad; at most {:g} is", phase, largest);
     cycles.cycles.begin()[i] = static_cast<float>(phase / period - std::rint(phase / period));
   }
   // Nothing is known of a pixel: it comes last, but it comes.
@@ -68,22 +68,20 @@ WrappedCycles cycles_of(const Image<Number>& wrapped, const Image<float>& qualit
 
 /// Numbers the regions by their sizes.
 std::vector<PhaseRegion> number_by_size(Image<int>& region) {
-  std::vector<std::size_t> sizes(region.pixel_count());
+  std::vector<std::size_t> sizes(region.pixel_count()), labels;
   for (const int label : region) {
-    if (label >= 0) ++sizes[static_cast<std::size_t>(label)];
+    if (label >= 0 && sizes[static_cast<std::size_t>(label)]++ == 0) {
+      labels.push_back(static_cast<std::size_t>(label));
+    }
   }
-  std::vector<int> labels;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    if (sizes[i] > 0) labels.push_back(static_cast<int>(i));
-  }
-  std::stable_sort(labels.begin(), labels.end(), [&](int a, int b) {
-    return sizes[static_cast<std::size_t>(a)] > sizes[static_cast<std::size_t>(b)];
+  std::sort(labels.begin(), labels.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(sizes[b], a) < std::pair(sizes[a], b);
   });
   std::vector<PhaseRegion> regions;
   std::vector<int> numbers(region.pixel_count());
-  for (const int label : labels) {
-    regions.push_back({sizes[static_cast<std::size_t>(label)]});
-    numbers[static_cast<std::size_t>(label)] = static_cast<int>(regions.size());
+  for (const std::size_t label : labels) {
+    regions.push_back({sizes[label]});
+    numbers[label] = static_cast<int>(regions.size());
   }
   for (int& label : region) label = label < 0 ? 0 : numbers[static_cast<std::size_t>(label)];
   return regions;
@@ -100,6 +98,107 @@ void move(UnwrappedPhase<Number>& unwrapped, const std::vector<double>& periods)
 }
 
 }  // namespace
+
+EdgeSteps edge_steps(const Image<float>& cycles) {
+  EdgeSteps steps{Image<std::int16_t>(cycles.size(), EdgeSteps::closed),
+                  Image<std::int16_t>(cycles.size(), EdgeSteps::closed)};
+  for_each_pixel(cycles.size(), [&](int column, int row) {
+    const float here = cycles(column, row);
+    const auto set = [&](Image<std::int16_t>& edges, int to_column, int to_row) {
+      if (to_column == cycles.width() || to_row == cycles.height()) return;
+      const float there = cycles(to_column, to_row);
+      if (std::isnan(here) || std::isnan(there)) return;
+      edges(column, row) = static_cast<std::int16_t>(step_between(here, there));
+    };
+    set(steps.right, column + 1, row);
+    set(steps.down, column, row + 1);
+  });
+  return steps;
+}
+
+Image<int> charges_of(const EdgeSteps& steps) {
+  const auto [width, height] = steps.size();
+  Image<int> charges({width + 1, height + 1});
+  const auto open = [](int step) { return step == EdgeSteps::closed ? 0 : step; };
+  for_each_pixel_in_order(steps.size(), [&](int x, int y) {
+    const int right = open(steps.right(x, y)), down = open(steps.down(x, y));
+    charges(x + 1, y + 1) += right - down;
+    charges(x + 1, y) -= right;
+    charges(x, y + 1) += down;
+  });
+  return charges;
+}
+
+Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps) {
+  Orders orders{Image<int>(steps.size()), Image<int>(steps.size(), -1)};
+  int* const order = orders.order.begin();
+  int* const region = orders.region.begin();
+  std::vector<int> front, next;
+  const auto pixels = static_cast<int>(orders.order.pixel_count());
+  for (int seed = 0; seed < pixels; ++seed) {
+    if (region[seed] >= 0 || !wrapped.has(static_cast<std::size_t>(seed))) continue;
+    region[seed] = seed;
+    for (front = {seed}; !front.empty(); front.swap(next), next.clear()) {
+      for (const int at : front) {
+        steps.for_each_neighbour(at, [&](int to, int step) {
+          if (region[to] >= 0) return;
+          region[to] = seed;
+          order[to] = order[at] + step;
+          next.push_back(to);
+        });
+      }
+    }
+  }
+  return orders;
+}
+
+Image<float> roughness(const WrappedCycles& wrapped) {
+  const Image<float>& cycles = wrapped.cycles;
+  const auto [width, height] = cycles.size();
+  Image<float> result(cycles.size());
+  for_each_row(height, [&, width = width, height = height](int row) {
+    // Nothing around, so that no pixel is a special one.
+    const std::vector<float> empty(static_cast<std::size_t>(width) + 2,
+                                   std::numeric_limits<float>::quiet_NaN());
+    std::array<std::vector<float>, 3> lines{empty, empty, empty};
+    for (int i = std::max(row - 1, 0); i < std::min(row + 2, height); ++i) {
+      std::copy_n(cycles.row(i), width, lines[static_cast<std::size_t>(i - row + 1)].begin() + 1);
+    }
+    const float *const above = lines[0].data(), *const here = lines[1].data(),
+                       *const below = lines[2].data();
+    float* const to = result.row(row);
+    for (int i = 0; i < width; ++i) {
+      float sum = 0, found = 0;
+      const auto add = [&, middle = here[i + 1]](float before, float after) {
+        const float second = nearest(before - middle) - nearest(middle - after);
+        const bool is_there = second == second;
+        sum += is_there ? second * second : 0;
+        found += is_there ? 1.F : 0.F;
+      };
+      add(here[i], here[i + 2]);
+      add(above[i + 1], below[i + 1]);
+      add(above[i], below[i + 2]);
+      add(above[i + 2], below[i]);
+      to[i] = found > 0 ? sum / found : 1;
+    }
+    if (wrapped.quality.empty()) return;
+    const float* const quality = wrapped.quality.row(row);
+    for (int i = 0; i < width; ++i) to[i] /= quality[i] * quality[i];
+  });
+  return result;
+}
+
+Image<float> smoothness(const WrappedCycles& wrapped) {
+  Image<float> result = roughness(wrapped);
+  std::vector<float> some;
+  for (std::size_t i = 0; i < result.pixel_count(); ++i) {
+    if (wrapped.has(i)) some.push_back(result.begin()[i]);
+  }
+  if (some.empty()) return result;
+  const float usual = 4 * quantile(some, 0.5) + 1e-9F;
+  for (float& each : result) each = usual / (usual + each);
+  return result;
+}
 
 std::vector<SpatialUnwrapping> spatial_unwrappings() {
   return {methods.begin(), methods.end()};
@@ -135,9 +234,7 @@ void anchor_at(UnwrappedPhase<Number>& unwrapped, int column, int row, double ph
   const auto [width, height] = unwrapped.phase.size();
   const bool inside = column >= 0 && row >= 0 && column < width && row < height;
   const int label = inside ? unwrapped.region(column, row) : 0;
-  if (label == 0) {
-    throw Error(fmt::format("there is no phase at column {}, row {} to be anchored", column, row));
-  }
+  throw_if(label == 0, "there is no phase at column {}, row {} to be anchored", column, row);
   if (!std::isfinite(phase)) throw Error("the phase of an anchor is not finite");
   std::vector<double> periods(unwrapped.regions.size());
   const auto place = static_cast<std::size_t>(label - 1);

@@ -1,21 +1,14 @@
 #include "slipstream/view/cloud_screen.h"
 
-#include <algorithm>
-#include <cmath>
-#include <exception>
-#include <tuple>
-#include <utility>
-
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <imgui.h>
 
-#include "slipstream/cloud/normals.h"
-#include "slipstream/reconstruct/picture_report.h"
-#include "slipstream/view/lines.h"
-#include "slipstream/view/pictures.h"
+#include "slipstream/cloud/surface.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {
@@ -27,9 +20,9 @@ PointImages images_of(const Cloud& cloud) {
 }
 
 Area area_between(const PanelWidths& widths, const Screen& screen) {
-  const auto width = static_cast<float>(screen.window.width);
+  const auto width = static_cast<float>(screen.window.width) - widths.left - widths.right;
   return {.left = widths.left,
-          .width = std::max(width - widths.left - widths.right, 1.0F),
+          .width = std::max(width, 1.0F),
           .height = static_cast<float>(screen.window.height)};
 }
 
@@ -42,12 +35,6 @@ Pane pane_between(const PanelWidths& widths, const Screen& screen) {
   return {.left = left,
           .size = {std::max(screen.framebuffer.width - left - pixels(widths.right), 1),
                    std::max(screen.framebuffer.height, 1)}};
-}
-
-/// With room under it for the beginning of its reflection.
-Box with_reflection(Box box, bool reflected) {
-  if (reflected) box.high.y += 0.12F * (box.high.y - box.low.y);
-  return box;
 }
 
 }  // namespace
@@ -80,11 +67,6 @@ const Maps* CloudScreen::maps_of(const FrameViews& frames) {
   engine_->maps(merged, maps_);
   maps_full_scale_ = merged.full_scale();
   return &maps_;
-}
-
-CloudScreen::Look CloudScreen::look() const {
-  return {state_.view.colour, state_.view.shaded, state_.shown, state_.picture_open,
-          state_.picture};
 }
 
 void CloudScreen::set_cloud(const ShownCloud& shown) {
@@ -144,9 +126,10 @@ void CloudScreen::update_pictures(const FrameViews& frames, const Maps* maps) {
 void CloudScreen::draw_scene(const Pane& pane, const Screen& screen) {
   if (cloud_ && fit_wanted_) {
     scene_.set_extent(extent_of(images_of(*cloud_.cloud)));
-    state_.view.camera =
-        fitted(state_.view.camera, with_reflection(scene_.extent().box, state_.view.reflection),
-               pane.size);
+    Box box = scene_.extent().box;
+    // With room under it for the beginning of its reflection.
+    if (state_.view.reflection) box.high.y += 0.12F * (box.high.y - box.low.y);
+    state_.view.camera = fitted(state_.view.camera, box, pane.size);
     fitted_ = true;
     fit_wanted_ = false;
   }
@@ -185,7 +168,10 @@ void CloudScreen::draw(const Screen& screen) {
   draw_panel(state_, requests, source_, statistics, screen);
   draw_pictures(state_, pictures_, source_, screen);
   take_mouse(pane, area, screen);
-  take_keys(requests);
+  for (const int key : std::exchange(keys_, {})) {
+    // What is typed into a field is its own.
+    if (!ImGui::GetIO().WantTextInput) take_key(key, requests);
+  }
   gui_.end_frame();
   answer(requests);
   count_drawn();
@@ -254,14 +240,6 @@ const Uncertainty* CloudScreen::uncertainty() {
   return uncertainty_ ? &*uncertainty_ : nullptr;
 }
 
-void CloudScreen::take_keys(PanelRequests& requests) {
-  // What is typed into a field is its own.
-  const bool typing = ImGui::GetIO().WantTextInput;
-  for (const int key : std::exchange(keys_, {})) {
-    if (!typing) take_key(key, requests);
-  }
-}
-
 void CloudScreen::take_key(int key, PanelRequests& requests) {
   if (key == GLFW_KEY_ESCAPE) closed_ = true;
   if (key == GLFW_KEY_SPACE && source_.statistics) state_.paused = !state_.paused;
@@ -284,7 +262,10 @@ void CloudScreen::answer(const PanelRequests& requests) {
     state_.view.camera = looking_from(state_.view.camera, *requests.viewpoint);
   }
   if (requests.fit || requests.viewpoint) fit_wanted_ = true;
-  if (requests.set_control) set_control(*requests.set_control);
+  if (const auto& asked = requests.set_control) {
+    attempt([&] { source_.camera->set_control(asked->which, asked->value.value); });
+    ask_camera();
+  }
   if (requests.change_setup) change_setup();
   if (requests.save) save();
   if (!requests.open.empty()) open(requests.open);
@@ -331,11 +312,6 @@ void CloudScreen::hear_of_changes() {
       state_.strategy = accepted_.first = i;
     }
   }
-}
-
-void CloudScreen::set_control(const ShownControl& asked) {
-  attempt([&] { source_.camera->set_control(asked.which, asked.value.value); });
-  ask_camera();
 }
 
 void CloudScreen::ask_camera() {

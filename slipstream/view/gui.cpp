@@ -1,20 +1,16 @@
 #include "slipstream/view/gui.h"
 
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <cstdint>
 #include <filesystem>
 
+#include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
 #include <backends/imgui_impl_opengl3.h>
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "slipstream/base/colour.h"
 #include "slipstream/base/error.h"
 #include "slipstream/io/plot.h"
-#include "slipstream/view/orbit_camera.h"
 
 namespace slipstream::view {
 namespace {
@@ -41,10 +37,6 @@ ImGuiStyle style_at(float unit) {
 constexpr ImU32 ink = IM_COL32(226, 230, 236, 255), field = IM_COL32(19, 21, 25, 225),
                 marked = IM_COL32(255, 205, 80, 255);
 
-ImU32 colour_of(const Colour& colour) {
-  return IM_COL32(colour.red, colour.green, colour.blue, 255);
-}
-
 }  // namespace
 
 float Screen::pixel_ratio() const {
@@ -61,7 +53,12 @@ float Screen::unit() const {
 }
 
 Screen screen_of(const opengl::Window& window) {
-  return {window.size(), window.framebuffer_size(), window.content_scale()};
+  Screen screen{.framebuffer = window.framebuffer_size()};
+  float across = 0, down = 0;
+  glfwGetWindowSize(window.get(), &screen.window.width, &screen.window.height);
+  glfwGetWindowContentScale(window.get(), &across, &down);
+  if (across > 0) screen.content_scale = across;
+  return screen;
 }
 
 Gui::Gui(const opengl::Window* window) : has_window_(window != nullptr) {
@@ -136,7 +133,8 @@ void draw_depth_scale(const Range& depths, const Area& area, float unit) {
                      {left + width + 58 * unit, bottom + 12 * unit}, field, 4 * unit);
   for (std::size_t i = 0; i < colours.size(); ++i) {
     const float y = top + step * static_cast<float>(i);
-    list.AddRectFilled({left, y}, {left + width, y + step + 0.5F}, colour_of(colours[i]));
+    const auto [red, green, blue] = colours[i];
+    list.AddRectFilled({left, y}, {left + width, y + step + 0.5F}, IM_COL32(red, green, blue, 255));
   }
   list.AddText({left, top - text - 6 * unit}, ink, "depth, mm");
   for (const double mark : marks_between(depths.low, depths.high, 6)) {

@@ -1,15 +1,7 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include <glm/mat4x4.hpp>
-
-#include "slipstream/base/size.h"
 #include "slipstream/cloud/measure.h"
-#include "slipstream/view/opengl.h"
-#include "slipstream/view/points.h"
-#include "slipstream/view/window.h"
+#include "slipstream/view/scene_renderer.h"
 
 struct ImVec2;
 
@@ -17,14 +9,14 @@ namespace slipstream::view {
 
 /// How a framebuffer stands to the window that shows it.
 struct Screen {
-  Size window;              ///< the desktop's units, those of the mouse
-  Size framebuffer;         ///< pixels
+  Size window{};            ///< the desktop's units, those of the mouse
+  Size framebuffer{};       ///< pixels
   float content_scale = 1;  ///< how large the desktop wants text
 
   /// Pixels for a unit of the window: 2 where the desktop hides HiDPI from windows.
   [[nodiscard]] float pixel_ratio() const;
-  /// Window units for what takes one on an ordinary screen: 2 where it leaves HiDPI to them, and
-  /// more in large windows, so that text keeps its share of them.
+  /// Window units for what takes one on an ordinary screen: 2 where the desktop leaves HiDPI to
+  /// windows, and more in large ones, so that text keeps its share.
   [[nodiscard]] float unit() const;
 };
 
@@ -48,16 +40,12 @@ class Gui {
   void set_scale(const Screen& screen);
 
   bool has_window_;
-  float font_pixels_ = 0;
-  float unit_ = 0;
+  float font_pixels_ = 0, unit_ = 0;
 };
 
 /// A part of the window, in its units, from its upper left corner.
 struct Area {
-  float left = 0;
-  float top = 0;
-  float width = 0;
-  float height = 0;
+  float left = 0, top = 0, width = 0, height = 0;
 };
 
 // What is drawn over the cloud, under the panel. `unit`: see Screen::unit.

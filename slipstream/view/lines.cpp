@@ -1,15 +1,14 @@
-#include "slipstream/view/lines.h"
-
-#include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
-#include <cstddef>
 #include <span>
 
 #include <epoxy/gl.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
+
+#include "slipstream/view/scene_renderer.h"
 
 namespace slipstream::view {
 namespace {
@@ -71,20 +70,9 @@ void main() {
 )";
 
 struct Vertex {
-  glm::vec3 point;
-  glm::vec3 colour;
+  glm::vec3 point, colour;
   float opacity;
 };
-
-std::vector<Vertex> vertices_of(const std::vector<Line>& lines) {
-  std::vector<Vertex> vertices;
-  vertices.reserve(2 * lines.size());
-  for (const Line& line : lines) {
-    vertices.push_back({line.from, line.colour, line.opacity});
-    vertices.push_back({line.to, line.colour, line.opacity});
-  }
-  return vertices;
-}
 
 constexpr glm::vec3 blue(0.36F, 0.60F, 1.0F), green(0.35F, 0.85F, 0.42F), red(1.0F, 0.38F, 0.34F);
 
@@ -98,29 +86,6 @@ constexpr std::array<Stroke, 3> letter_y{
 constexpr std::array<Stroke, 3> letter_z{
     {{-0.7F, 1, 0.7F, 1}, {0.7F, 1, -0.7F, -1}, {-0.7F, -1, 0.7F, -1}}};
 
-/// The directions of the picture in the scanner's frame.
-struct Facing {
-  glm::vec3 right;
-  glm::vec3 up;
-};
-
-Facing facing(const OrbitCamera& camera) {
-  const glm::mat4 view = view_matrix(camera);
-  return {in_display_frame({view[0][0], view[1][0], view[2][0]}),
-          in_display_frame({view[0][1], view[1][1], view[2][1]})};
-}
-
-void add_letter(std::vector<Line>& lines, std::span<const Stroke> strokes, const glm::vec3& at,
-                float size, const Facing& facing, const glm::vec3& colour) {
-  const auto place = [&](float x, float y) {
-    return at + size * (x * facing.right + y * facing.up);
-  };
-  for (const Stroke& stroke : strokes) {
-    lines.push_back(
-        {place(stroke.from_x, stroke.from_y), place(stroke.to_x, stroke.to_y), colour, 1});
-  }
-}
-
 }  // namespace
 
 LineRenderer::LineRenderer()
@@ -129,8 +94,8 @@ LineRenderer::LineRenderer()
                 .fragment = line_fragment_shader}),
       vertex_array_(opengl::make_vertex_array()),
       buffer_(opengl::make_buffer()) {
-  glBindVertexArray(vertex_array_.number());
-  glBindBuffer(GL_ARRAY_BUFFER, buffer_.number());
+  glBindVertexArray(*vertex_array_);
+  glBindBuffer(GL_ARRAY_BUFFER, *buffer_);
   glVertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), nullptr);
   glVertexAttribPointer(1, 4, GL_FLOAT, GL_FALSE, sizeof(Vertex),
                         std::bit_cast<const void*>(offsetof(Vertex, colour)));
@@ -141,18 +106,24 @@ LineRenderer::LineRenderer()
 
 void LineRenderer::draw(const std::vector<Line>& lines, const glm::mat4& clip, Size picture,
                         float width) const {
-  const std::vector<Vertex> vertices = vertices_of(lines);
-  if (vertices.empty()) return;
+  if (lines.empty()) return;
+  std::vector<Vertex> vertices;
+  for (const Line& line : lines) {
+    for (const glm::vec3& end : {line.from, line.to}) {
+      vertices.push_back({end, line.colour, line.opacity});
+    }
+  }
   program_.use();
-  program_.set("clip", clip);
-  program_.set("picture", glm::vec2(picture.width, picture.height));
-  program_.set("width", width);
+  glUniformMatrix4fv(program_.uniform("clip"), 1, GL_FALSE, glm::value_ptr(clip));
+  glUniform2f(program_.uniform("picture"), static_cast<float>(picture.width),
+              static_cast<float>(picture.height));
+  glUniform1f(program_.uniform("width"), width);
   glEnable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-  glBindVertexArray(vertex_array_.number());
-  glBindBuffer(GL_ARRAY_BUFFER, buffer_.number());
+  glBindVertexArray(*vertex_array_);
+  glBindBuffer(GL_ARRAY_BUFFER, *buffer_);
   glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)),
                vertices.data(), GL_STREAM_DRAW);
   glDrawArrays(GL_LINES, 0, static_cast<GLsizei>(vertices.size()));
@@ -166,13 +137,18 @@ std::vector<Line> axes(const Box& box, const OrbitCamera& camera) {
   const glm::vec3 origin(box.low.x, box.high.y, box.low.z);
   const float length = 0.3F * std::max({sides.x, sides.y, sides.z});
   const float letter = 0.009F * camera.distance;
-  const Facing towards = facing(camera);
+  // The directions of the picture in the scanner's frame.
+  const glm::mat3 turn = glm::transpose(glm::mat3(view_matrix(camera)));
+  const glm::vec3 right = in_display_frame(turn[0]), up = in_display_frame(turn[1]);
   std::vector<Line> lines;
   const auto add = [&](const glm::vec3& direction, std::span<const Stroke> strokes,
                        const glm::vec3& colour) {
-    const glm::vec3 end = origin + length * direction;
+    const glm::vec3 end = origin + length * direction, middle = end + 1.9F * letter * direction;
+    const auto place = [&](float x, float y) { return middle + letter * (x * right + y * up); };
     lines.push_back({origin, end, colour, 1});
-    add_letter(lines, strokes, end + 1.9F * letter * direction, letter, towards, colour);
+    for (const auto& [from_x, from_y, to_x, to_y] : strokes) {
+      lines.push_back({place(from_x, from_y), place(to_x, to_y), colour, 1});
+    }
   };
   add({1, 0, 0}, letter_x, blue);
   add({0, 1, 0}, letter_y, green);
@@ -197,20 +173,17 @@ std::vector<Line> floor_grid(const Box& box, float height) {
   const auto last = [&](float high) { return std::ceil((high + margin) / step) * step; };
   const float left = first(box.low.x), right = last(box.high.x);
   const float front = first(box.low.z), back = last(box.high.z);
-  // Counted: far from the origin a step may be lost in the rounding of what it is added to.
-  const auto count = [&](float from, float to) {
-    constexpr float most = 64;
-    return static_cast<int>(std::clamp(std::round((to - from) / step) + 1, 0.0F, most));
-  };
   std::vector<Line> lines;
-  for (int i = 0; i < count(left, right); ++i) {
-    const float x = left + static_cast<float>(i) * step;
-    lines.push_back({{x, height, front}, {x, height, back}, colour, opacity});
-  }
-  for (int i = 0; i < count(front, back); ++i) {
-    const float z = front + static_cast<float>(i) * step;
-    lines.push_back({{left, height, z}, {right, height, z}, colour, opacity});
-  }
+  const auto add = [&](float from, float to, glm::vec3 begin, glm::vec3 end, int axis) {
+    // Counted: far from the origin a step may be lost in the rounding of what it is added to.
+    const float count = std::clamp(std::round((to - from) / step) + 1, 0.0F, 64.0F);
+    for (int i = 0; i < static_cast<int>(count); ++i) {
+      begin[axis] = end[axis] = from + static_cast<float>(i) * step;
+      lines.push_back({begin, end, colour, opacity});
+    }
+  };
+  add(left, right, {0, height, front}, {0, height, back}, 0);
+  add(front, back, {left, height, 0}, {right, height, 0}, 2);
   return lines;
 }
 

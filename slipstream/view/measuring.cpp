@@ -1,14 +1,10 @@
-#include "slipstream/view/measuring.h"
-
-#include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "slipstream/base/error.h"
-#include "slipstream/view/orbit_camera.h"
+#include "slipstream/view/cloud_screen.h"
 
 namespace slipstream::view {
 namespace {
@@ -17,14 +13,12 @@ namespace {
 template <class Visit>
 void for_each_drawn(const CloudOnPicture& shown, const Visit& visit) {
   const Cloud& cloud = shown.cloud;
-  for (int row = 0; row < cloud.size().height; ++row) {
-    for (int column = 0; column < cloud.size().width; ++column) {
-      if (std::isnan(cloud.z(column, row))) continue;
-      const glm::vec4 clip = shown.clip * glm::vec4(cloud.x(column, row), cloud.y(column, row),
-                                                    cloud.z(column, row), 1);
-      if (const auto place = pixel_of(clip, shown.picture)) visit(column, row, *place, clip.w);
-    }
-  }
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    if (std::isnan(cloud.z(column, row))) return;
+    const glm::vec4 clip =
+        shown.clip * glm::vec4(cloud.x(column, row), cloud.y(column, row), cloud.z(column, row), 1);
+    if (const auto place = pixel_of(clip, shown.picture)) visit(column, row, *place, clip.w);
+  });
 }
 
 std::string text_of(const Residuals& residuals) {
@@ -36,9 +30,8 @@ std::string text_of(const Residuals& residuals) {
 }
 
 std::string text_of(const FittedPlane& plane) {
-  const Eigen::Vector3d& normal = plane.normal;
-  return fmt::format("Plane: {}; normal {:.4f} {:.4f} {:.4f}", text_of(plane.residuals), normal.x(),
-                     normal.y(), normal.z());
+  return fmt::format("Plane: {}; normal {:.4f}", text_of(plane.residuals),
+                     fmt::join(plane.normal, " "));
 }
 
 std::string text_of(const FittedSphere& sphere) {
@@ -49,7 +42,7 @@ std::string text_of(const FittedSphere& sphere) {
 template <class Fit>
 std::string fitted(const char* shape, const Fit& fit, std::span<const MeasuredPoint> points) {
   try {
-    return text_of(fit(points));
+    return text_of(fit(points, std::nullopt));
   } catch (const Error& error) {
     return fmt::format("No {}: {}", shape, error.what());
   }

@@ -1,23 +1,28 @@
 #include "slipstream/view/opengl.h"
 
-#include <algorithm>
-#include <string>
-
+#include <GLFW/glfw3.h>
+#include <epoxy/egl.h>
 #include <epoxy/gl.h>
-#include <fmt/format.h>
-#include <glm/gtc/type_ptr.hpp>
 
-#include "slipstream/base/error.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream::opengl {
 namespace {
+
+template <class Remove>
+Resource held(GLuint number, const Remove& remove) {
+  return {new GLuint(number), [remove](const GLuint* old) {
+            remove(*old);
+            delete old;
+          }};
+}
 
 /// By reference: epoxy has OpenGL's functions as variables.
 template <auto& generate, auto& remove>
 Resource make() {
   GLuint number = 0;
   generate(1, &number);
-  return {number, [](unsigned old) { remove(1, &old); }};
+  return held(number, [](GLuint old) { remove(1, &old); });
 }
 
 /// Of a shader or a program, by its own functions of OpenGL.
@@ -35,13 +40,67 @@ void require_good(GLuint number, GLenum status, const Query& query, const Log& l
 }
 
 Resource compile(GLenum kind, const char* source) {
-  Resource shader(glCreateShader(kind), [](unsigned old) { glDeleteShader(old); });
-  glShaderSource(shader.number(), 1, &source, nullptr);
-  glCompileShader(shader.number());
-  require_good(shader.number(), GL_COMPILE_STATUS, glGetShaderiv, glGetShaderInfoLog,
+  Resource shader = held(glCreateShader(kind), [](GLuint old) { glDeleteShader(old); });
+  glShaderSource(*shader, 1, &source, nullptr);
+  glCompileShader(*shader);
+  require_good(*shader, GL_COMPILE_STATUS, glGetShaderiv, glGetShaderInfoLog,
                "OpenGL does not compile a shader");
   return shader;
 }
+
+std::string last_words() {
+  const char* words = nullptr;
+  glfwGetError(&words);
+  return words != nullptr ? words : "no reason given";
+}
+
+std::vector<GLFWmonitor*> connected_monitors() {
+  int count = 0;
+  GLFWmonitor** const first = glfwGetMonitors(&count);
+  return {first, first + count};
+}
+
+EGLDisplay display_without_surface() {
+  if (epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_MESA_platform_surfaceless")) {
+    return eglGetPlatformDisplayEXT(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, nullptr);
+  }
+  return eglGetDisplay(EGL_DEFAULT_DISPLAY);
+}
+
+/// A display of EGL whose context is current without a surface; null where there is none.
+std::shared_ptr<void> egl_context() {
+  if (!epoxy_has_egl()) return nullptr;
+  const EGLDisplay display = display_without_surface();
+  if (display == EGL_NO_DISPLAY || eglInitialize(display, nullptr, nullptr) == EGL_FALSE) {
+    return nullptr;
+  }
+  const std::shared_ptr<void> egl(display, [](EGLDisplay old) {
+    eglMakeCurrent(old, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglTerminate(old);  // with its context
+  });
+  // Without a desktop there are configurations for pixel buffers only; none is made.
+  constexpr std::array<EGLint, 5> wanted{EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                                         EGL_OPENGL_BIT, EGL_NONE};
+  constexpr EGLint profile = EGL_CONTEXT_OPENGL_PROFILE_MASK;
+  constexpr EGLint core = EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT;
+  constexpr std::array<EGLint, 7> version{
+      EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3, profile, core, EGL_NONE};
+  EGLConfig config = nullptr;
+  EGLint count = 0;
+  if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE ||
+      eglChooseConfig(display, wanted.data(), &config, 1, &count) == EGL_FALSE || count == 0) {
+    return nullptr;
+  }
+  const EGLContext context = eglCreateContext(display, config, EGL_NO_CONTEXT, version.data());
+  const bool current = context != EGL_NO_CONTEXT &&
+                       eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) == EGL_TRUE;
+  return current ? egl : nullptr;
+}
+
+struct HiddenWindow {
+  WindowSystem system;
+  Window window{system, {.size = {64, 64}, .visible = false}};
+};
 
 }  // namespace
 
@@ -58,50 +117,30 @@ Resource make_texture() {
 }
 
 ShaderProgram::ShaderProgram(const ShaderSources& sources)
-    : program_(glCreateProgram(), [](unsigned old) { glDeleteProgram(old); }) {
+    : program_(held(glCreateProgram(), [](GLuint old) { glDeleteProgram(old); })) {
   const auto attach = [&](GLenum kind, const char* source) {
     if (source == nullptr) return;
     const Resource shader = compile(kind, source);
-    glAttachShader(program_.number(), shader.number());
+    glAttachShader(*program_, *shader);
   };
   attach(GL_VERTEX_SHADER, sources.vertex);
   attach(GL_GEOMETRY_SHADER, sources.geometry);
   attach(GL_FRAGMENT_SHADER, sources.fragment);
-  glLinkProgram(program_.number());
-  require_good(program_.number(), GL_LINK_STATUS, glGetProgramiv, glGetProgramInfoLog,
+  glLinkProgram(*program_);
+  require_good(*program_, GL_LINK_STATUS, glGetProgramiv, glGetProgramInfoLog,
                "OpenGL does not link the shaders");
 }
 
 void ShaderProgram::use() const {
-  glUseProgram(program_.number());
+  glUseProgram(*program_);
 }
 
-void ShaderProgram::set(const char* name, int value) const {
-  glUniform1i(location(name), value);
-}
-
-void ShaderProgram::set(const char* name, float value) const {
-  glUniform1f(location(name), value);
-}
-
-void ShaderProgram::set(const char* name, const glm::vec2& value) const {
-  glUniform2fv(location(name), 1, glm::value_ptr(value));
-}
-
-void ShaderProgram::set(const char* name, const glm::vec3& value) const {
-  glUniform3fv(location(name), 1, glm::value_ptr(value));
-}
-
-void ShaderProgram::set(const char* name, const glm::mat4& value) const {
-  glUniformMatrix4fv(location(name), 1, GL_FALSE, glm::value_ptr(value));
-}
-
-int ShaderProgram::location(const char* name) const {
-  return glGetUniformLocation(program_.number(), name);
+int ShaderProgram::uniform(const char* name) const {
+  return glGetUniformLocation(*program_, name);
 }
 
 void PictureTexture::upload(const Image<Colour>& picture) {
-  glBindTexture(GL_TEXTURE_2D, texture_.number());
+  glBindTexture(GL_TEXTURE_2D, *texture_);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   if (picture.size() == size_) {
     glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.width, size_.height, GL_RGB, GL_UNSIGNED_BYTE,
@@ -124,20 +163,18 @@ RenderTarget::RenderTarget(Size size)
       framebuffer_(make<glGenFramebuffers, glDeleteFramebuffers>()) {
   GLint longest = 0;
   glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &longest);
-  if (std::max(size.width, size.height) > longest || std::min(size.width, size.height) < 1) {
-    throw Error(fmt::format("a picture of {}x{} cannot be drawn; 1 to {} pixels on a side",
-                            size.width, size.height, longest));
-  }
+  throw_if(std::max(size.width, size.height) > longest || std::min(size.width, size.height) < 1,
+           "a picture of {}x{} cannot be drawn; 1 to {} pixels on a side", size.width, size.height,
+           longest);
   const auto allocate = [&](const Resource& buffer, GLenum format) {
-    glBindRenderbuffer(GL_RENDERBUFFER, buffer.number());
+    glBindRenderbuffer(GL_RENDERBUFFER, *buffer);
     glRenderbufferStorage(GL_RENDERBUFFER, format, size.width, size.height);
   };
   allocate(colour_, GL_RGBA8);
   allocate(depth_, GL_DEPTH_COMPONENT24);
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.number());
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                            colour_.number());
-  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_.number());
+  glBindFramebuffer(GL_FRAMEBUFFER, *framebuffer_);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, *colour_);
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, *depth_);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
     throw WorldError(
         fmt::format("OpenGL has no memory for a picture of {}x{}", size.width, size.height));
@@ -145,7 +182,7 @@ RenderTarget::RenderTarget(Size size)
 }
 
 void RenderTarget::bind() const {
-  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.number());
+  glBindFramebuffer(GL_FRAMEBUFFER, *framebuffer_);
   glViewport(0, 0, size_.width, size_.height);
 }
 
@@ -158,6 +195,81 @@ Image<Colour> read_pixels(Size size) {
     std::copy_n(upside_down.row(size.height - 1 - row), size.width, picture.row(row));
   }
   return picture;
+}
+
+WindowSystem::WindowSystem() {
+  if (glfwInit() != GLFW_TRUE) {
+    throw WorldError(fmt::format("no desktop to open a window on: {}", last_words()));
+  }
+}
+
+WindowSystem::~WindowSystem() {
+  glfwTerminate();
+}
+
+std::vector<WindowSystem::Monitor> WindowSystem::monitors() const {
+  std::vector<Monitor> monitors;
+  for (GLFWmonitor* const monitor : connected_monitors()) {
+    const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
+    if (mode == nullptr) continue;
+    Monitor found{.name = glfwGetMonitorName(monitor),
+                  .size = {mode->width, mode->height},
+                  .refresh_hz = mode->refreshRate};
+    glfwGetMonitorPos(monitor, &found.left, &found.top);
+    monitors.push_back(found);
+  }
+  return monitors;
+}
+
+Window::Window(const WindowSystem& system, const WindowSettings& settings) {
+  static_cast<void>(system);
+  glfwDefaultWindowHints();
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_VISIBLE, settings.visible ? GLFW_TRUE : GLFW_FALSE);
+  Size size = settings.size;
+  GLFWmonitor* monitor = nullptr;
+  if (settings.fills_monitor >= 0) {
+    const std::vector<GLFWmonitor*> monitors = connected_monitors();
+    const auto number = static_cast<std::size_t>(settings.fills_monitor);
+    throw_if(number >= monitors.size(),
+             "monitor {} is not there; monitors are numbered from 0, and {} {} "
+             "connected",
+             number, monitors.size(), monitors.size() == 1 ? "is" : "are");
+    monitor = monitors[number];
+    // Its own mode, so that the desktop changes nothing and no pixel is scaled.
+    const GLFWvidmode* const mode = glfwGetVideoMode(monitor);
+    if (mode == nullptr) throw WorldError(fmt::format("monitor {}: {}", number, last_words()));
+    size = {mode->width, mode->height};
+    glfwWindowHint(GLFW_REFRESH_RATE, mode->refreshRate);
+    glfwWindowHint(GLFW_AUTO_ICONIFY, GLFW_FALSE);
+  }
+  window_.reset(
+      glfwCreateWindow(size.width, size.height, settings.title.c_str(), monitor, nullptr));
+  if (!window_) throw WorldError(fmt::format("no OpenGL 3.3 window: {}", last_words()));
+  glfwMakeContextCurrent(get());
+}
+
+void Window::Close::operator()(GLFWwindow* window) const {
+  glfwDestroyWindow(window);
+}
+
+Size Window::framebuffer_size() const {
+  Size size;
+  glfwGetFramebufferSize(get(), &size.width, &size.height);
+  return size;
+}
+
+OffScreenContext::OffScreenContext() : context_(egl_context()) {
+  if (context_) return;
+  try {
+    context_ = std::make_shared<HiddenWindow>();
+  } catch (const WorldError& error) {
+    throw WorldError(fmt::format("cannot draw: EGL gives no OpenGL 3.3 without a surface, and {}",
+                                 error.what()));
+  }
 }
 
 }  // namespace slipstream::opengl

@@ -1,43 +1,19 @@
 #pragma once
 
-#include <utility>
-
-#include <glm/mat4x4.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "slipstream/base/colour.h"
 #include "slipstream/base/image.h"
-#include "slipstream/base/size.h"
 
-// What OpenGL keeps of a drawing, for the context that is current when it is made.
+struct GLFWwindow;
+
 namespace slipstream::opengl {
 
-/// The number by which OpenGL knows a buffer, texture or the like; it is deleted with its holder,
-/// which must not outlive the context it was made in.
-class Resource {
- public:
-  using Delete = void (*)(unsigned number);
-
-  Resource() = default;
-  Resource(unsigned number, Delete remove) : number_(number), remove_(remove) {}
-  Resource(Resource&& other) noexcept
-      : number_(std::exchange(other.number_, 0)), remove_(other.remove_) {}
-  Resource& operator=(Resource other) noexcept {
-    std::swap(number_, other.number_);
-    std::swap(remove_, other.remove_);
-    return *this;
-  }
-  ~Resource() {
-    if (number_ != 0) remove_(number_);
-  }
-
-  [[nodiscard]] unsigned number() const { return number_; }
-
- private:
-  unsigned number_ = 0;
-  Delete remove_ = nullptr;
-};
+/// OpenGL's number of a buffer, texture or the like in the context that is current when it is made;
+/// deleted with its last holder, which must not outlive that context.
+using Resource = std::shared_ptr<const unsigned>;
 
 Resource make_buffer();
 Resource make_vertex_array();
@@ -57,25 +33,18 @@ class ShaderProgram {
   explicit ShaderProgram(const ShaderSources& sources);
 
   void use() const;
-  /// Of the program in use; ignores a name that the shaders do not have.
-  void set(const char* name, int value) const;
-  void set(const char* name, float value) const;
-  void set(const char* name, const glm::vec2& value) const;
-  void set(const char* name, const glm::vec3& value) const;
-  void set(const char* name, const glm::mat4& value) const;
+  /// Location for glUniform...; OpenGL ignores that of a name that the shaders do not have.
+  [[nodiscard]] int uniform(const char* name) const;
 
  private:
-  [[nodiscard]] int location(const char* name) const;
-
   Resource program_;
 };
 
 /// A picture in the graphics memory.
 class PictureTexture {
  public:
-  /// The picture that it is from here on.
   void upload(const Image<Colour>& picture);
-  [[nodiscard]] unsigned number() const { return texture_.number(); }
+  [[nodiscard]] unsigned number() const { return *texture_; }
   [[nodiscard]] Size size() const { return size_; }
 
  private:
@@ -83,13 +52,13 @@ class PictureTexture {
   Size size_;
 };
 
-/// A picture that is drawn into: colour and depth.
+/// A picture that is drawn into, with depth.
 class RenderTarget {
  public:
   /// Throws Error for a size out of range, WorldError where the driver has none of that size.
   explicit RenderTarget(Size size);
 
-  /// What is drawn from here on goes into it, to all of it.
+  /// Draws into all of it from here on.
   void bind() const;
 
  private:
@@ -97,7 +66,63 @@ class RenderTarget {
   Resource colour_, depth_, framebuffer_;
 };
 
-/// What was drawn into the framebuffer that is bound, its first row at the top.
+/// The bound framebuffer's picture, its first row at the top.
 Image<Colour> read_pixels(Size size);
+
+/// The connection to the desktop; one at a time, in the main thread, and outliving every Window.
+class WindowSystem {
+ public:
+  /// Throws WorldError where there is no desktop to connect to.
+  WindowSystem();
+  WindowSystem(const WindowSystem&) = delete;
+  WindowSystem& operator=(const WindowSystem&) = delete;
+  ~WindowSystem();
+
+  /// A screen, or a projector that is one.
+  struct Monitor {
+    std::string name;
+    Size size;  ///< pixels
+    int left = 0, top = 0;
+    int refresh_hz = 0;
+  };
+  /// The first is the desktop's main one.
+  [[nodiscard]] std::vector<Monitor> monitors() const;
+};
+
+/// How a window opens.
+struct WindowSettings {
+  std::string title = "slipstream";
+  Size size{1280, 800};    ///< of its inside; the monitor's where it fills one
+  bool visible = true;     ///< one that is not serves to draw off-screen
+  int fills_monitor = -1;  ///< number of the monitor that it fills without a frame; none below 0
+};
+
+/// A window with an OpenGL 3.3 core context, which is current from its making on.
+class Window {
+ public:
+  /// Throws Error for a monitor that is not there, WorldError where the desktop or its OpenGL does
+  /// not give a window.
+  Window(const WindowSystem& system, const WindowSettings& settings);
+
+  [[nodiscard]] GLFWwindow* get() const { return window_.get(); }
+  [[nodiscard]] Size framebuffer_size() const;  ///< in pixels
+
+ private:
+  struct Close {
+    void operator()(GLFWwindow* window) const;
+  };
+  std::unique_ptr<GLFWwindow, Close> window_;
+};
+
+/// An OpenGL 3.3 core context without a window, current from its making on: of EGL without any
+/// surface, which needs no desktop, else of a hidden window. One at a time.
+class OffScreenContext {
+ public:
+  /// Throws WorldError where neither is to be had.
+  OffScreenContext();
+
+ private:
+  std::shared_ptr<void> context_;  ///< of EGL, or the hidden window
+};
 
 }  // namespace slipstream::opengl

@@ -7,6 +7,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 
 namespace slipstream::view {
 namespace {
@@ -16,33 +17,12 @@ float aspect(Size picture) {
          static_cast<float>(std::max(picture.height, 1));
 }
 
-/// From the target to the eye, length 1.
-glm::vec3 towards_eye(const OrbitCamera& camera) {
-  return {std::sin(camera.azimuth) * std::cos(camera.elevation), std::sin(camera.elevation),
-          std::cos(camera.azimuth) * std::cos(camera.elevation)};
-}
-
 constexpr float steepest = glm::half_pi<float>() - 0.01F;  // an elevation; straight up has no side
-
-/// Half a turn about X.
-glm::mat4 display_from_scanner() {
-  return glm::scale(glm::mat4(1), glm::vec3(1, -1, -1));
-}
-
-/// The eye's frame to OpenGL's clip coordinates.
-glm::mat4 projection_matrix(const OrbitCamera& camera, Size picture) {
-  return glm::perspective(camera.field_of_view, aspect(picture), 0.02F * camera.distance,
-                          50 * camera.distance);
-}
 
 }  // namespace
 
 float Box::diagonal() const {
   return glm::length(high - low);
-}
-
-glm::vec3 in_display_frame(const glm::vec3& point) {
-  return {point.x, -point.y, -point.z};
 }
 
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag) {
@@ -53,11 +33,9 @@ OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag) {
 }
 
 OrbitCamera panned(OrbitCamera camera, const glm::vec2& drag) {
-  const glm::mat4 view = view_matrix(camera);
-  const glm::vec3 right(view[0][0], view[1][0], view[2][0]);
-  const glm::vec3 up(view[0][1], view[1][1], view[2][1]);
+  const glm::mat3 axes = glm::transpose(glm::mat3(view_matrix(camera)));
   const float height = 2 * camera.distance * std::tan(camera.field_of_view / 2);
-  camera.target += height * (drag.y * up - drag.x * right);
+  camera.target += height * (drag.y * axes[1] - drag.x * axes[0]);
   return camera;
 }
 
@@ -92,12 +70,17 @@ OrbitCamera fitted(OrbitCamera camera, const Box& box, Size picture) {
 }
 
 glm::mat4 view_matrix(const OrbitCamera& camera) {
-  return glm::lookAt(camera.target + camera.distance * towards_eye(camera), camera.target,
+  const glm::vec3 towards_eye(std::sin(camera.azimuth) * std::cos(camera.elevation),
+                              std::sin(camera.elevation),
+                              std::cos(camera.azimuth) * std::cos(camera.elevation));
+  return glm::lookAt(camera.target + camera.distance * towards_eye, camera.target,
                      glm::vec3(0, 1, 0));
 }
 
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture) {
-  return projection_matrix(camera, picture) * view_matrix(camera) * display_from_scanner();
+  const glm::mat4 projection = glm::perspective(camera.field_of_view, aspect(picture),
+                                                0.02F * camera.distance, 50 * camera.distance);
+  return projection * view_matrix(camera) * glm::scale(glm::mat4(1), glm::vec3(1, -1, -1));
 }
 
 glm::mat4 mirrored_clip_matrix(const OrbitCamera& camera, Size picture, float height) {

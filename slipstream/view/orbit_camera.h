@@ -12,16 +12,15 @@ namespace slipstream::view {
 
 /// A box in the camera's frame of the scanner, mm.
 struct Box {
-  glm::vec3 low{0};
-  glm::vec3 high{0};
+  glm::vec3 low{0}, high{0};
 
   [[nodiscard]] glm::vec3 centre() const { return 0.5F * (low + high); }
   [[nodiscard]] float diagonal() const;
 };
 
-/// From where the cloud is looked at: a place on a sphere round a target. All angles 0: as the
-/// scanner's camera does, upright. The display's frame is the scanner's turned by half a turn about
-/// X, so that Y is up and the cloud is seen from its front.
+/// From where the cloud is looked at: a place on a sphere round a target; upright as the scanner's
+/// camera where all angles are 0. The display's frame is the scanner's after half a turn about X: Y
+/// is up and the cloud shows its front.
 struct OrbitCamera {
   glm::vec3 target{0};         ///< display's frame, mm
   float distance = 1000;       ///< mm, > 0
@@ -31,7 +30,9 @@ struct OrbitCamera {
 };
 
 /// The scanner's frame in the display's, and back: (x, -y, -z).
-glm::vec3 in_display_frame(const glm::vec3& point);
+inline glm::vec3 in_display_frame(const glm::vec3& point) {
+  return {point.x, -point.y, -point.z};
+}
 
 /// Turned by a drag across the picture, in shares of its height: right and down are positive.
 OrbitCamera orbited(OrbitCamera camera, const glm::vec2& drag);
@@ -55,12 +56,11 @@ glm::mat4 view_matrix(const OrbitCamera& camera);
 /// Scanner's frame to clip coordinates.
 glm::mat4 clip_matrix(const OrbitCamera& camera, Size picture);
 
-/// Scanner's frame to clip coordinates of what a mirror shows that lies in the plane Y = `height`,
-/// parallel to the XZ plane.
+/// Scanner's frame to clip coordinates of its image in a mirror, the plane Y = `height`.
 glm::mat4 mirrored_clip_matrix(const OrbitCamera& camera, Size picture, float height);
 
-/// Where on the picture, in pixels from its top left corner (pixel centres at integers), a point in
-/// clip coordinates lies; nothing where it is behind the eye.
+/// The place on the picture, pixels, of a point in clip coordinates; none where it is behind the
+/// eye.
 std::optional<glm::vec2> pixel_of(const glm::vec4& clip, Size picture);
 
 /// How many pixels one millimetre takes at a distance of one millimetre from the eye.

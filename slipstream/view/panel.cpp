@@ -1,14 +1,9 @@
-#include "slipstream/view/panel.h"
-
-#include <algorithm>
 #include <bit>
-#include <cstdint>
-#include <string_view>
-#include <type_traits>
-#include <utility>
 
 #include <fmt/format.h>
 #include <imgui.h>
+
+#include "slipstream/view/cloud_screen.h"
 
 namespace slipstream::view {
 namespace {
@@ -165,18 +160,6 @@ void draw_status(const PanelState& state, const ViewSource& source,
   draw_counts(state, source);
 }
 
-void draw_viewpoints(PanelRequests& requests) {
-  static constexpr std::array<std::pair<const char*, Viewpoint>, 3> named{
-      {{"Front (4)", Viewpoint::front},
-       {"Side (5)", Viewpoint::side},
-       {"Top (6)", Viewpoint::top}}};
-  for (const auto& [name, viewpoint] : named) {
-    if (ImGui::Button(name)) requests.viewpoint = viewpoint;
-    ImGui::SameLine();
-  }
-  requests.fit |= ImGui::Button("Fit (F)");
-}
-
 void draw_view_settings(PanelState& state, PanelRequests& requests) {
   if (!section("View")) return;
   ViewSettings& view = state.view;
@@ -193,7 +176,15 @@ void draw_view_settings(PanelState& state, PanelRequests& requests) {
   ImGui::SameLine(middle);
   ImGui::Checkbox("floor", &view.grid);
   if (view.grid) say(quiet, "a line of the floor every {:g} mm", state.grid_mm);
-  draw_viewpoints(requests);
+  static constexpr std::array<std::pair<const char*, Viewpoint>, 3> named{
+      {{"Front (4)", Viewpoint::front},
+       {"Side (5)", Viewpoint::side},
+       {"Top (6)", Viewpoint::top}}};
+  for (const auto& [name, viewpoint] : named) {
+    if (ImGui::Button(name)) requests.viewpoint = viewpoint;
+    ImGui::SameLine();
+  }
+  requests.fit |= ImGui::Button("Fit (F)");
 }
 
 void draw_measuring(PanelState& state) {
@@ -323,13 +314,6 @@ void place_window(float left, float width, const Screen& screen) {
   ImGui::SetNextWindowSize({width, static_cast<float>(screen.window.height)});
 }
 
-void draw_histogram(const PanelState& state) {
-  const ImVec2 size(ImGui::GetContentRegionAvail().x, 4 * ImGui::GetFontSize());
-  ImGui::PlotHistogram("##grey levels", state.histogram.data(),
-                       static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1, size);
-  say(quiet, "grey levels of all frames, dark to bright");
-}
-
 }  // namespace
 
 bool pictures_alone(const ViewSource& source) {
@@ -415,7 +399,11 @@ void draw_pictures(PanelState& state, const std::array<opengl::PictureTexture, 3
       // Dear ImGui hands a texture on as whatever its backend takes it for: here OpenGL's number.
       ImGui::Image(std::bit_cast<ImTextureID>(std::uintptr_t{pictures[i].number()}),
                    {width, height});
-      if (i == 0) draw_histogram(state);
+      if (i != 0) continue;
+      ImGui::PlotHistogram("##grey levels", state.histogram.data(),
+                           static_cast<int>(state.histogram.size()), 0, nullptr, 0, 1,
+                           {width, 4 * ImGui::GetFontSize()});
+      say(quiet, "grey levels of all frames, dark to bright");
     }
   }
   ImGui::End();

@@ -1,13 +1,6 @@
-#include "slipstream/view/pictures.h"
-
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
 #include <numbers>
-#include <type_traits>
 
-#include "slipstream/base/colour.h"
-#include "slipstream/view/points.h"
+#include "slipstream/view/cloud_screen.h"
 
 namespace slipstream::view {
 namespace {
@@ -20,21 +13,15 @@ int reduction(Size size, int widest) {
   return std::max(1, (size.width + widest / 2) / std::max(widest, 1));
 }
 
-Size reduced(Size size, int step) {
-  return {std::max(1, size.width / step), std::max(1, size.height / step)};
-}
-
 /// The picture whose pixel is `colour_of(column, row)` of the upper left of those put together.
 template <class ColourOf>
 Image<Colour> picture_of(Size size, int widest, const ColourOf& colour_of) {
   if (size.width < 1 || size.height < 1) return {};
   const int step = reduction(size, widest);
-  Image<Colour> picture(reduced(size, step));
-  for (int row = 0; row < picture.height(); ++row) {
-    for (int column = 0; column < picture.width(); ++column) {
-      picture(column, row) = colour_of(column * step, row * step);
-    }
-  }
+  Image<Colour> picture({std::max(1, size.width / step), std::max(1, size.height / step)});
+  for_each_pixel_in_order(picture.size(), [&](int column, int row) {
+    picture(column, row) = colour_of(column * step, row * step);
+  });
   return picture;
 }
 
@@ -51,14 +38,11 @@ Colour bluish(const Colour& grey) {
 template <class Pixel>
 void mark_saturated(Image<Colour>& picture, const ImageView<const Pixel>& frame, Pixel full_scale,
                     int step) {
-  const int rows = std::min(frame.height(), picture.height() * step);
-  const int columns = std::min(frame.width(), picture.width() * step);
-  for (int row = 0; row < rows; ++row) {
-    const Pixel* const pixels = frame.row(row);
-    for (int column = 0; column < columns; ++column) {
-      if (pixels[column] >= full_scale) picture(column / step, row / step) = saturated_colour;
-    }
-  }
+  const Size shown{std::min(frame.width(), picture.width() * step),
+                   std::min(frame.height(), picture.height() * step)};
+  for_each_pixel_in_order(shown, [&](int column, int row) {
+    if (frame(column, row) >= full_scale) picture(column / step, row / step) = saturated_colour;
+  });
 }
 
 }  // namespace

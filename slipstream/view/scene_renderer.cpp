@@ -1,24 +1,91 @@
 #include "slipstream/view/scene_renderer.h"
 
-#include <algorithm>
-#include <array>
+#include <cmath>
 
 #include <epoxy/gl.h>
 #include <fmt/format.h>
+#include <glm/gtc/type_ptr.hpp>
 
 #include "slipstream/base/error.h"
+#include "slipstream/base/statistics.h"
 
 namespace slipstream::view {
 namespace {
+
+// Comparisons are written so that NaN fails them.
+constexpr const char* point_vertex_shader = R"(#version 330 core
+layout(location = 0) in float x;
+layout(location = 1) in float y;
+layout(location = 2) in float z;
+layout(location = 3) in float value;
+layout(location = 4) in float brightness;
+uniform mat4 clip;
+uniform float pixel_size;
+uniform float size_depth;
+uniform vec2 range;
+uniform int coloured;
+uniform float floor_height;
+uniform vec3 veil;
+uniform float strength;
+uniform sampler2D colours;
+flat out vec3 colour;
+
+void main() {
+  vec3 point = vec3(x, y, z);
+  bool drawn = abs(x) < 1e30 && abs(y) < floor_height && y < floor_height && abs(z) < 1e30;
+  if (!drawn) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    gl_PointSize = 1.0;
+    colour = veil;
+    return;
+  }
+  gl_Position = clip * vec4(point, 1.0);
+  float growth = size_depth > 0.0 ? max(z / size_depth, 0.1) : 1.0;
+  gl_PointSize = clamp(growth * pixel_size / max(gl_Position.w, 1e-6), 1.0, 64.0);
+  float share = clamp((( coloured != 0 ? z : value) - range.x) / (range.y - range.x), 0.0, 1.0);
+  vec3 lit = coloured != 0 ? texture(colours, vec2(share * 255.0 / 256.0 + 0.5 / 256.0, 0.5)).rgb
+                           : vec3(pow(share, 1.0 / 2.2));
+  colour = mix(veil, lit * brightness, strength);
+}
+)";
+
+constexpr const char* point_fragment_shader = R"(#version 330 core
+flat in vec3 colour;
+out vec4 pixel;
+void main() { pixel = vec4(colour, 1.0); }
+)";
+
+/// Every so manyth pixel is looked at. Odd, so that all columns of a picture of even width are met.
+std::size_t stride_over(std::size_t count) {
+  constexpr std::size_t enough = 8192;
+  return (count / enough) | 1U;
+}
+
+/// Organised: the median distance between neighbouring pixels' points. A list of points: as if they
+/// were spread over the largest side of their box.
+float spacing_of(const PointImages& cloud, const Box& box) {
+  const std::size_t count = cloud.z.pixel_count(), stride = stride_over(count);
+  std::vector<float> distances;
+  for (std::size_t i = 0; cloud.z.height() > 1 && i + 1 < count; i += stride) {
+    const auto step = [i](const Image<float>& image) {
+      return image.begin()[i + 1] - image.begin()[i];
+    };
+    const float distance = std::hypot(step(cloud.x), step(cloud.y), step(cloud.z));
+    if (std::isfinite(distance) && distance > 0) distances.push_back(distance);
+  }
+  if (!distances.empty()) return quantile(distances, 0.5);
+  const glm::vec3 sides = box.high - box.low;
+  const float area = std::max({sides.x * sides.y, sides.y * sides.z, sides.x * sides.z});
+  return std::sqrt(area / static_cast<float>(std::max<std::size_t>(count, 1)));
+}
 
 constexpr glm::vec3 background(0.105F, 0.115F, 0.135F);
 
 /// By PointColour.
 constexpr std::array<std::string_view, 3> colour_names{"reflectivity", "modulation", "depth"};
 
-/// The intensities that look black and white: reflectivity 0, and that of `range.high` over the
-/// brightness. Liu 2010, Eq. (3.3): reflectivity 0 has a mean of `ambient`, beta, grey levels of
-/// 255.
+/// The intensities that look black and white: reflectivity 0, whose mean is `ambient`, beta, by Liu
+/// 2010, Eq. (3.3), grey levels of 255, and that of `range.high` over the brightness.
 Range grey_range(PointColour colour, const Range& range, double ambient, float brightness) {
   const bool of_mean = colour == PointColour::reflectivity;
   const auto black = of_mean ? static_cast<float>(std::min(ambient, 0.9 * range.high)) : 0.0F;
@@ -26,6 +93,23 @@ Range grey_range(PointColour colour, const Range& range, double ambient, float b
 }
 
 }  // namespace
+
+Range robust_range(const Image<float>& values) {
+  std::vector<float> finite = finite_values(values, stride_over(values.pixel_count()));
+  if (finite.empty()) return {};
+  return {quantile(finite, 0.01), quantile(finite, 0.99)};
+}
+
+CloudExtent extent_of(const PointImages& cloud) {
+  const Range x = robust_range(cloud.x), y = robust_range(cloud.y), z = robust_range(cloud.z);
+  CloudExtent extent{.box = {{x.low, y.low, z.low}, {x.high, y.high, z.high}}};
+  extent.spacing = std::max(spacing_of(cloud, extent.box), 1e-6F);
+  return extent;
+}
+
+float floor_height(const CloudExtent& extent) {
+  return extent.box.high.y + 0.03F * extent.box.diagonal();
+}
 
 PointColour point_colour_named(std::string_view name) {
   const auto found = std::find(colour_names.begin(), colour_names.end(), name);
@@ -35,6 +119,15 @@ PointColour point_colour_named(std::string_view name) {
 
 std::vector<std::string_view> point_colour_names() {
   return {colour_names.begin(), colour_names.end()};
+}
+
+SceneRenderer::SceneRenderer()
+    : program_({.vertex = point_vertex_shader, .fragment = point_fragment_shader}),
+      vertex_array_(opengl::make_vertex_array()) {
+  for (opengl::Resource& buffer : buffers_) buffer = opengl::make_buffer();
+  Image<Colour> colours({256, 1});
+  std::ranges::copy(depth_colours(), colours.begin());
+  colours_.upload(colours);
 }
 
 Range SceneRenderer::depths() const {
@@ -48,8 +141,60 @@ void SceneRenderer::set_cloud(const PointImages& cloud, const Image<float>* modu
   const bool known = modulation != nullptr && modulation->size() == cloud.z.size();
   const Image<float>& value =
       colour == PointColour::modulation && known ? *modulation : cloud.intensity;
-  points_.upload(cloud, value);
   values_ = robust_range(value);
+  count_ = cloud.z.pixel_count();
+  organised_ = cloud.z.height() > 1;
+  shaded_ = cloud.shading != nullptr;
+  const std::array<const Image<float>*, 5> images{&cloud.x, &cloud.y, &cloud.z, &value,
+                                                  cloud.shading};
+  for (std::size_t i = 0; i < (shaded_ ? 5U : 4U); ++i) {
+    glBindBuffer(GL_ARRAY_BUFFER, *buffers_[i]);
+    // New memory each time, so that what is being drawn from the old is not waited for.
+    glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(count_ * sizeof(float)),
+                 images[i]->begin(), GL_STREAM_DRAW);
+  }
+}
+
+void SceneRenderer::draw_points(const ViewSettings& settings, double ambient, Size picture,
+                                bool mirrored) const {
+  if (count_ == 0) return;
+  const float floor = floor_height(extent_);
+  const glm::mat4 clip = mirrored ? mirrored_clip_matrix(settings.camera, picture, floor)
+                                  : clip_matrix(settings.camera, picture);
+  const bool coloured = shows_depths(settings.colour), shaded = settings.shaded && shaded_;
+  const auto [low, high] =
+      coloured ? depths() : grey_range(settings.colour, values_, ambient, settings.brightness);
+  // One point of three at nearly twice the size: a mirror may be dim and coarse, and is cheap so.
+  const int every = mirrored ? 3 : 1;
+  const float size = settings.point_size * extent_.spacing * (mirrored ? 1.7F : 1.0F);
+  program_.use();
+  const auto at = [&](const char* name) { return program_.uniform(name); };
+  glUniformMatrix4fv(at("clip"), 1, GL_FALSE, glm::value_ptr(clip));
+  glUniform1f(at("pixel_size"), size * pixels_per_slope(settings.camera, picture));
+  glUniform1f(at("size_depth"), organised_ ? extent_.box.centre().z : 0.0F);
+  glUniform2f(at("range"), low, std::max(high, low + 1e-6F));
+  glUniform1i(at("coloured"), coloured ? 1 : 0);
+  glUniform1f(at("floor_height"), mirrored ? floor : 1e30F);
+  glUniform3fv(at("veil"), 1, glm::value_ptr(mirrored ? background : glm::vec3(0)));
+  glUniform1f(at("strength"), mirrored ? 0.3F : 1.0F);
+  glUniform1i(at("colours"), 0);
+  glActiveTexture(GL_TEXTURE0);
+  glBindTexture(GL_TEXTURE_2D, colours_.number());
+  glEnable(GL_DEPTH_TEST);
+  glEnable(GL_PROGRAM_POINT_SIZE);
+  glDisable(GL_BLEND);
+  glBindVertexArray(*vertex_array_);
+  for (GLuint i = 0; i < (shaded ? 5U : 4U); ++i) {
+    glBindBuffer(GL_ARRAY_BUFFER, *buffers_[i]);
+    glVertexAttribPointer(i, 1, GL_FLOAT, GL_FALSE, every * GLsizei{sizeof(float)}, nullptr);
+    glEnableVertexAttribArray(i);
+  }
+  if (!shaded) {
+    glDisableVertexAttribArray(4);
+    glVertexAttrib1f(4, 1);
+  }
+  glDrawArrays(GL_POINTS, 0, static_cast<GLsizei>(count_) / every);
+  glBindVertexArray(0);
 }
 
 void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pane& pane,
@@ -58,31 +203,12 @@ void SceneRenderer::draw(const ViewSettings& settings, double ambient, const Pan
   glViewport(pane.left, pane.bottom, picture.width, picture.height);
   glClearColor(background.r, background.g, background.b, 1);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-
-  const float floor = floor_height(extent_);
-  const bool coloured = shows_depths(settings.colour);
-  PointPass pass{.clip = clip_matrix(settings.camera, picture),
-                 .point_size = settings.point_size * extent_.spacing,
-                 .size_depth = extent_.box.centre().z,
-                 .pixels_per_slope = pixels_per_slope(settings.camera, picture),
-                 .coloured = coloured,
-                 .range = coloured
-                              ? depths()
-                              : grey_range(settings.colour, values_, ambient, settings.brightness),
-                 .shaded = settings.shaded};
-  points_.draw(pass);
-  if (settings.reflection) {
-    // One point of three at nearly twice the size: a mirror may be dim and coarse, and is cheap so.
-    pass.clip = mirrored_clip_matrix(settings.camera, picture, floor);
-    pass.floor = floor;
-    pass.veil = background;
-    pass.strength = 0.3F;
-    pass.every = 3;
-    pass.point_size *= 1.7F;
-    points_.draw(pass);
-  }
+  draw_points(settings, ambient, picture, false);
+  if (settings.reflection) draw_points(settings, ambient, picture, true);
   const glm::mat4 clip = clip_matrix(settings.camera, picture);
-  if (settings.grid) lines_.draw(floor_grid(extent_.box, floor), clip, picture, pixel_ratio);
+  if (settings.grid) {
+    lines_.draw(floor_grid(extent_.box, floor_height(extent_)), clip, picture, pixel_ratio);
+  }
   if (settings.axes) {
     lines_.draw(axes(extent_.box, settings.camera), clip, picture, 2 * pixel_ratio);
   }

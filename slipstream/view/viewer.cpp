@@ -1,25 +1,86 @@
 #include "slipstream/view/viewer.h"
 
-#include <algorithm>
-#include <chrono>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
+#include <fmt/format.h>
+#include <imgui.h>
 
+#include "slipstream/codes/registry.h"
+#include "slipstream/frames/pattern_windows.h"
+#include "slipstream/live/live_pipeline.h"
 #include "slipstream/view/cloud_screen.h"
-#include "slipstream/view/opengl.h"
-#include "slipstream/view/window.h"
 
 namespace slipstream::view {
 namespace {
 
+ShownCloud reconstructed(const std::shared_ptr<const FrameSet>& frames, const EngineSetup& setup) {
+  const auto made = std::make_shared<std::pair<Cloud, std::shared_ptr<const FrameSet>>>();
+  made->second = frames;
+  Engine(setup).cloud(*frames, made->first);
+  return {.cloud = {made, &made->first}, .frames = *frames};
+}
+
+/// The one given first; others where the patterns come from a projector that may show them.
+std::vector<std::pair<std::string, Strategy>> strategies_beside(const Strategy& given,
+                                                                bool patterns_can_change) {
+  std::vector<std::pair<std::string, Strategy>> choices{{label_of(given), given}};
+  if (!patterns_can_change) return choices;
+  for (const Strategy& strategy : usual_strategies()) {
+    if (strategy != given) choices.emplace_back(label_of(strategy), strategy);
+  }
+  return choices;
+}
+
+std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> gammas_beside(
+    const std::optional<MeasuredResponse>& given) {
+  std::vector<std::pair<std::string, std::optional<MeasuredResponse>>> choices{
+      {"as at the start", given}, {"none", std::nullopt}};
+  for (const double gamma : {1.4, 1.8, 2.0, 2.2, 2.4}) {
+    choices.emplace_back(fmt::format("{:g}", gamma), MeasuredResponse{PowerLaw{gamma}, gamma});
+  }
+  return choices;
+}
+
+/// For as long as it is shown neither the cloud nor its frames return to their pools.
+ShownCloud shown_cloud(const Pooled<LiveCloud>& cloud) {
+  if (!cloud) return {};
+  const auto share = std::make_shared<const Pooled<LiveCloud>>(cloud);
+  return {.cloud = {share, &cloud->cloud},
+          .frames = views_of(cloud->frames),
+          .captured = cloud->newest.host_time};
+}
+
+void draw_text(const Guide& guide) {
+  const auto part = [](std::uint8_t value) { return static_cast<float>(value) / 255; };
+  ImGui::SetWindowFontScale(1.5F);
+  ImGui::PushStyleColor(ImGuiCol_Text, {part(guide.colour.red), part(guide.colour.green),
+                                        part(guide.colour.blue), 1});
+  ImGui::TextWrapped("%s", guide.headline.c_str());
+  ImGui::PopStyleColor();
+  ImGui::SetWindowFontScale(1);
+  for (const std::string& line : guide.lines) ImGui::TextWrapped("%s", line.c_str());
+}
+
+/// Whole window: the picture, and below it room for two lines of the headline and all others.
+void draw_guide(const Guide& guide, const opengl::PictureTexture& texture, const Screen& screen) {
+  ImGui::SetNextWindowPos({0, 0});
+  ImGui::SetNextWindowSize(
+      {static_cast<float>(screen.window.width), static_cast<float>(screen.window.height)});
+  ImGui::Begin("guide", nullptr,
+               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoBackground |
+                   ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings);
+  const float lines = 3 + static_cast<float>(guide.lines.size());
+  const ImVec2 at = ImGui::GetCursorPos(), room = ImGui::GetContentRegionAvail();
+  const float height = room.y - lines * ImGui::GetTextLineHeightWithSpacing();
+  draw_picture(texture, {at.x, at.y, room.x, height});
+  ImGui::SetCursorPosY(at.y + height);
+  draw_text(guide);
+  ImGui::End();
+}
+
 using Clock = std::chrono::steady_clock;
 
-/// When something last happened to the window, so that it is not drawn again for nothing; and the
-/// keys, which may be pressed and let go of between two pictures.
+/// What happened to the window, even between two pictures; without, nothing is drawn again.
 struct WindowEvents {
   Clock::time_point last = Clock::now();
   std::vector<int> keys;
@@ -53,8 +114,8 @@ void listen(GLFWwindow* window, WindowEvents& events) {
   });
 }
 
-/// When to draw: at once what an event or a cloud changed, and what is a quarter of a second old
-/// for its numbers, but never without a rest.
+/// Draws what an event or a cloud changed at once, and numbers every quarter of a second, with
+/// rests.
 class Pace {
  public:
   explicit Pace(double most_per_second) : least_(1 / std::max(most_per_second, 1.0)) {}
@@ -90,10 +151,74 @@ class Pace {
 
 }  // namespace
 
+ViewSource still_source(Cloud cloud, std::optional<Uncertainty> uncertainty) {
+  ShownCloud shown{.cloud = std::make_shared<const Cloud>(std::move(cloud))};
+  if (uncertainty) shown.uncertainty = std::make_shared<const Uncertainty>(*std::move(uncertainty));
+  return {.newest = [shown] { return shown; }};
+}
+
+ViewSource still_source(FrameSet frames, const EngineSetup& setup) {
+  const auto kept = std::make_shared<const FrameSet>(std::move(frames));
+  const auto shown = std::make_shared<ShownCloud>(reconstructed(kept, setup));
+  return {
+      .newest = [shown] { return *shown; },
+      .setup = setup,
+      .change = [kept, shown](const EngineSetup& other) { *shown = reconstructed(kept, other); }};
+}
+
+ViewSource live_source(LivePipeline& pipeline, const EngineSetup& setup, bool patterns_can_change) {
+  return {.newest = [&pipeline] { return shown_cloud(pipeline.newest()); },
+          .shown = [&pipeline](const ShownCloud& cloud) { pipeline.shown(cloud.captured); },
+          .statistics = [&pipeline] { return pipeline.statistics(); },
+          .setup = setup,
+          .change = [&pipeline](const EngineSetup& other) { pipeline.change(other); },
+          .strategies = strategies_beside(setup.sequence.strategy, patterns_can_change),
+          .gammas = gammas_beside(setup.scanner.photometry.response)};
+}
+
+GuideWindow::GuideWindow(const opengl::WindowSystem& system, const std::string& title, Size size)
+    : window_(system, {.title = title, .size = size}), gui_(&window_) {}
+
+GuideWindow::~GuideWindow() {
+  glfwMakeContextCurrent(window_.get());
+}
+
+void GuideWindow::draw() {
+  glfwMakeContextCurrent(window_.get());
+  Screen screen = screen_of(window_);
+  constexpr float usual_height = 640;  // text grows from there on
+  const float grown = static_cast<float>(screen.framebuffer.height) / usual_height;
+  screen.content_scale = std::max(screen.content_scale, grown);
+  glViewport(0, 0, screen.framebuffer.width, screen.framebuffer.height);
+  glClear(GL_COLOR_BUFFER_BIT);
+  gui_.begin_frame(screen);
+  draw_guide(last_, texture_, screen);
+  gui_.end_frame();
+}
+
+void GuideWindow::show(Guide guide) {
+  glfwMakeContextCurrent(window_.get());
+  texture_.upload(guide.picture);
+  last_ = std::move(guide);
+  draw();
+  glfwSwapBuffers(window_.get());
+}
+
+bool GuideWindow::closed() const {
+  glfwPollEvents();
+  return glfwWindowShouldClose(window_.get()) == GLFW_TRUE ||
+         glfwGetKey(window_.get(), GLFW_KEY_ESCAPE) == GLFW_PRESS;
+}
+
+Image<Colour> GuideWindow::picture() {
+  draw();
+  return opengl::read_pixels(window_.framebuffer_size());
+}
+
 std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSettings& settings) {
   const opengl::WindowSystem system;
   const opengl::Window window(system, {.title = source.title, .size = settings.size});
-  window.wait_for_refresh(true);
+  glfwSwapInterval(1);
   WindowEvents events;
   listen(window.get(), events);
   ViewSource shown = source;
@@ -111,7 +236,8 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
       glfwSetWindowTitle(window.get(), shown.title.c_str());
       clouds.emplace(shown, kept, &window);
     }
-    open = !window.should_close() && !clouds->closed() && !(settings.ends && settings.ends());
+    open = glfwWindowShouldClose(window.get()) == GLFW_FALSE && !clouds->closed() &&
+           !(settings.ends && settings.ends());
     const Screen screen = screen_of(window);
     const bool visible = screen.framebuffer.width > 0 && screen.framebuffer.height > 0;
     if (visible && (!open || pace.rested())) {
@@ -121,7 +247,7 @@ std::optional<Image<Colour>> run_viewer(const ViewSource& source, const ViewerSe
           clouds->draw(screen);
           if (!open && settings.keep_last) last = opengl::read_pixels(screen.framebuffer);
         });
-        window.swap();
+        glfwSwapBuffers(window.get());
         clouds->tell_shown();
       }
     }

@@ -1,8 +1,7 @@
 // What the program does about findings, whoever found them.
-#include "app/findings.h"
-
 #include <gtest/gtest.h>
 
+#include "app/output.h"
 #include "slipstream/base/error.h"
 
 namespace slipstream::app::scan_findings_test {
@@ -63,12 +62,12 @@ TEST(ScanFindings, GammaIsLeftOutWhereItIsMeasured) {
 }
 
 TEST(ScanFindings, JsonHasAllOfAFinding) {
-  EXPECT_EQ(json_of(rotated), (nlohmann::json{{"what", "the bands disagree"},
-                                              {"evidence", {{"agreement", 0.25}}},
-                                              {"likely", "frames 0 to 2 are rotated by one"},
-                                              {"try", "try --order 2,0,1,3,4,5"},
-                                              {"refused", true}}));
-  const nlohmann::json none = json_of(dim);
+  EXPECT_EQ(nlohmann::json(rotated), (nlohmann::json{{"what", "the bands disagree"},
+                                                     {"evidence", {{"agreement", 0.25}}},
+                                                     {"likely", "frames 0 to 2 are rotated by one"},
+                                                     {"try", "try --order 2,0,1,3,4,5"},
+                                                     {"refused", true}}));
+  const nlohmann::json none = dim;
   EXPECT_EQ(none["refused"], false);
   EXPECT_TRUE(none["evidence"].is_object());
 }
@@ -91,7 +90,7 @@ TEST(LiveFindings, EachIsToldOnceWhenItBeginsAndWhenItEnds) {
   EXPECT_EQ(news({{dim, 7, 19}, {dim, 30, 34}}),
             "warning: frames: the frames are dim\n"
             "frames: the frames are dim: this has ended, 4 frames after it began\n");
-  const nlohmann::json listed = json_of({{dim, 7, 19}, {dim, 30, {}}});
+  const nlohmann::json listed = std::vector<LiveFinding>{{dim, 7, 19}, {dim, 30, {}}};
   EXPECT_EQ(listed[0]["begin"], 7);
   EXPECT_EQ(listed[0]["end"], 19);
   EXPECT_TRUE(listed[1]["end"].is_null());

@@ -1,10 +1,10 @@
-#include "slipstream/base/moving_mean.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
+
+#include "slipstream/base/statistics.h"
 
 namespace slipstream::moving_mean_test {
 

@@ -1,11 +1,10 @@
 // The rows of Table 2.2 compute what they are named for.
-#include "tools/bench/published.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "paper/published_loops.h"
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"

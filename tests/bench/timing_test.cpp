@@ -1,4 +1,4 @@
-#include "tools/bench/timing.h"
+#include "bench/timing.h"
 
 #include <gtest/gtest.h>
 

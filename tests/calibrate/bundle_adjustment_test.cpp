@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/calibrate/calibration_board.h"
-#include "slipstream/calibrate/first_guess.h"
+#include "slipstream/calibrate/diagnosis.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"
 

@@ -7,7 +7,6 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/calibrate/board_capture.h"
-#include "slipstream/simulate/boards.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -6,10 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/calibrate/pose_captures.h"
+#include "slipstream/calibrate/board_capture.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/scan_camera.h"
-#include "slipstream/simulate/boards.h"
+#include "slipstream/io/board_scans.h"
+#include "slipstream/io/saved_scan.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "tests/io/expect_error.h"
@@ -177,6 +178,9 @@ TEST(GuidedPoses, TakesGoodOnesAndWritesWhatCalibrateReads) {
   HeldBoard camera(sequence);
   GuidedPosesSettings settings;
   settings.wanted = 3;
+  settings.save = [](const fs::path& path, const Scan& scan) {
+    save_scan(path, scan.frames, scan.sequence, std::nullopt);
+  };
   std::vector<PoseState> told;
   settings.told = [&](const PoseProgress& progress) { told.push_back(progress.verdict.state); };
   const std::vector<BoardView> taken = take_guided_poses(camera, poses, board, sequence, settings);

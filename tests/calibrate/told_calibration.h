@@ -15,7 +15,6 @@
 #include "slipstream/calibrate/board_capture.h"
 #include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/simulate/boards.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

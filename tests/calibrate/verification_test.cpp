@@ -1,10 +1,9 @@
-#include "slipstream/calibrate/verification.h"
-
 #include <numbers>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "slipstream/calibrate/geometry_calibration.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/calibrate/virtual_views.h"
 #include "tests/io/expect_error.h"

@@ -10,7 +10,7 @@
 #include "slipstream/calibrate/board_view.h"
 #include "slipstream/calibrate/calibration_board.h"
 #include "slipstream/geometry/scanner.h"
-#include "slipstream/simulate/boards.h"
+#include "slipstream/simulate/named_scenes.h"
 
 namespace slipstream {
 

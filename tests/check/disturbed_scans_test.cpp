@@ -31,7 +31,8 @@ std::vector<Mistake> disturbances(const Scan& scan, int frame) {
        {}}};
   if (scan.sequence.strategy.settings().contains("high")) {
     const double high = scan.sequence.strategy.settings().at("high").number();
-    const double step = scan.sequence.strategy.layout().unwrapping == Unwrapping::hierarchical
+    const double step = scan.sequence.strategy.layout().bands.size() > 1 &&
+                                order_source(scan.sequence.strategy.layout()) == OrderSource::bands
                             ? scan.sequence.strategy.settings().at("low").number()
                             : 1;
     list.push_back({"wrong --high", with_setting("high", high + step), {}});
@@ -64,7 +65,8 @@ Shown shown_points(const Scan& scan, const Image<double>& truth) {
 /// Whether the frames of a scan say nothing of each other: three unknowns in three frames, so that
 /// a frame brighter by 5 percent makes the frames of another place. docs/trust.md says so.
 bool is_without_redundancy(const Scan& scan) {
-  return scan.frames.count() == 3 && scan.sequence.strategy.layout().unwrapping == Unwrapping::none;
+  return scan.frames.count() == 3 && scan.sequence.strategy.layout().bands.size() == 1 &&
+         order_source(scan.sequence.strategy.layout()) == OrderSource::bands;
 }
 
 TEST(DisturbedScans, ShowHardlyAWrongPointWithoutAFinding) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "slipstream/codes/registry.h"
+#include "slipstream/codes/unwrapping.h"
 #include "slipstream/geometry/scan.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_world.h"
@@ -44,7 +45,7 @@ class RandomScans {
         one_of(std::vector<std::string_view>{"board", "sphere", "boxes", "statue"}));
     // A cue cannot be corrected.
     const bool correctable =
-        !strategy.layout().cue && strategy.layout().unwrapping != Unwrapping::vote;
+        !strategy.layout().cue && order_source(strategy.layout()) != OrderSource::neighbours;
     const double gamma = correctable && between(0, 1) < 0.4 ? between(1.2, 2.6) : 1;
     const Photometry photometry{.ambient = between(0, 25),
                                 .response = PowerLaw{gamma},

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/cloud/normals.h"
+#include "slipstream/cloud/surface.h"
 
 namespace slipstream::cloud_test {
 

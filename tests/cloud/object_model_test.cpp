@@ -10,7 +10,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/geometry/lens.h"
+#include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/seen_scene.h"
 

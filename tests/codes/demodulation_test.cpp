@@ -1,5 +1,3 @@
-#include "slipstream/codes/demodulation.h"
-
 #include <algorithm>
 #include <cstddef>
 #include <set>
@@ -8,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/codes/one_frame.h"
 
 namespace slipstream::symbol_grid_test {
 

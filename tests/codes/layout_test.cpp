@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/sinusoid.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/unwrapping.h"
 
 namespace slipstream::layout_test {

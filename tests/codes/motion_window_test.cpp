@@ -1,5 +1,3 @@
-#include "slipstream/codes/motion_window.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,8 +7,8 @@
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/codes/layout.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/codes/strategy.h"
 
 namespace slipstream::motion_window_test {
 

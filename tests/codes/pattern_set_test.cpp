@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/sinusoid.h"
+#include "slipstream/codes/phase_shifting.h"
 
 namespace slipstream::axis_test {
 

@@ -1,4 +1,3 @@
-#include "slipstream/codes/strategy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,8 +22,8 @@ TEST(Strategy, IsMadeFromItsNameAndSettings) {
   EXPECT_EQ(step_counts(made), (std::vector{4, 3}));
   EXPECT_EQ(highest_frequency(made), 8);
   EXPECT_EQ(frame_count(made), 7);
-  EXPECT_EQ(name_of(made), "dual-frequency");
-  EXPECT_EQ(make_strategy(name_of(made), made.settings()).settings(), made.settings());
+  EXPECT_EQ(made.name(), "dual-frequency");
+  EXPECT_EQ(make_strategy(made.name(), made.settings()).settings(), made.settings());
 }
 
 TEST(Strategy, RefusesWhatItDoesNotKnow) {
@@ -133,7 +132,7 @@ struct Adjustable {
 TEST(OwnStrategy, SaysWhatItsStructSays) {
   const Strategy plain = Adjustable{}, fine = Adjustable{.steps = 5, .periods = 7};
   EXPECT_EQ(plain.name(), "adjustable");
-  EXPECT_EQ(name_of(plain), "adjustable");
+  EXPECT_EQ(plain.name(), "adjustable");
   EXPECT_EQ(plain.settings(), (StrategySettings{{"steps", 4}}));
   EXPECT_EQ(fine.settings(), (StrategySettings{{"steps", 5}, {"periods", 7}}));
   EXPECT_EQ(frame_count(fine), 5);

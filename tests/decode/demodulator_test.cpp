@@ -1,5 +1,3 @@
-#include "slipstream/decode/demodulator.h"
-
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -7,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream::demodulator_test {
 

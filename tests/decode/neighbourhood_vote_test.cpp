@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/strategy.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/decode/decoder.h"
 #include "slipstream/frames/frame_set.h"
 

@@ -1,5 +1,4 @@
 // Pictures of symbols that are known by their neighbours, and pictures of anything.
-#include "slipstream/decode/neighbours.h"
 
 #include <cmath>
 #include <cstddef>
@@ -8,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/decode/demodulator.h"
+#include "slipstream/decode/frame_adapter.h"
 
 namespace slipstream::neighbours_test {
 
@@ -31,8 +30,8 @@ TEST_P(Neighbours, SayWherePixelsAre) {
     const Size size = axis == Axis::x ? Size{480, 320} : Size{320, 480};
     const int length = length_along(axis, size), breadth = length_along(across(axis), size);
     const auto place = [&](int column, int row) {
-      return std::pair{(axis == Axis::x ? column : row) / double{length},
-                       (axis == Axis::x ? row : column) / double{breadth}};
+      return std::pair{(axis == Axis::x ? column : row) / static_cast<double>(length),
+                       (axis == Axis::x ? row : column) / static_cast<double>(breadth)};
     };
     std::vector<Image<float>> frames(static_cast<std::size_t>(shown()), Image<float>(size));
     for (int row = 0; row < size.height; ++row) {

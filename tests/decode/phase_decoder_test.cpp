@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/sinusoid.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/decode/equations.h"
 #include "slipstream/frames/frame_set.h"
 

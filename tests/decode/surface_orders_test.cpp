@@ -86,7 +86,7 @@ TEST(SurfaceOrders, LeaveOutASurfaceThatCouldHaveTwo) {
 TEST(SurfaceOrders, LeaveOutWhatIsSmallOrNowhere) {
   const TwoSurfaces scene;
   EXPECT_EQ(scene.found([](int, int) { return OrderRange{}; })(10, 10), SurfaceOrders::none);
-  const auto zero = [](const Surface&) { return std::optional(0); };
+  const auto zero = [](const ConnectedSurface&) { return std::optional(0); };
   EXPECT_TRUE(SurfaceOrders()({}, zero).empty());
   EXPECT_EQ(SurfaceOrders()(Image<float>({7, 9}, 1), zero)(3, 3), SurfaceOrders::none);
   EXPECT_EQ(SurfaceOrders()(Image<float>({8, 8}, 1), zero)(3, 3), 0);

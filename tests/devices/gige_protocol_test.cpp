@@ -1,7 +1,8 @@
 // Packets of any kind against the registers of the served camera, without a network.
+#include "slipstream/devices/gige_protocol.h"
+
 #include <gtest/gtest.h>
 
-#include "slipstream/devices/gige_block.h"
 #include "tests/devices/gvcp_packets.h"
 
 namespace slipstream::gige_protocol_test {

@@ -13,7 +13,6 @@
 #include "slipstream/codes/registry.h"
 #include "slipstream/devices/monitor.h"
 #include "slipstream/view/opengl.h"
-#include "slipstream/view/window.h"
 #include "tests/view/desktop.h"
 
 namespace slipstream::monitor {

@@ -11,7 +11,7 @@
 #include "slipstream/base/error.h"
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/frames/colour_channels.h"
-#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/io/saved_scan.h"
 #include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"

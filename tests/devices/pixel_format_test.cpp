@@ -1,10 +1,9 @@
-#include "slipstream/devices/pixel_format.h"
-
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/devices/camera.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::pixel_format_test {

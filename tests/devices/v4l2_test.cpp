@@ -1,5 +1,3 @@
-#include "slipstream/devices/v4l2.h"
-
 #include <cerrno>
 #include <cstring>
 #include <deque>
@@ -11,6 +9,7 @@
 #include <linux/videodev2.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/devices/camera.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::v4l2_test {

@@ -285,7 +285,6 @@ TEST(VirtualGigeCamera, GivesTheRegionThatIsAskedFor) {
 TEST(VirtualGigeCamera, TakesAFrameForEachSoftwareTrigger) {
   const auto camera = serve(some_frames(4, {160, 120}));
   REQUIRE_CAMERA(camera);
-  camera->set_trigger_rate(200);
   CameraSettings settings{.exposure = 0.002, .gain = 3, .trigger = "Software", .cycle = 4};
   const auto opened = open_genicam_camera(served_address, settings);
   FrameSource& source = *opened;

@@ -80,7 +80,7 @@ BLOCKS = [block for page in PAGES for block in blocks_of(page)]
 @pytest.fixture(scope="module")
 def commands():
     spec = importlib.util.spec_from_file_location(
-        "command_pages", SOURCES / "tools" / "command_pages.py")
+        "command_pages", SOURCES / "packaging" / "command_pages.py")
     pages = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(pages)
     return {words: (flags, below) for words, flags, below in pages.commands_of(PROGRAM)}

@@ -140,7 +140,7 @@ begun=$(date +%s)
 if [ "$farm" = slurm ]; then
   start_slurm
   begun=$(date +%s)
-  SLIPSTREAM=$folder/node "$repository/tools/slurm/batch.sh" plan
+  SLIPSTREAM=$folder/node "$repository/packaging/slurm/batch.sh" plan
   timeout 3600 bash -c 'until [ -z "$(squeue -h)" ]; do sleep 0.5; done' || fail "$(squeue)"
   grep -h 'whole' plan/merge.log
   grep -q 'node.* not responding, setting DOWN' slurmctld.log || fail "no node went down"

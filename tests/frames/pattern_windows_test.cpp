@@ -88,7 +88,7 @@ const std::vector<Strategy> strategies{PhaseMeasuring{.steps = 3, .frequency = 1
                                        ThreeFrequencies{}};
 
 std::string text_of(const Strategy& strategy) {
-  std::string text(name_of(strategy));
+  std::string text(strategy.name());
   for (const int steps : step_counts(strategy)) text += " " + std::to_string(steps);
   return text;
 }

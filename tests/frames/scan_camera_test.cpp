@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/frames/pattern_sink.h"
+#include "slipstream/frames/frame_source.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::pattern_sink_test {

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "slipstream/decode/frame_adapter.h"
-#include "slipstream/decode/neighbours.h"
 #include "slipstream/frames/pattern_windows.h"
 #include "slipstream/frames/pool.h"
 #include "slipstream/reconstruct/engine.h"

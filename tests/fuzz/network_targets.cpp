@@ -6,8 +6,8 @@
 #include <linux/videodev2.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/devices/gige_block.h"
-#include "slipstream/devices/v4l2.h"
+#include "slipstream/devices/camera.h"
+#include "slipstream/devices/gige_protocol.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"
 

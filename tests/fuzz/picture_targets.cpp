@@ -3,7 +3,7 @@
 #include <cstring>
 
 #include "slipstream/codes/phase_shifting.h"
-#include "slipstream/devices/pixel_format.h"
+#include "slipstream/devices/camera.h"
 #include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/file.h"
 #include "slipstream/io/image_file.h"

@@ -3,7 +3,6 @@
 
 #include "slipstream/publish/mcap.h"
 #include "slipstream/publish/ros_messages.h"
-#include "slipstream/publish/ros_parameters.h"
 #include "tests/fuzz/target.h"
 
 namespace slipstream {

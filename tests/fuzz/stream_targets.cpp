@@ -4,7 +4,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "slipstream/devices/gige_block.h"
+#include "slipstream/devices/gige_protocol.h"
 #include "slipstream/devices/gige_sockets.h"
 #include "tests/devices/gvcp_packets.h"
 #include "tests/fuzz/target.h"

@@ -1,5 +1,3 @@
-#include "slipstream/geometry/lens.h"
-
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -8,6 +6,7 @@
 #include <opencv2/calib3d.hpp>
 
 #include "slipstream/base/error.h"
+#include "slipstream/geometry/scanner.h"
 
 namespace slipstream::lens_test {
 

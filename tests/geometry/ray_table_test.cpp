@@ -1,6 +1,4 @@
 // Blocks of rays and depths against the geometry that they stand for.
-#include "slipstream/geometry/ray_table.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>

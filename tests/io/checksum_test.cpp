@@ -2,7 +2,7 @@
 
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"
 #include "tests/io/temporary_folder.h"

@@ -1,11 +1,10 @@
-#include "slipstream/io/image_file.h"
-
 #include <cmath>
 #include <cstring>
 
 #include <gtest/gtest.h>
 
 #include "slipstream/io/file.h"
+#include "slipstream/io/image_file.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"
 

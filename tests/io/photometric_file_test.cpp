@@ -1,5 +1,3 @@
-#include "slipstream/io/scanner_file.h"
-
 #include <cmath>
 #include <map>
 #include <string>
@@ -9,7 +7,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/opencv_storage.h"
+#include "slipstream/io/scanner_file.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

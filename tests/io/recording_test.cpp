@@ -13,7 +13,6 @@
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/frames/scan_camera.h"
 #include "slipstream/io/file.h"
-#include "slipstream/io/recorded_cycle.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/recorded_frames.h"

@@ -10,7 +10,7 @@
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/io/image_file.h"
-#include "slipstream/io/recorded_cycle.h"
+#include "slipstream/io/recording.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"

@@ -1,5 +1,3 @@
-#include "slipstream/io/scan_list.h"
-
 #include <cmath>
 #include <numeric>
 
@@ -7,6 +5,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/base/error.h"
+#include "slipstream/io/result_files.h"
 #include "tests/io/expect_error.h"
 
 namespace slipstream::scan_list_test {

@@ -10,7 +10,6 @@
 #include <opencv2/core.hpp>
 
 #include "slipstream/io/file.h"
-#include "slipstream/io/opencv_storage.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "tests/io/expect_error.h"
 #include "tests/io/temporary_folder.h"

@@ -1,6 +1,4 @@
 // The frames of a live scan are looked at as they come, whoever looks.
-#include "slipstream/live/live_check.h"
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/live/live_pipeline.h"
+#include "slipstream/live/window_engine.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 

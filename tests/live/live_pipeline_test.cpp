@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "tests/live/scripted_source.h"
 #include "tests/live/virtual_loop.h"
 
@@ -117,7 +117,7 @@ TEST(LivePipeline, each_frame_gives_the_cloud_that_its_window_gives_by_itself) {
         Strategy(PhaseMeasuring{.steps = 6, .frequency = 1}), Strategy(DualFrequency{.steps = 3}),
         Strategy(PhaseChannelMultiplexing{.steps = 5})}) {
     for (const int bits : {8, 12}) {
-      SCOPED_TRACE(std::string(name_of(strategy)) + " " + std::to_string(bits));
+      SCOPED_TRACE(strategy.name() + " " + std::to_string(bits));
       const int N = frame_count(strategy);
       const auto pictures =
           frames_of(strategy, {.motion = {0.5, 0, 0},

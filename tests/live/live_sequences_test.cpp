@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "slipstream/frames/merged_exposures.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/frames/pattern_windows.h"
 #include "slipstream/live/live_pipeline.h"
 #include "slipstream/reconstruct/engine.h"

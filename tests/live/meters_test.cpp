@@ -1,8 +1,8 @@
-#include "slipstream/live/meters.h"
-
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "slipstream/live/live_statistics.h"
 
 namespace slipstream::meters_test {
 using namespace std::chrono_literals;

@@ -6,7 +6,7 @@
 #include <rapidcheck/gtest.h>
 
 #include "slipstream/frames/pattern_windows.h"
-#include "slipstream/live/meters.h"
+#include "slipstream/live/live_statistics.h"
 namespace slipstream::rolling_window_test {
 
 Pooled<Frame> numbered(Pool<Frame>& pool, std::uint64_t number) {

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "slipstream/geometry/lens.h"
+#include "slipstream/geometry/scanner.h"
 #include "slipstream/live/live_cloud.h"
 
 namespace slipstream {

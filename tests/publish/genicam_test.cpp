@@ -9,7 +9,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/base/numbers.h"
-#include "slipstream/devices/gige_block.h"
+#include "slipstream/devices/gige_protocol.h"
 #include "slipstream/publish/cloud_sink.h"
 #include "slipstream/publish/scan3d.h"
 #include "tests/devices/gvcp_packets.h"

@@ -1,5 +1,3 @@
-#include "slipstream/publish/publisher.h"
-
 #include <array>
 #include <atomic>
 #include <future>

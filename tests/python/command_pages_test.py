@@ -11,7 +11,7 @@ from conftest import PROGRAM, SOURCES
 @pytest.fixture(scope="module")
 def pages():
     spec = importlib.util.spec_from_file_location(
-        "command_pages", SOURCES / "tools" / "command_pages.py")
+        "command_pages", SOURCES / "packaging" / "command_pages.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

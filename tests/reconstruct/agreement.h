@@ -9,8 +9,8 @@
 
 #include "slipstream/codes/registry.h"
 #include "slipstream/geometry/triangulator.h"
-#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/fused/fused_engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -1,6 +1,4 @@
 // The vote's vectors against its rules, on random phases, shifts and costs.
-#include "slipstream/reconstruct/fused/vote_rows.h"
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "slipstream/base/image.h"
 #include "slipstream/base/vector_target.h"
+#include "slipstream/reconstruct/fused/rows.h"
 
 namespace slipstream::ballots_test {
 
@@ -80,29 +79,19 @@ struct Field {
     }
   }
   static void foresee(const std::vector<PixelPlace>&) {}
-  struct Window {
-    const Field& field;
-    int column = 0, row = 0;
-    [[nodiscard]] double against(int cell, int shift) const {
-      const auto [r, c] = Picture::in_image(column + cell % 5, row + cell / 5);
-      if (shift == 1) return field.picture.above(c, r);
-      if (shift == -1) return field.picture.below(c, r);
-      return shift == 0 ? 0 : 3 * std::abs(shift) + field.picture.below(c, r);
-    }
-    [[nodiscard]] int shift(int line, int place) const {
-      return field.shift(column + place, row + line);
-    }
-  };
-  [[nodiscard]] Window window_around(int column, int row) const {
-    return {*this, column - 2, row - 2};
+  [[nodiscard]] double against(PixelPlace at, int shift) const {
+    const auto [r, c] = Picture::in_image(at.column, at.row);
+    if (shift == 1) return picture.above(c, r);
+    if (shift == -1) return picture.below(c, r);
+    return shift == 0 ? 0 : 3 * std::abs(shift) + picture.below(c, r);
   }
   [[nodiscard]] static bool own_order_costs_least() { return false; }
-  [[nodiscard]] int shift(int column, int row) const {
-    const auto [r, c] = Picture::in_image(column, row);
+  [[nodiscard]] int shift(PixelPlace at) const {
+    const auto [r, c] = Picture::in_image(at.column, at.row);
     return picture.shift(c, r);
   }
-  void set_shift(int column, int row, int shift) {
-    const auto [r, c] = Picture::in_image(column, row);
+  void set_shift(PixelPlace at, int shift) {
+    const auto [r, c] = Picture::in_image(at.column, at.row);
     picture.shift(c, r) = static_cast<std::int16_t>(shift);
   }
 
@@ -115,15 +104,13 @@ struct Field {
             .kept_rows = Picture::size.height,
             .periods = static_cast<float>(f_h)};
   }
-  void hold_ballots(std::span<ShiftedPixel> pixels) {
-    if (quick) slipstream::hold_ballots(rows(), pixels);
+  void hold_ballots(std::span<ShiftedPixel> pixels, bool restores) {
+    if (quick) slipstream::hold_ballots(rows(), pixels, restores);
+    if (restores) return;
     asked += pixels.size();
     left += static_cast<std::size_t>(
         std::count_if(pixels.begin(), pixels.end(),
                       [](const ShiftedPixel& pixel) { return pixel.shift == undecided; }));
-  }
-  void find_support(std::span<ShiftedPixel> pixels) {
-    if (quick) slipstream::find_support(rows(), pixels);
   }
   std::atomic<std::size_t> asked = 0, left = 0;
 };
@@ -134,7 +121,7 @@ std::vector<PixelPlace> hold_vote(Field<quick>& field) {
   NeighbourhoodVote vote(field);
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
-      if (vote.disagrees(column, row)) lists.open.push_back({row, column});
+      if (vote.disagrees({row, column})) lists.open.push_back({row, column});
     }
   }
   vote(lists);

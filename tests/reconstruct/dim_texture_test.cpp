@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "paper/formulas.h"
 #include "slipstream/codes/phase_channel_multiplexing.h"
 #include "slipstream/codes/predicted_variance.h"
 #include "slipstream/decode/cue_evidence.h"

@@ -1,6 +1,4 @@
 // Patterns along both axes in one scan, each pixel held to its epipolar line.
-#include "slipstream/reconstruct/epipolar_check.h"
-
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -12,8 +10,9 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/reconstruct/epipolar.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

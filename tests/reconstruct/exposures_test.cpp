@@ -10,7 +10,7 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/frames/merged_exposures.h"
+#include "slipstream/frames/frame_set.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_world.h"

@@ -1,11 +1,10 @@
 // Corrections folded into the arctangent.
-#include "slipstream/reconstruct/fused/fused_stages.h"
-
 #include <cmath>
 #include <numbers>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/reconstruct/fused/fused_stages.h"
 #include "slipstream/response/correction.h"
 
 namespace slipstream::folded_phase_test {

@@ -30,7 +30,7 @@ TEST_P(FusedCloudOn, HasThePointsOfTheEquations) {
             Strategy(DualFrequency{.steps = 4, .low_steps = 3, .high = 16, .low = 1}),
             Strategy(DualFrequency{.steps = 6, .high = 8, .low = 0.5})}) {
         SCOPED_TRACE(testing::Message()
-                     << name_of(strategy) << ", width " << width << ", axis " << name_of(axis));
+                     << strategy.name() << ", width " << width << ", axis " << name_of(axis));
         const Agreement agreement =
             agreement_on(setup_of(scanner, strategy, axis), statue_frames(scanner, strategy, axis));
         EXPECT_GT(agreement.points, 2000U);
@@ -187,7 +187,19 @@ TEST(FusedCloud, TheReferenceStandsInWhereItCannot) {
     reconstruct.cloud(unquantised, cloud);
     EXPECT_EQ(point_count(cloud), 0U);
 
-    EXPECT_EQ(Engine(example_scanner({15, 48}), sequence, settings).backend_for(narrow), "lut");
+    // Said only where the fused engine is asked for by name.
+    const bool asked = kind == EngineKind::fused;
+    EXPECT_EQ(reconstruct.fallback_reason(),
+              asked
+                  ? "no fused engine: it takes frames of 8 to 16 bits; the reference engine goes on"
+                  : "");
+    Engine of_narrow(example_scanner({15, 48}), sequence, settings);
+    EXPECT_EQ(of_narrow.backend_for(narrow), "lut");
+    EXPECT_EQ(of_narrow.fallback_reason(),
+              asked
+                  ? "no fused engine: the picture is narrower than 16 pixels; the reference engine "
+                    "goes on"
+                  : "");
     EXPECT_EQ(Engine(bent, sequence, settings).backend_for(bytes), "lut");
   }
   Engine reference(example_scanner({64, 48}), sequence, {.engine = EngineKind::reference});

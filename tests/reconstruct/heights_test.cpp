@@ -7,7 +7,7 @@
 #include "slipstream/base/statistics.h"
 #include "slipstream/codes/phase_shifting.h"
 #include "slipstream/geometry/height_calibration.h"
-#include "slipstream/reconstruct/picture_report.h"
+#include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/simulate/virtual_world.h"

@@ -15,7 +15,7 @@
 #include "slipstream/base/error.h"
 #include "slipstream/base/image.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/decode/demodulator.h"
+#include "slipstream/decode/frame_adapter.h"
 #include "slipstream/decode/phase_decoder.h"
 #include "slipstream/frames/colour_channels.h"
 #include "slipstream/io/image_file.h"

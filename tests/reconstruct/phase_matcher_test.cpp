@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/codes/gray_code.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/simulate/named_scenes.h"

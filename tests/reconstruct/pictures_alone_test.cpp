@@ -6,7 +6,6 @@
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
-#include "slipstream/reconstruct/picture_report.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 

@@ -63,7 +63,7 @@ TEST(Uncertainty, IsThatOfTheVirtualScannerWithinTenPercent) {
     for (const double alpha : {0.15, 0.3, 0.5, 0.75, 1.0}) {
       for (const EngineKind kind : {EngineKind::reference, EngineKind::fused}) {
         const Normalised errors = normalised_errors(strategy, alpha, kind);
-        SCOPED_TRACE(testing::Message() << name_of(strategy) << ", alpha " << alpha);
+        SCOPED_TRACE(testing::Message() << strategy.name() << ", alpha " << alpha);
         EXPECT_GT(errors.points, 10000);
         EXPECT_NEAR(errors.x, 1, 0.1);
         EXPECT_NEAR(errors.y, 1, 0.1);

@@ -10,8 +10,8 @@
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
-#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/reconstruct/engine.h"
+#include "slipstream/reconstruct/pipeline.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
 
@@ -64,7 +64,7 @@ TEST_P(VirtualScans, ComeOutAtTheirTrueDepth) {
       const ReferenceEngine reconstruct(
           {scanner, {.strategy = strategy, .axis = axis}, {.phase_method = method}}, {});
       const DepthError error = compare(reconstruct(scan.frames).cloud, scan);
-      EXPECT_LE(error.rms, 1e-6) << name_of(strategy) << ", " << name_of(method);
+      EXPECT_LE(error.rms, 1e-6) << strategy.name() << ", " << name_of(method);
       EXPECT_EQ(error.points, error.lit);
       EXPECT_GT(error.points, 1500U);
     }

@@ -1,12 +1,12 @@
 // Tables 3.1 to 3.3, 3.5 and 3.7 of Liu 2010.
+#include "paper/multiplexing_tables.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
 #include "slipstream/codes/design.h"
-#include "tools/reproduce/unwrapping_tables.h"
-#include "tools/reproduce/variance_ratio_tables.h"
 
 namespace slipstream::multiplexing_tables_test {
 

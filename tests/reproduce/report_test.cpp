@@ -1,6 +1,6 @@
-#include "tools/reproduce/report.h"
-
 #include <gtest/gtest.h>
+
+#include "paper/reproduction.h"
 
 namespace slipstream::report_test {
 

@@ -1,4 +1,4 @@
-#include "tools/reproduce/reproduction.h"
+#include "paper/reproduction.h"
 
 #include <cmath>
 #include <set>

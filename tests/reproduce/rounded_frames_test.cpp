@@ -5,11 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include "paper/multiplexing_tables.h"
 #include "slipstream/codes/phase_channel_multiplexing.h"
-#include "slipstream/codes/strategy.h"
+#include "slipstream/codes/registry.h"
 #include "slipstream/decode/decoder.h"
-#include "tools/reproduce/noisy_frames.h"
-#include "tools/reproduce/unwrapping_tables.h"
 
 namespace slipstream::rounded_frames_test {
 

@@ -11,17 +11,15 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "paper/formulas.h"
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/reconstruct/engine.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/gamma_calibration.h"
-#include "slipstream/response/gamma_choice.h"
-#include "slipstream/response/harmonics.h"
+#include "slipstream/response/gamma.h"
 #include "slipstream/response/response_fit.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
-#include "tools/reproduce/gamma_formulas.h"
 
 namespace slipstream::any_response_test {
 

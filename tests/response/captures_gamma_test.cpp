@@ -16,8 +16,7 @@
 #include "slipstream/decode/decoder.h"
 #include "slipstream/io/image_file.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/gamma_calibration.h"
-#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/gamma.h"
 #include "tests/shared_data.h"
 
 namespace slipstream::captures_gamma_test {

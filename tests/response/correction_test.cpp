@@ -7,11 +7,10 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "paper/formulas.h"
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/frames/frame_set.h"
-#include "slipstream/response/harmonics.h"
-#include "tools/reproduce/gamma_formulas.h"
 
 namespace slipstream::correction_test {
 

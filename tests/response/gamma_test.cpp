@@ -1,3 +1,5 @@
+#include "slipstream/response/gamma.h"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -8,12 +10,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "paper/board_experiment.h"
 #include "slipstream/base/error.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/gamma_calibration.h"
-#include "slipstream/response/gamma_choice.h"
-#include "slipstream/response/harmonics.h"
-#include "tools/reproduce/board_experiment.h"
 
 namespace slipstream {
 

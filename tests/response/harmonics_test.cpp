@@ -1,6 +1,4 @@
 // The figures of Liu 2010, Sections 4.1 and 4.2, as recomputed from the equations.
-#include "slipstream/response/harmonics.h"
-
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -10,9 +8,9 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
+#include "paper/formulas.h"
 #include "slipstream/response/correction.h"
-#include "slipstream/response/gamma_calibration.h"
-#include "tools/reproduce/gamma_formulas.h"
+#include "slipstream/response/gamma.h"
 
 namespace slipstream::harmonics_test {
 

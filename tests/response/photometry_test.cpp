@@ -8,8 +8,7 @@
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/response/ambient_calibration.h"
-#include "slipstream/response/gamma_calibration.h"
-#include "slipstream/response/gamma_choice.h"
+#include "slipstream/response/gamma.h"
 #include "slipstream/response/noise_calibration.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/virtual_scanner.h"
@@ -36,7 +35,7 @@ TEST(ScanAverage, TakesScansOfOneKind) {
   ScanAverage scans;
   scans.add(scan_of(six_steps, {}), "one");
   scans.add(scan_of(six_steps, {.seed = 2}), "two");
-  EXPECT_EQ(scans.count(), 2);
+  EXPECT_EQ(scans.frames.count(), 2);
   expect_error([&] { scans.add(scan_of(PhaseMeasuring{.steps = 5}, {}), "three"); },
                {"three", "one"});
 }

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "paper/formulas.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/decode/equations.h"
 

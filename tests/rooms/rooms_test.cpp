@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -63,7 +64,7 @@ std::vector<std::string> forbidden_includes(const std::string& room, const std::
                                             const Uses& uses) {
   static const std::set<std::string> heavy_rooms{"calibrate", "devices", "io", "publish", "view"};
   static const std::regex slipstream_header("slipstream/([a-z_]+)/([^/]+/)?.*");
-  static const std::regex no_library("(app|bench|tests|tools)/.*");
+  static const std::regex no_library("(app|bench|paper|tests)/.*");
   static const std::regex heavy_library(
       "(opencv2|ceres|yaml-cpp|tiny_obj_loader|pugixml|CLI|nlohmann|GLFW|epoxy|imgui|glm|arv|boost|"
       "zstd).*");
@@ -131,8 +132,7 @@ TEST(Rooms, AForbiddenIncludeIsFound) {
   EXPECT_EQ(forbidden_includes("decode", "#include \"slipstream/geometry/lens.h\"", uses).size(),
             1U);
   EXPECT_EQ(forbidden_includes("geometry", "#include <opencv2/core.hpp>", uses).size(), 1U);
-  EXPECT_EQ(forbidden_includes("reconstruct", "#include \"tools/bench/timing.h\"", uses).size(),
-            1U);
+  EXPECT_EQ(forbidden_includes("reconstruct", "#include \"bench/timing.h\"", uses).size(), 1U);
   const std::string part = "#include \"slipstream/reconstruct/fused/fused_stages.h\"";
   EXPECT_TRUE(forbidden_includes("reconstruct", part, uses).empty());
   EXPECT_EQ(forbidden_includes("live", part, uses).size(), 1U);
@@ -197,6 +197,61 @@ TEST(Rooms, DependOnNoRoomThatDependsOnThem) {
       EXPECT_FALSE(uses.at(other).contains(room)) << room << " and " << other;
     }
   }
+}
+
+/// What docs/architecture.md says of new things is tried, by a test for each.
+TEST(Rooms, NewThingsAreTried) {
+  const fs::path root = SLIPSTREAM_SOURCE_FOLDER;
+  const std::string page = contents(root / "docs" / "architecture.md");
+  int tests = 0;
+  for (const auto& entry : fs::directory_iterator(root / "tests" / "extensions")) {
+    const std::string name = entry.path().filename();
+    if (entry.path().extension() != ".cpp") continue;
+    EXPECT_NE(page.find("| `" + name + "` |"), std::string::npos) << name << " is in no row";
+    ++tests;
+  }
+  static const std::regex named("\\| `[a-z_]+_test\\.cpp` \\|");
+  EXPECT_EQ(std::distance(std::sregex_iterator(page.begin(), page.end(), named), {}), tests);
+}
+
+/// Borders that a stranger would draw: rooms that must not know another, nor by others.
+TEST(Rooms, KeepTheirBorders) {
+  const Uses uses = read_rooms();
+  for (const auto& [room, other] : {std::pair("io", "simulate"), std::pair("calibrate", "io"),
+                                    std::pair("geometry", "response"), std::pair("frames", "codes"),
+                                    std::pair("decode", "response"), std::pair("live", "io")}) {
+    if (uses.contains(room))
+      EXPECT_FALSE(uses.at(room).contains(other)) << room << " uses " << other;
+  }
+}
+
+/// OpenCV finds boards, and draws the lines and words of figures.
+TEST(Rooms, UseOpenCvForBoardsAndFigures) {
+  for (const fs::path& file : files_of_rooms()) {
+    if (room_of(file) == "calibrate" || file.filename() == "plot.cpp") continue;
+    for (const std::string& header : included(contents(file))) {
+      EXPECT_FALSE(header.starts_with("opencv2/")) << file << " includes " << header;
+    }
+  }
+}
+
+/// Those that are compiled for every vector target: what they are told stands in plain structs.
+TEST(Rooms, KernelsTakePlainArrays) {
+  static const std::regex plain(
+      "slipstream/(base|reconstruct/fused|cloud/(cloud|depth_rows)\\.h|decode/"
+      "(neighbourhood_vote|surface_window)"
+      "\\.h|geometry/ray_table\\.h).*");
+  int kernels = 0;
+  for (const fs::path& file : files_of_rooms()) {
+    const std::string text = contents(file);
+    if (file.extension() != ".cpp" || text.find("foreach_target.h") == std::string::npos) continue;
+    ++kernels;
+    for (const std::string& header : included(text)) {
+      if (!header.starts_with("slipstream/")) continue;
+      EXPECT_TRUE(std::regex_match(header, plain)) << file << " includes " << header;
+    }
+  }
+  EXPECT_GE(kernels, 6);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/geometry/lens.h"
+#include "slipstream/geometry/scanner.h"
 #include "slipstream/simulate/named_scenes.h"
 #include "slipstream/simulate/scene.h"
 

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/codes/pattern_set.h"
-#include "slipstream/codes/sinusoid.h"
+#include "slipstream/codes/phase_shifting.h"
 #include "slipstream/simulate/seen_scene.h"
 
 namespace slipstream::projected_light_test {

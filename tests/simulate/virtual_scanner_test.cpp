@@ -9,8 +9,8 @@
 #include "slipstream/base/error.h"
 #include "slipstream/codes/registry.h"
 #include "slipstream/codes/sequence.h"
-#include "slipstream/simulate/boards.h"
 #include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_camera.h"
 
 namespace slipstream::virtual_scanner_test {
 

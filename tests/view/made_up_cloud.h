@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "slipstream/cloud/cloud.h"
-#include "slipstream/view/points.h"
+#include "slipstream/view/scene_renderer.h"
 
 namespace slipstream::view {
 

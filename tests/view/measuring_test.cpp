@@ -1,10 +1,9 @@
 // What the mouse measures, on clouds whose shape is known.
-#include "slipstream/view/measuring.h"
-
 #include <cmath>
 
 #include <gtest/gtest.h>
 
+#include "slipstream/view/cloud_screen.h"
 #include "slipstream/view/orbit_camera.h"
 #include "tests/view/made_up_cloud.h"
 

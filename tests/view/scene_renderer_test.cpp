@@ -9,10 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "slipstream/base/error.h"
-#include "slipstream/cloud/normals.h"
-#include "slipstream/view/lines.h"
+#include "slipstream/cloud/surface.h"
 #include "slipstream/view/opengl.h"
-#include "slipstream/view/window.h"
 #include "tests/view/made_up_cloud.h"
 
 namespace slipstream::view::scene_renderer_test {

@@ -13,10 +13,7 @@
 #include "slipstream/simulate/virtual_scanner.h"
 #include "slipstream/view/cloud_screen.h"
 #include "slipstream/view/opengl.h"
-#include "slipstream/view/pictures.h"
-#include "slipstream/view/view_source.h"
 #include "slipstream/view/viewer.h"
-#include "slipstream/view/window.h"
 #include "tests/io/temporary_folder.h"
 #include "tests/view/made_up_cloud.h"
 

@@ -14,7 +14,6 @@
 #include "slipstream/base/error.h"
 #include "slipstream/view/cloud_screen.h"
 #include "slipstream/view/opengl.h"
-#include "slipstream/view/window.h"
 #include "tests/view/desktop.h"
 #include "tests/view/made_up_cloud.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <variant>
@@ -9,69 +8,67 @@
 #include "slipstream/base/image.h"
 
 // The formats of pictures, from and to the bytes of a file. Readers throw Error, which does not
-// name the file; writers give no bytes for samples that their format does not hold.
+// name the file, before they take memory for more pixels than are read of one of `frames` pictures;
+// writers give no bytes for samples that their format does not hold.
 namespace slipstream {
 
-/// Rows of samples, `channels` to a pixel: grey, or red, green and blue, or these and alpha.
+struct PictureKind {
+  Size size;         ///< in pixels
+  int channels = 1;  ///< grey, or red, green and blue, or these and alpha
+  int bits = 8;      ///< of a sample: 8 or 16, or of float 32 or 64
+
+  [[nodiscard]] bool real() const { return bits > 16; }
+  [[nodiscard]] std::size_t row_bytes() const {
+    return static_cast<std::size_t>(size.width) * static_cast<std::size_t>(channels * bits / 8);
+  }
+};
+
+/// Rows of samples.
 struct Picture {
-  std::variant<Image<std::uint8_t>, Image<std::uint16_t>, Image<float>, Image<double>> samples{};
-  int channels = 1;
+  /// The samples are not written yet.
+  explicit Picture(const PictureKind& of);
+  [[nodiscard]] std::uint8_t* row(int row);
+
+  PictureKind kind;
+  std::variant<Image<std::uint8_t>, Image<std::uint16_t>, Image<float>, Image<double>> samples;
 };
 
 /// The same, borrowed.
 struct PictureView {
-  std::variant<ImageView<const std::uint8_t>, ImageView<const std::uint16_t>,
-               ImageView<const float>, ImageView<const double>>
-      samples{};
-  int channels = 1;
+  template <class Sample>
+  explicit PictureView(ImageView<const Sample> samples, int channels = 1)
+      : kind{{samples.width() / channels, samples.height()}, channels, 8 * int{sizeof(Sample)}},
+        first(reinterpret_cast<const std::uint8_t*>(samples.row(0))),
+        stride(samples.stride() * std::ptrdiff_t{sizeof(Sample)}) {}
+  [[nodiscard]] const std::uint8_t* row(int row) const { return first + row * stride; }
 
-  [[nodiscard]] Size size() const {  ///< in pixels
-    const Size size = std::visit([](const auto& rows) { return rows.size(); }, samples);
-    return {size.width / channels, size.height};
-  }
+  PictureKind kind;
+  const std::uint8_t* first;
+  std::ptrdiff_t stride;  ///< bytes
 };
 
-/// Numbers in a file's header by their offsets; 0 behind the file's end.
-struct HeaderNumbers {
-  std::span<const std::uint8_t> bytes;
-  bool little_endian;
-
-  [[nodiscard]] std::uint64_t operator()(std::uint64_t at, std::uint64_t size) const {
-    if (at > bytes.size() || bytes.size() - at < size) return 0;
-    std::uint64_t value = 0;
-    for (std::uint64_t i = 0; i < size; ++i) {
-      value = value << 8 | bytes[at + (little_endian ? size - 1 - i : i)];
-    }
-    return value;
-  }
-};
-
-// What a file's header says of its pixels, looked at before memory is taken; of a TIFF file those
-// of one tile where they are more.
-std::uint64_t png_pixels(std::span<const std::uint8_t> bytes);
-std::uint64_t tiff_pixels(std::span<const std::uint8_t> bytes);
-std::uint64_t bmp_pixels(std::span<const std::uint8_t> bytes);
-std::uint64_t pgm_pixels(std::span<const std::uint8_t> bytes);
+/// Throws Error where that many pixels are more than are read, of one picture or in as many frames.
+void require_readable(std::uint64_t pixels, std::size_t frames);
 
 /// A PNG file, of 8 or 16 bits, without alpha. Each of its check sums must fit.
-Picture read_png(std::span<const std::uint8_t> bytes);
+Picture read_png(std::span<const std::uint8_t> bytes, std::size_t frames);
 std::vector<std::uint8_t> png_file_of(const PictureView& picture);
 /// The file, of one bit a pixel, of grey levels: 0 is dark, any other level bright.
 std::vector<std::uint8_t> one_bit_png_file_of(const Image<std::uint8_t>& picture);
 
 /// The first picture of a TIFF file: grey of 8 or 16 bits or of 32- or 64-bit float, or colours of
 /// 8 or 16 bits.
-Picture read_tiff(std::span<const std::uint8_t> bytes);
+Picture read_tiff(std::span<const std::uint8_t> bytes, std::size_t frames);
 /// Without loss.
 std::vector<std::uint8_t> tiff_file_of(const PictureView& picture);
 
 /// A BMP file of 8 bits without compression: grey where its palette is, else in colour.
-Picture read_bmp(std::span<const std::uint8_t> bytes);
+Picture read_bmp(std::span<const std::uint8_t> bytes, std::size_t frames);
 std::vector<std::uint8_t> bmp_file_of(const PictureView& picture);
 
 /// A PGM or PPM file, in letters or binary: of 8 bits, or 16 where it says more than 255 levels, as
 /// they stand there.
-Picture read_pgm(std::span<const std::uint8_t> bytes);
+Picture read_pgm(std::span<const std::uint8_t> bytes, std::size_t frames);
 /// The binary file of grey samples of 8 or 16 bits.
 std::vector<std::uint8_t> pgm_file_of(const PictureView& picture);
 

@@ -1,19 +1,9 @@
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <span>
-
-#include "slipstream/base/disabled_targets-inl.h"
 #include "slipstream/decode/surface_window.h"
-#include "slipstream/reconstruct/fused/vote_rows.h"
+#include "slipstream/reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/ballots.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
 
@@ -302,12 +292,11 @@ class Ballot {
   Window whole_, part_;
 };
 
-void HoldBallots(const BallotRows& rows, std::span<ShiftedPixel> pixels) {
-  for (auto& [at, shift] : pixels) shift = Ballot(rows, at).chosen_shift();
-}
-
-void FindSupport(const BallotRows& rows, std::span<ShiftedPixel> pixels) {
-  for (auto& [at, shift] : pixels) shift = Ballot(rows, at).shift_unless_supported();
+void HoldBallots(const BallotRows& rows, std::span<ShiftedPixel> pixels, bool restores) {
+  for (auto& [at, shift] : pixels) {
+    const Ballot ballot(rows, at);
+    shift = restores ? ballot.shift_unless_supported() : ballot.chosen_shift();
+  }
 }
 
 }  // namespace slipstream::HWY_NAMESPACE
@@ -317,14 +306,9 @@ HWY_AFTER_NAMESPACE();
 namespace slipstream {
 
 HWY_EXPORT(HoldBallots);
-HWY_EXPORT(FindSupport);
 
-void hold_ballots(const BallotRows& rows, std::span<ShiftedPixel> pixels) {
-  HWY_DYNAMIC_DISPATCH(HoldBallots)(rows, pixels);
-}
-
-void find_support(const BallotRows& rows, std::span<ShiftedPixel> pixels) {
-  HWY_DYNAMIC_DISPATCH(FindSupport)(rows, pixels);
+void hold_ballots(const BallotRows& rows, std::span<ShiftedPixel> pixels, bool restores) {
+  HWY_DYNAMIC_DISPATCH(HoldBallots)(rows, pixels, restores);
 }
 
 }  // namespace slipstream

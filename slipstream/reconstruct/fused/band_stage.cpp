@@ -1,15 +1,7 @@
 // How the sums of a band's frames become its turns, corrected for the projector's response.
-#include <algorithm>
-#include <cmath>
 #include <complex>
-#include <cstddef>
-#include <numbers>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include <Eigen/Core>
-#include "slipstream/decode/equations.h"
+#include "slipstream/base/numbers.h"
 #include "slipstream/geometry/stripe_geometry.h"
 #include "slipstream/reconstruct/fused/fused_stages.h"
 
@@ -23,7 +15,6 @@ using Values = Eigen::Matrix<double, nodes, 1>;
 
 /// Wrapped to (-pi, pi].
 double added(const PhaseCorrection& correction, double phi) {
-  constexpr double two_pi = 2 * std::numbers::pi;
   const double measured = phi - two_pi * std::floor(phi / two_pi);
   return std::remainder(corrected_phase(correction, measured) - measured, two_pi);
 }
@@ -34,9 +25,8 @@ struct Fold {
   double tangent;  ///< its tangent
 
   static std::optional<Fold> of(int steps) {
-    using std::numbers::pi;
-    if (steps == 3 || steps == 6) return Fold{pi / 3, std::numbers::sqrt3};
-    if (steps == 4) return Fold{pi / 4, 1};
+    if (steps == 3 || steps == 6) return Fold{std::numbers::pi / 3, std::numbers::sqrt3};
+    if (steps == 4) return Fold{std::numbers::pi / 4, 1};
     return std::nullopt;
   }
 
@@ -49,7 +39,7 @@ struct Fold {
 bool is_odd(const PhaseCorrection& correction) {
   constexpr int samples = 500;
   for (int i = 0; i < samples; ++i) {
-    const double phi = 2 * std::numbers::pi * i / (samples * correction.steps);
+    const double phi = two_pi * i / (samples * correction.steps);
     if (std::abs(added(correction, phi) + added(correction, -phi)) > largest_error) return false;
   }
   return true;
@@ -91,7 +81,7 @@ std::vector<float> in_turns(const Values& spectrum, int degree) {
   const Eigen::Matrix<double, terms, 1> powers = chebyshev_coefficients<terms>().transpose() * kept;
   std::vector<float> coefficients;
   for (int k = degree; k >= 0; --k) {
-    coefficients.push_back(static_cast<float>(powers(k) / (2 * std::numbers::pi)));
+    coefficients.push_back(static_cast<float>(powers(k) / two_pi));
   }
   return coefficients;
 }
@@ -104,36 +94,12 @@ bool holds(const FoldedPhase& folded, const PhaseCorrection& correction, const F
     const double corrected = phi + added(correction, phi);
     double sum = 0;
     for (const float c : folded.coefficients) sum = sum * x + c;
-    const bool close = std::abs(2 * std::numbers::pi * sum - corrected) <= largest_error;
+    const bool close = std::abs(two_pi * sum - corrected) <= largest_error;
     const bool inside = corrected >= -largest_error && corrected <= fold.end + largest_error;
     if (!close || !inside) return false;
   }
   return true;
 }
-
-}  // namespace
-
-FoldedPhase folded_phase(const PhaseCorrection& correction) {
-  const std::optional<Fold> fold = Fold::of(correction.steps);
-  if (!fold || !is_odd(correction)) return {};
-  FoldedPhase best;
-  int least = FoldedPhase::largest_degree + 1;
-  constexpr double octaves = 0.25;
-  for (int i = -12; i <= 24; ++i) {
-    // In float, as it will be used.
-    const auto b = static_cast<float>(std::exp2(octaves * i) - 1);
-    const Values terms = spectrum(correction, *fold, b);
-    const int needed = degree_of(terms);
-    if (needed >= least) continue;
-    const FoldedPhase folded{b, in_turns(terms, needed)};
-    if (!holds(folded, correction, *fold)) continue;
-    least = needed;
-    best = folded;
-  }
-  return best;
-}
-
-namespace {
 
 /// In turns, at the part r of a period, linear between the entries.
 double added_turns(const PhaseCorrection& correction, double r) {
@@ -143,34 +109,29 @@ double added_turns(const PhaseCorrection& correction, double r) {
   const auto entry = [&](double i) {
     return correction.added[static_cast<std::size_t>(i) % correction.added.size()];
   };
-  return std::lerp(entry(floor), entry(floor + 1), place - floor) / (2 * std::numbers::pi);
+  return std::lerp(entry(floor), entry(floor + 1), place - floor) / two_pi;
 }
 
 /// The odd polynomial that a correction is; empty where one misses it by more than 8e-7 rad.
 std::vector<float> wave_of(const PhaseCorrection& correction) {
-  constexpr double most_turns = largest_error / (2 * std::numbers::pi);
+  constexpr double most_turns = largest_error / two_pi;
   constexpr int places = 128;
-  constexpr std::size_t degree = 2 * SinusoidStage::wave_terms - 1;
-  // Chebyshev polynomials of x = 2 r; T_k from the two before it.
-  std::vector<double> before{1}, now{0, 1}, sum(degree + 1);
-  for (std::size_t k = 1; k <= degree; ++k) {
-    if (k % 2 == 1) {
-      double projection = 0;
-      for (int i = 0; i < places; ++i) {
-        const double angle = std::numbers::pi * (i + 0.5) / places;
-        projection += 2.0 / places * added_turns(correction, std::cos(angle) / 2) *
-                      std::cos(static_cast<double>(k) * angle);
-      }
-      for (std::size_t j = 0; j < now.size(); ++j) sum[j] += projection * now[j];
+  constexpr int degree = 2 * SinusoidStage::wave_terms - 1;
+  // Of x = 2 r.
+  const auto T = chebyshev_coefficients<degree + 1>();
+  Eigen::Matrix<double, 1, degree + 1> sum = Eigen::Matrix<double, 1, degree + 1>::Zero();
+  for (int k = 1; k <= degree; k += 2) {
+    double projection = 0;
+    for (int i = 0; i < places; ++i) {
+      const double angle = std::numbers::pi * (i + 0.5) / places;
+      projection +=
+          2.0 / places * added_turns(correction, std::cos(angle) / 2) * std::cos(k * angle);
     }
-    std::vector<double> next(now.size() + 1);
-    for (std::size_t j = 0; j < now.size(); ++j) next[j + 1] = 2 * now[j];
-    for (std::size_t j = 0; j < before.size(); ++j) next[j] -= before[j];
-    before = std::exchange(now, std::move(next));
+    sum += projection * T.row(k);
   }
   std::vector<float> wave;
-  for (std::size_t power = degree; power <= degree; power -= 2) {
-    wave.push_back(static_cast<float>(sum[power] * std::exp2(static_cast<double>(power))));
+  for (int power = degree; power > 0; power -= 2) {
+    wave.push_back(static_cast<float>(sum(power) * std::exp2(power)));
   }
   constexpr int samples = 1000;
   for (int i = 0; i <= samples; ++i) {
@@ -183,15 +144,16 @@ std::vector<float> wave_of(const PhaseCorrection& correction) {
 }
 
 /// The table's N periods one after another, and the first entry once more for a turn of 1.
-void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
+void add_correction(SinusoidStage& stage, const PhaseCorrections& corrections) {
+  const auto found = corrections.find(stage.steps);
+  if (found == corrections.end()) return;
+  const PhaseCorrection& correction = found->second;
   stage.folded = folded_phase(correction);
   stage.correction_wave = wave_of(correction);
   if (!stage.correction_wave.empty()) return;
   const std::size_t count = correction.added.size();
   const std::size_t segments = count * static_cast<std::size_t>(stage.steps);
-  const auto turns_at = [&](std::size_t i) {
-    return correction.added[i % count] / (2 * std::numbers::pi);
-  };
+  const auto turns_at = [&](std::size_t i) { return correction.added[i % count] / two_pi; };
   stage.segments = static_cast<float>(segments);
   for (std::size_t i = 0; i <= segments; ++i) {
     stage.correction.push_back(static_cast<float>(turns_at(i)));
@@ -201,9 +163,8 @@ void add_correction(SinusoidStage& stage, const PhaseCorrection& correction) {
 
 /// Of N phase-shifted frames.
 SinusoidStage stepped_stage(int steps, const PhaseCorrections& corrections) {
-  SinusoidStage stage{.steps = steps};
-  const auto correction = corrections.find(steps);
-  if (correction != corrections.end()) add_correction(stage, correction->second);
+  SinusoidStage stage{SinusoidNumbers{.steps = steps}};
+  add_correction(stage, corrections);
   const auto weigh = [&](double sine_square, double divisor) {
     stage.sine_weight = static_cast<float>(std::sqrt(sine_square));
     stage.sine_square = static_cast<float>(sine_square);
@@ -256,18 +217,18 @@ void make_whole(SinusoidStage& stage) {
 
 /// Of any weights: the frames from the first to the last that has one.
 FusedStages::BandStage weighted_stage(const Band& band) {
-  const auto counts = [&](std::size_t n) {
-    return band.cosine[n] != 0 || band.sine[n] != 0 || band.mean[n] != 0;
+  const auto counts = [&](std::ptrdiff_t n) {
+    const auto i = static_cast<std::size_t>(n);
+    return band.cosine[i] != 0 || band.sine[i] != 0 || band.mean[i] != 0;
   };
-  std::size_t first = 0, end = band.mean.size();
+  std::ptrdiff_t first = 0, end = std::ssize(band.mean);
   while (!counts(first)) ++first;
   while (!counts(end - 1)) --end;
   const auto part = [&](const std::vector<double>& weights) {
-    return std::vector<double>(weights.begin() + static_cast<std::ptrdiff_t>(first),
-                               weights.begin() + static_cast<std::ptrdiff_t>(end));
+    return std::vector<double>(weights.begin() + first, weights.begin() + end);
   };
   const int steps = band.cycle ? band.cycle->steps : static_cast<int>(end - first);
-  FusedStages::BandStage stage{.sinusoid = {.steps = steps},
+  FusedStages::BandStage stage{.sinusoid = {SinusoidNumbers{.steps = steps}},
                                .first_frame = static_cast<int>(first)};
   stage.sinusoid.cosines = part(band.cosine);
   stage.sinusoid.sines = part(band.sine);
@@ -287,12 +248,31 @@ FusedStages::BandStage window_stage(Band band, const PhaseCorrections& correctio
     band.sine[n] = shifts.backwards ? -turned.imag() : turned.imag();
   }
   FusedStages::BandStage stage = weighted_stage(band);
-  const auto correction = corrections.find(band.cycle->steps);
-  if (correction != corrections.end()) add_correction(stage.sinusoid, correction->second);
+  add_correction(stage.sinusoid, corrections);
   return stage;
 }
 
 }  // namespace
+
+FoldedPhase folded_phase(const PhaseCorrection& correction) {
+  const std::optional<Fold> fold = Fold::of(correction.steps);
+  if (!fold || !is_odd(correction)) return {};
+  FoldedPhase best;
+  int least = FoldedPhase::largest_degree + 1;
+  constexpr double octaves = 0.25;
+  for (int i = -12; i <= 24; ++i) {
+    // In float, as it will be used.
+    const auto b = static_cast<float>(std::exp2(octaves * i) - 1);
+    const Values terms = spectrum(correction, *fold, b);
+    const int needed = degree_of(terms);
+    if (needed >= least) continue;
+    const FoldedPhase folded{b, in_turns(terms, needed)};
+    if (!holds(folded, correction, *fold)) continue;
+    least = needed;
+    best = folded;
+  }
+  return best;
+}
 
 FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corrections) {
   const auto run = bent_run(band);
@@ -304,7 +284,7 @@ FusedStages::BandStage band_stage(const Band& band, const PhaseCorrections& corr
   stage.periods = band.periods;
   if (!run || run->shifts == Shifts{}) return stage;
   stage.sinusoid.direction = run->shifts.backwards ? -1 : 1;
-  stage.sinusoid.offset = static_cast<float>(-run->shifts.origin / (2 * std::numbers::pi));
+  stage.sinusoid.offset = static_cast<float>(-run->shifts.origin / two_pi);
   return stage;
 }
 

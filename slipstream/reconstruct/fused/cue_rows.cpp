@@ -1,17 +1,10 @@
 // Frames with a cue to coordinates of a row.
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
 
-#include "slipstream/base/disabled_targets-inl.h"
-#include "slipstream/reconstruct/fused/sinusoid_rows.h"
+#include "slipstream/reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/cue_rows.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
 #include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
@@ -102,25 +95,29 @@ struct CueChannels {
   HWY_INLINE CueChannels() {}
 };
 
-/// CueEvidence::coordinate of each, in periods of the high frequency, for N >= 5.
+/// Angles in turns, times a factor.
 template <std::size_t count>
-HWY_INLINE Several<count> periods_of_circle(const CueStage& cue, const CueChannels<count>& of) {
-  const FloatTag d;
-  const Floats weight = hn::Set(d, cue.sine_weight), f_h = hn::Set(d, cue.periods);
-  Several<count> sine;
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, of.sine[k]); });
-  Several<count> periods = angles_in_turns<count>(sine, of.channel);  // (3.88)
-  each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(f_h, periods[k]); });
-  return periods;
+HWY_INLINE Several<count> angles_times(float factor, const Several<count>& S,
+                                       const Several<count>& C) {
+  Several<count> angles = angles_in_turns<count>(S, C);
+  const Floats f = hn::Set(FloatTag(), factor);
+  each<count>([&](std::size_t k) SLIPSTREAM_STEP { angles[k] = hn::Mul(f, angles[k]); });
+  return angles;
 }
 
-/// The same for N = 3 and 4; 0 without light.
+/// CueEvidence::coordinate of each, in periods of the high frequency; for N = 3 and 4 it is 0
+/// without light.
 template <int steps, std::size_t count>
-HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLimits& limits,
-                                               const CueChannels<count>& of) {
+HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
+                                      const CueChannels<count>& of) {
   const FloatTag d;
+  Several<count> R, sine, periods;
+  if constexpr (is_circle<steps>) {
+    const Floats weight = hn::Set(d, cue.sine_weight);
+    each<count>([&](std::size_t k) SLIPSTREAM_STEP { sine[k] = hn::Mul(weight, of.sine[k]); });
+    return angles_times(cue.periods, sine, of.channel);  // (3.88)
+  }
   const Floats one = hn::Set(d, 1.0F), least = hn::Set(d, 1e-9F);
-  Several<count> R, periods;
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     const Floats value =
         hn::MulSub(of.channel[k], hn::Set(d, 1.0F / steps), hn::Set(d, limits.ambient));
@@ -132,13 +129,10 @@ HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLim
     const Floats half = hn::Set(d, 0.5F * cue.periods);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::MulAdd(R[k], half, half); });
   } else {
-    Several<count> sine;
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       sine[k] = hn::Sqrt(hn::Max(hn::NegMulAdd(R[k], R[k], one), hn::Zero(d)));
     });
-    periods = angles_in_turns<count>(sine, R);
-    const Floats twice = hn::Set(d, 2 * cue.periods);
-    each<count>([&](std::size_t k) SLIPSTREAM_STEP { periods[k] = hn::Mul(twice, periods[k]); });
+    periods = angles_times(2 * cue.periods, sine, R);
   }
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     periods[k] = hn::IfThenElseZero(hn::Gt(of.modulation[k], least), periods[k]);
@@ -146,29 +140,10 @@ HWY_INLINE Several<count> periods_of_reference(const CueStage& cue, const CueLim
   return periods;
 }
 
-template <int steps, std::size_t count>
-HWY_INLINE Several<count> cue_periods(const CueStage& cue, const CueLimits& limits,
-                                      const CueChannels<count>& of) {
-  if constexpr (is_circle<steps>) {
-    return periods_of_circle(cue, of);
-  } else {
-    return periods_of_reference<steps>(cue, limits, of);
-  }
-}
-
 /// Of a turn in [0, 1], where 1 stands for 0.
 HWY_INLINE Floats within_a_turn(Floats turn) {
   return hn::IfThenElseZero(hn::Lt(turn, hn::Set(FloatTag(), 1.0F)), turn);
 }
-
-/// What the kernel takes, without the lists.
-struct CueWork {
-  const SinusoidStage& stage;
-  const CueStage& cue;
-  SinusoidLimits limits;
-  CueLimits cue_limits;
-  CueRow row;
-};
 
 /// CueEvidence::nearest_order.
 template <int steps>
@@ -183,16 +158,15 @@ HWY_INLINE Floats nearest_order(const CueStage& cue, Floats periods) {
 template <int steps, class Pixel>
 class CueVectors {
  public:
-  HWY_INLINE CueVectors(const CueWork& work, const Pixel* const* frames)
-      : stage_(work.stage),
-        cue_(work.cue),
-        limits_(work.limits),
-        cue_limits_(work.cue_limits),
-        row_(work.row),
+  HWY_INLINE CueVectors(const SinusoidStage& stage, const CueStage& cue, const Pixel* const* frames,
+                        const CueRow& row)
+      : stage_(stage),
+        cue_(cue),
+        row_(row),
         all_frames_(frames),
-        saturation_(steps == 0 ? frames : frames_.data(),
-                    steps == 0 ? work.stage.cosines.size() : steps, work.limits.full_scale),
-        in_field_(work.cue.coordinate) {
+        saturation_(steps == 0 ? frames : frames_.data(), steps == 0 ? stage.cosines.size() : steps,
+                    row.limits.full_scale),
+        in_field_(cue.coordinate) {
     std::copy_n(frames, steps, frames_.begin());
   }
   CueVectors(const CueVectors&) = delete;  // it points into itself
@@ -233,7 +207,7 @@ class CueVectors {
     if constexpr (!is_circle<steps>) {
       each<count>([&](std::size_t k) SLIPSTREAM_STEP { turn[k] = within_a_turn(turn[k]); });
     }
-    const Several<count> cue_place = cue_periods<steps, count>(cue_, cue_limits_, cue);
+    const Several<count> cue_place = cue_periods<steps, count>(cue_, row_.cue_limits, cue);
     const bool saturated = saturation_.template among<count>(i);
     each<count>([&](std::size_t k) SLIPSTREAM_STEP {
       const std::size_t pixel = i + k * hn::Lanes(d);
@@ -265,36 +239,32 @@ class CueVectors {
     return cue_sums<steps>(stage_, cue_, steps == 0 ? all_frames_ : frames_.data(), i);
   }
   HWY_INLINE FloatMask is_nobody(Floats square) const {
-    return hn::Lt(square, hn::Set(FloatTag(), cue_limits_.voting_square));
+    return hn::Lt(square, hn::Set(FloatTag(), row_.cue_limits.voting_square));
   }
   HWY_INLINE FloatMask is_dark_at(Floats square) const {
-    return hn::Lt(square, hn::Set(FloatTag(), limits_.least_square));
-  }
-
-  HWY_INLINE FloatMask is_dim(Floats square) const {
-    return hn::Le(square, hn::Set(FloatTag(), cue_limits_.lit_square));
-  }
-  HWY_INLINE FloatMask is_doubtful(Floats doubt) const {
-    return hn::Gt(doubt, hn::Set(FloatTag(), cue_.largest_doubt));
+    return hn::Lt(square, hn::Set(FloatTag(), row_.limits.least_square));
   }
 
   /// Pixels of which no point comes and whom nobody asks.
   HWY_INLINE void store_hidden(std::size_t i, Floats sum, Floats square) const {
     const FloatTag d;
     store_flags(i, square, hn::Zero(d), false);
-    store(hn::Mul(sum, hn::Set(d, limits_.mean_scale)), row_.mean + i, row_.past_cache);
+    store(hn::Mul(sum, hn::Set(d, row_.limits.mean_scale)), row_.mean + i, row_.past_cache);
     hn::StoreU(nan(), d, row_.coordinate + i);
   }
 
   HWY_INLINE void store_flags(std::size_t i, Floats square, Floats doubt, bool saturated) const {
+    const FloatTag d;
     const IntTag di;
     const auto flag_where = [&](FloatMask where, PixelFlag flag) SLIPSTREAM_STEP {
       return hn::IfThenElseZero(hn::RebindMask(di, where), hn::Set(di, flag));
     };
-    Ints flags = hn::Or(flag_where(is_dark_at(square), PixelFlag::dark),
-                        hn::Or(flag_where(is_dim(square), PixelFlag::dim),
-                               flag_where(is_doubtful(doubt), PixelFlag::doubtful_order)));
-    if (HWY_UNLIKELY(saturated)) flags = hn::Or(flags, saturation_flag(limits_, at(i).high));
+    Ints flags = hn::Or(
+        flag_where(is_dark_at(square), PixelFlag::dark),
+        hn::Or(
+            flag_where(hn::Le(square, hn::Set(d, row_.cue_limits.lit_square)), PixelFlag::dim),
+            flag_where(hn::Gt(doubt, hn::Set(d, cue_.largest_doubt)), PixelFlag::doubtful_order)));
+    if (HWY_UNLIKELY(saturated)) flags = hn::Or(flags, saturation_flag(row_.limits, at(i).high));
     hn::StoreU(flags, di, row_.flags + i);
   }
 
@@ -311,13 +281,11 @@ class CueVectors {
       const Floats R = hn::Clamp(hn::MulSub(hn::Set(d, 2.0F), y, one), hn::Neg(one), one);
       sum = hn::NegMulAdd(hn::Mul(modulation, hn::Set(d, 3 * cue_.shade)), R, sum);
     }
-    return hn::Mul(sum, hn::Set(d, limits_.mean_scale));
+    return hn::Mul(sum, hn::Set(d, row_.limits.mean_scale));
   }
 
   const SinusoidStage& stage_;
   const CueStage& cue_;
-  SinusoidLimits limits_;
-  CueLimits cue_limits_;
   CueRow row_;
   const Pixel* const* all_frames_;
   std::array<const Pixel*, std::max(steps, 1)> frames_{};
@@ -326,35 +294,36 @@ class CueVectors {
 };
 
 template <int steps, class Pixel>
-HWY_INLINE void decode_steps(const CueWork& work, const Pixel* const* frames) {
-  const CueVectors<steps, Pixel> vectors(work, frames);
+HWY_INLINE void decode_steps(const SinusoidStage& stage, const CueStage& cue,
+                             const Pixel* const* frames, const CueRow& row) {
+  const CueVectors<steps, Pixel> vectors(stage, cue, frames, row);
   constexpr std::size_t most = is_circle<steps> ? few_at_once : at_once;
-  for_each_group<most>(static_cast<std::size_t>(work.row.width),
+  for_each_group<most>(static_cast<std::size_t>(row.width),
                        [&]<std::size_t count>(Together<count>, std::size_t i)
                            SLIPSTREAM_STEP { vectors.template decode<count>(i); });
 }
 
 template <class Pixel>
-HWY_NOINLINE void decode_cue(const CueWork& work, const Pixel* const* frames) {
-  switch (work.stage.steps) {
+HWY_NOINLINE void decode_cue(const SinusoidStage& stage, const CueStage& cue,
+                             const Pixel* const* frames, const CueRow& row) {
+  switch (stage.steps) {
     case 3:
-      return decode_steps<3>(work, frames);
+      return decode_steps<3>(stage, cue, frames, row);
     case 4:
-      return decode_steps<4>(work, frames);
+      return decode_steps<4>(stage, cue, frames, row);
     case 5:
-      return decode_steps<5>(work, frames);
+      return decode_steps<5>(stage, cue, frames, row);
     case 6:
-      return decode_steps<6>(work, frames);
+      return decode_steps<6>(stage, cue, frames, row);
     default:
-      return decode_steps<0>(work, frames);
+      return decode_steps<0>(stage, cue, frames, row);
   }
 }
 
-void DecodeCueRow(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
-                  const CueLimits& cue_limits, const FrameRows& frames, const CueRow& row) {
-  const CueWork work{stage, cue, limits, cue_limits, row};
-  if (frames.of_8_bits != nullptr) return decode_cue(work, frames.of_8_bits);
-  decode_cue(work, frames.of_16_bits);
+void DecodeCueRow(const SinusoidStage& stage, const CueStage& cue, const FrameRows& frames,
+                  const CueRow& row) {
+  if (frames.of_8_bits != nullptr) return decode_cue(stage, cue, frames.of_8_bits, row);
+  decode_cue(stage, cue, frames.of_16_bits, row);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE
@@ -365,9 +334,9 @@ namespace slipstream {
 
 HWY_EXPORT(DecodeCueRow);
 
-void decode_row(const SinusoidStage& stage, const CueStage& cue, const SinusoidLimits& limits,
-                const CueLimits& cue_limits, const FrameRows& frames, const CueRow& row) {
-  HWY_DYNAMIC_DISPATCH(DecodeCueRow)(stage, cue, limits, cue_limits, frames, row);
+void decode_row(const SinusoidStage& stage, const CueStage& cue, const FrameRows& frames,
+                const CueRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeCueRow)(stage, cue, frames, row);
 }
 
 }  // namespace slipstream

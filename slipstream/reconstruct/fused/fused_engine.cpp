@@ -1,18 +1,6 @@
 #include "slipstream/reconstruct/fused/fused_engine.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <limits>
-#include <type_traits>
-#include <utility>
-
-#include <fmt/format.h>
-
-#include "slipstream/base/error.h"
-#include "slipstream/base/parallel_rows.h"
-#include "slipstream/reconstruct/fused/fused_pass.h"
+#include "slipstream/base/throw_if-inl.h"
 
 namespace slipstream {
 namespace {
@@ -21,23 +9,15 @@ constexpr std::size_t index(int i) {
   return static_cast<std::size_t>(i);
 }
 
-void prepare(FusedScratch::Row& row, int width) {
-  prepare(row.coordinate, {width + 2 * row_padding, 1});
-  std::fill(row.coordinate.begin(), row.coordinate.end(), std::numeric_limits<float>::quiet_NaN());
-  prepare(row.flags, {width, 1});
-}
-
 void prepare(FusedScratch& scratch, int width, const FusedStages& stages) {
   const Size turns{width, static_cast<int>(stages.bands.size())};
   if (scratch.turns.size() != turns) {
-    for (FusedScratch::Row& row : scratch.rows) prepare(row, width);
+    const auto rows_of = [&](auto&... rows) { (prepare(rows, {width, 1}), ...); };
+    scratch.kept.prepare(width, 4);
     prepare(scratch.turns, turns);
     prepare(scratch.unwrapped, {width, 2});
-    for (Image<float>* row :
-         {&scratch.sum, &scratch.coarse, &scratch.mean, &scratch.x, &scratch.y, &scratch.z}) {
-      prepare(*row, {width, 1});
-    }
-    prepare(scratch.validity, {width, 1});
+    rows_of(scratch.sum, scratch.coarse, scratch.mean, scratch.x, scratch.y, scratch.z,
+            scratch.validity);
   }
   scratch.packed = 0;
   std::apply([&](auto&... rows) { (rows.resize(index(stages.frames)), ...); }, scratch.frames);
@@ -50,31 +30,25 @@ void hide(int width, const std::int32_t* flags, std::int32_t hidden, float* valu
   }
 }
 
-template <class Pixel>
-void one_band(const FusedPass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
-  float* turn = scratch.turns.begin();
-  std::int32_t* flags = scratch.rows[0].flags.begin();
-  Maps* const maps = pass.output.maps;
-  for (int row = first; row < last; ++row) {
-    pass.decode(row, scratch,
-                {.width = pass.width(),
-                 .mean = pass.mean_row(row, scratch),
-                 .modulation = pass.modulation_row(row),
-                 .flags = flags,
-                 .past_cache = pass.past_cache,
-                 .only_lit = maps == nullptr,
-                 .nan_if_flagged = maps == nullptr});
+void one_band(const FusedBand& band) {
+  KeptRows& kept = band.scratch.kept;
+  float* const turn = band.scratch.turns.begin();
+  Maps* const maps = band.output.maps;
+  for (int row = band.first; row < band.last; ++row) {
+    std::int32_t* const flags = kept.flags(row);
+    band.decode(row, {.width = band.width(),
+                      .mean = band.mean_row(row),
+                      .modulation = band.modulation_row(row),
+                      .flags = flags,
+                      .past_cache = band.past_cache,
+                      .only_lit = maps == nullptr,
+                      .nan_if_flagged = maps == nullptr});
     if (maps != nullptr) {
-      place_row(pass.stages.coordinate, pass.width(), turn, maps->coordinate.row(row));
-      pass.finish_maps(row, turn);
-      hide(pass.width(), flags, PixelFlag::dark | PixelFlag::saturated, turn);
+      place_row(band.stages.coordinate, band.width(), turn, maps->coordinate.row(row));
+      band.finish_maps(row, turn);
+      hide(band.width(), flags, PixelFlag::dark | PixelFlag::saturated, turn);
     }
-    if (!pass.output.makes_points()) continue;
-    PointRow points = pass.point_output(row, scratch);
-    points.flags = flags;
-    points.coordinate = turn;
-    point_row(pass.stages.point, pass.stages.coordinate, points);
-    pass.finish_points(first, row, scratch);
+    if (band.output.makes_points()) band.finish_points(row, kept, turn);
   }
 }
 
@@ -97,41 +71,39 @@ const float* sum_row(const std::vector<int>& of, int width, FusedScratch& scratc
 }
 
 /// The middle of each pixel's stripe. `mean`: a row of the first band's, in the output's levels.
-template <class Pixel>
-const float* code_coordinates(const FusedPass<Pixel>& pass, int row, const float* mean,
-                              FusedScratch& scratch) {
-  const FusedStages::CodeBits& code = *pass.stages.code;
-  const Pixel* const* const frames = pass.frame_rows(row, scratch);
-  const int width = pass.width();
-  float* const limit = scratch.sum.begin();
+const float* code_coordinates(const FusedBand& band, int row, const float* mean) {
+  const FusedStages::CodeBits& code = *band.stages.code;
+  const int width = band.width();
+  float* const limit = band.scratch.sum.begin();
   if (code.against_mean) {
-    const float to_frames = 1 / (pass.limits.front().mean_scale *
-                                 static_cast<float>(pass.stages.bands.front().sinusoid.steps));
+    const float to_frames = 1 / (band.limits.front().mean_scale *
+                                 static_cast<float>(band.stages.bands.front().sinusoid.steps));
     for (int i = 0; i < width; ++i) limit[i] = to_frames * mean[i];
   } else {
     std::fill_n(limit, width, 0.0F);
-    for (std::size_t n = 0; n < code.reference.size(); ++n) {
-      if (code.reference[n] == 0) continue;
-      for (int i = 0; i < width; ++i) {
-        limit[i] += code.reference[n] * static_cast<float>(frames[n][i]);
+    band.frames.visit([&](const auto& frames) {
+      for (std::size_t n = 0; n < code.reference.size(); ++n) {
+        if (code.reference[n] == 0) continue;
+        const auto* const level = frames[n].row(row);
+        for (int i = 0; i < width; ++i)
+          limit[i] += code.reference[n] * static_cast<float>(level[i]);
       }
-    }
+    });
   }
-  code_row(code.stage, width, frames, limit, scratch.coarse.begin());
-  return scratch.coarse.begin();
+  float* const coarse = band.scratch.coarse.begin();
+  code_row(code.stage, width, band.frame_rows(row), limit, coarse);
+  return coarse;
 }
 
 /// What the chain begins with: turns, or coordinates.
-template <class Pixel>
-const float* coarse_row(const FusedPass<Pixel>& pass, int row, const float* mean,
-                        FusedScratch& scratch) {
-  const FusedStages& stages = pass.stages;
-  if (pass.coarse != nullptr) return pass.coarse->row(row);
-  if (stages.code) return code_coordinates(pass, row, mean, scratch);
+const float* coarse_row(const FusedBand& band, int row, const float* mean) {
+  const auto& [stages, scratch] = std::tie(band.stages, band.scratch);
+  if (band.coarse != nullptr) return band.coarse->row(row);
+  if (stages.code) return code_coordinates(band, row, mean);
   float* const coarse = scratch.coarse.begin();
-  if (!stages.coarse_in_field) return sum_row(stages.coarse, pass.width(), scratch, coarse);
-  const float* const turns = sum_row(stages.coarse, pass.width(), scratch, scratch.sum.begin());
-  place_row(stages.coarse_stage, pass.width(), turns, coarse);
+  if (!stages.coarse_in_field) return sum_row(stages.coarse, band.width(), scratch, coarse);
+  const float* const turns = sum_row(stages.coarse, band.width(), scratch, scratch.sum.begin());
+  place_row(stages.coarse_stage, band.width(), turns, coarse);
   return coarse;
 }
 
@@ -149,22 +121,21 @@ void weigh_bands(const FusedStages& stages, int width, FusedScratch& scratch, fl
   if (stages.coarse_in_field) {
     std::copy_n(sum, width, y);
   } else {
-    const auto& [scale, period, cut] = stages.coordinate;
-    place_row({.scale = 1, .period = period, .cut = cut}, width, sum, y);
+    place_row(placing(1, stages.coordinate.period, stages.coordinate.cut), width, sum, y);
   }
 }
 
 /// Turns of all bands to coordinates, along the chain. Where `maps` are wanted of the row they get
 /// the coordinates of dark pixels too.
-template <class Pixel>
-void unwrap_bands(const FusedPass<Pixel>& pass, int row, const float* mean, FusedScratch& scratch,
-                  FusedScratch::Row& kept, Maps* maps) {
-  const auto& chain = pass.stages.chain;
-  const int width = pass.width();
-  float* const doubt = maps != nullptr ? maps->fringe_order_doubt.row(row) : nullptr;
-  std::int32_t* const flags = kept.flags.begin();
-  float* const y = maps != nullptr ? maps->coordinate.row(row) : coordinates(kept);
-  const float* coarse = coarse_row(pass, row, mean, scratch);
+void unwrap_bands(const FusedBand& band, int row, const float* mean, Maps* maps) {
+  FusedScratch& scratch = band.scratch;
+  const auto& chain = band.stages.chain;
+  const int width = band.width();
+  float *const doubt = maps != nullptr ? maps->fringe_order_doubt.row(row) : nullptr,
+               *const kept = scratch.kept.coordinates(row);
+  std::int32_t* const flags = scratch.kept.flags(row);
+  float* const y = maps != nullptr ? maps->coordinate.row(row) : kept;
+  const float* coarse = coarse_row(band, row, mean);
   for (std::size_t i = 0; i < chain.size(); ++i) {
     const bool last = i + 1 == chain.size(), hides = last && maps == nullptr;
     float* const to = last ? y : scratch.unwrapped.row(static_cast<int>(i % 2));
@@ -173,51 +144,45 @@ void unwrap_bands(const FusedPass<Pixel>& pass, int row, const float* mean, Fuse
                {.coordinate = to, .flags = flags, .doubt = doubt, .keeps_doubt = i > 0});
     coarse = to;
   }
-  if (pass.stages.weighs_bands) weigh_bands(pass.stages, width, scratch, y);
+  if (band.stages.weighs_bands) weigh_bands(band.stages, width, scratch, y);
   if (maps == nullptr) return;
-  std::copy_n(y, width, coordinates(kept));
-  hide(width, flags, PixelFlag::dark, coordinates(kept));
+  std::copy_n(y, width, kept);
+  hide(width, flags, PixelFlag::dark, kept);
 }
 
 /// The coordinates of each row are kept until those below it are known, for its neighbours confirm
 /// them.
-template <class Pixel>
-void several_bands(const FusedPass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
-  const auto kept = [&](int row) -> FusedScratch::Row& { return scratch.rows[index(row + 3) % 3]; };
+void several_bands(const FusedBand& band) {
+  KeptRows& kept = band.scratch.kept;
   const auto decode = [&](int row) {
-    if (row < 0 || row >= pass.height()) return prepare(kept(row), pass.width());
-    const bool ours = row >= first && row < last;
-    Maps* const maps = ours ? pass.output.maps : nullptr;
-    float* const mean = ours ? pass.mean_row(row, scratch) : scratch.mean.begin();
-    pass.decode(row, scratch,
-                {.width = pass.width(),
-                 .mean = mean,
-                 .modulation = ours ? pass.modulation_row(row) : nullptr,
-                 .flags = kept(row).flags.begin(),
-                 .past_cache = ours && pass.past_cache && !pass.stages.code,
-                 .only_lit = maps == nullptr});
-    unwrap_bands(pass, row, mean, scratch, kept(row), maps);
-    if (maps != nullptr) pass.finish_maps(row, scratch.turns.begin());
+    if (row < 0 || row >= band.height()) return kept.clear(row, row + 1);
+    const bool ours = row >= band.first && row < band.last;
+    Maps* const maps = ours ? band.output.maps : nullptr;
+    float* const mean = ours ? band.mean_row(row) : band.scratch.mean.begin();
+    band.decode(row, {.width = band.width(),
+                      .mean = mean,
+                      .modulation = ours ? band.modulation_row(row) : nullptr,
+                      .flags = kept.flags(row),
+                      .past_cache = ours && band.past_cache && !band.stages.code,
+                      .only_lit = maps == nullptr});
+    unwrap_bands(band, row, mean, maps);
+    if (maps != nullptr) band.finish_maps(row, band.scratch.turns.begin());
   };
-  if (!pass.output.makes_points()) {
-    for (int row = first; row < last; ++row) decode(row);
+  if (!band.output.makes_points()) {
+    for (int row = band.first; row < band.last; ++row) decode(row);
     return;
   }
-  decode(first - 1);
-  decode(first);
-  for (int row = first; row < last; ++row) {
+  decode(band.first - 1);
+  decode(band.first);
+  for (int row = band.first; row < band.last; ++row) {
     decode(row + 1);
-    confirmed_row(
-        pass, first, row, kept(row).flags.begin(),
-        [&](int near) { return coordinates(kept(near)); }, scratch);
+    band.finish_points(row, kept);
   }
 }
 
-template <class Pixel>
-void run_band(const FusedPass<Pixel>& pass, int first, int last, FusedScratch& scratch) {
-  if (pass.stages.cue) return voted_band(pass, first, last, scratch);
-  if (!pass.stages.chain.empty()) return several_bands(pass, first, last, scratch);
-  one_band(pass, first, last, scratch);
+void run_band(const FusedBand& band) {
+  if (band.stages.cue) return voted_band(band);
+  band.stages.chain.empty() ? one_band(band) : several_bands(band);
 }
 
 /// Bands so high that the rows decoded twice at their borders do not matter, and several for each
@@ -229,42 +194,29 @@ int band_count(int height, bool votes) {
   return threads == 1 ? 1 : std::clamp(height / fewest_rows, 1, bands_per_thread * threads);
 }
 
-std::array<Image<float>*, 4> values_of(PackedPoints& points) {
-  return {&points.x, &points.y, &points.z, &points.intensity};
-}
-
 /// All bands of a scan, on as many threads as there are.
-template <class Pixel>
-void run_bands(const FusedPass<Pixel>& pass, std::vector<FusedScratch>& scratch) {
+void run_bands(const FusedPass& pass, std::vector<FusedScratch>& scratch) {
   const int bands = band_count(pass.height(), pass.stages.cue.has_value());
   if (scratch.size() < index(bands)) scratch.resize(index(bands));
-
-  // One captured reference: std::function then allocates nothing.
-  struct Work {
-    const FusedPass<Pixel>& pass;
-    std::vector<FusedScratch>& scratch;
-    int bands;
-    [[nodiscard]] int border(int i) const {
-      return static_cast<int>(std::int64_t{pass.height()} * i / bands);
-    }
-    void operator()(int band) const {
-      prepare(scratch[index(band)], pass.width(), pass.stages);
-      run_band(pass, border(band), border(band + 1), scratch[index(band)]);
-      flush_past_cache();
-    }
+  const auto border = [&](int i) {
+    return static_cast<int>(std::int64_t{pass.height()} * i / bands);
   };
-  const Work work{pass, scratch, bands};
+  const auto work = [&](int band) {
+    prepare(scratch[index(band)], pass.width(), pass.stages);
+    run_band({pass, border(band), border(band + 1), scratch[index(band)]});
+    flush_past_cache();
+  };
   if (bands == 1) {
     work(0);
-  } else {
+  } else {  // one captured reference: std::function then allocates nothing
     for_each_row(bands, [&work](int band) { work(band); });
   }
   if (PackedPoints* const points = pass.output.points) {
     points->count = 0;
     for (int band = 0; band < bands; ++band) {
       const std::size_t count = scratch[index(band)].packed;
-      for (Image<float>* values : values_of(*points)) {
-        std::copy_n(values->row(work.border(band)), count, values->begin() + points->count);
+      for (Image<float>* values : {&points->x, &points->y, &points->z, &points->intensity}) {
+        std::copy_n(values->row(border(band)), count, values->begin() + points->count);
       }
       points->count += count;
     }
@@ -273,85 +225,170 @@ void run_bands(const FusedPass<Pixel>& pass, std::vector<FusedScratch>& scratch)
 
 }  // namespace
 
-void prepare(const Outputs& output, Size size, bool doubtful) {
+void KeptRows::prepare(int width, int count) {
+  if (flags_.size() == Size{width, count}) return;
+  coordinate_ = Image<float>({width + 2 * side, count}, std::numeric_limits<float>::quiet_NaN());
+  flags_ = Image<std::int32_t>({width, count});
+}
+
+void KeptRows::clear(int first, int last) {
+  for (int row = first; row < last; ++row) {
+    std::fill_n(coordinates(row), width(), std::numeric_limits<float>::quiet_NaN());
+  }
+}
+
+FrameRows FusedBand::frame_rows(int row, int column) const {
+  return frames.visit([&]<class Pixel>(const Frames<Pixel>& views) -> FrameRows {
+    if constexpr (std::is_integral_v<Pixel>) {
+      auto& rows = std::get<std::vector<const Pixel*>>(scratch.frames);
+      std::transform(views.begin(), views.end(), rows.begin(),
+                     [&](const auto& frame) { return frame.row(row) + column; });
+      return rows.data();
+    }
+    return {};
+  });
+}
+
+float* FusedBand::mean_row(int row) const {
+  if (output.maps != nullptr) return output.maps->mean.row(row);
+  if (output.cloud != nullptr) return output.cloud->intensity.row(row);
+  // Rows ahead of the points' own are kept where they will be packed.
+  const bool runs_ahead = !stages.chain.empty() || stages.cue;
+  if (output.points != nullptr && runs_ahead) return output.points->intensity.row(row);
+  return scratch.mean.begin();
+}
+
+float* FusedBand::modulation_row(int row) const {
+  if (output.maps != nullptr) return output.maps->modulation.row(row);
+  return output.modulation != nullptr ? output.modulation->row(row) : nullptr;
+}
+
+void FusedBand::decode(int row, SinusoidRow to) const {
+  const FrameRows rows = frame_rows(row);
+  for (std::size_t i = 0; i < stages.bands.size(); ++i) {
+    const FusedStages::BandStage& band = stages.bands[i];
+    to.turn = scratch.turns.row(static_cast<int>(i));
+    to.another = i > 0;
+    to.limits = limits[i];
+    decode_row(band.sinusoid, rows.from(band.first_frame), to);
+  }
+}
+
+void FusedBand::finish_maps(int row, const float* turn) const {
+  if (output.maps == nullptr) return;
+  phase_row(width(), turn, output.maps->wrapped_phase.row(row));
+  if (output.cloud == nullptr) return;
+  const auto to_8_bits = static_cast<float>(255 / frames.full_scale());
+  const float* const mean = output.maps->mean.row(row);
+  std::transform(mean, mean + width(), output.cloud->intensity.row(row),
+                 [&](float level) { return to_8_bits * level; });
+}
+
+void FusedBand::finish_points(int row, KeptRows& kept, const float* turn) const {
+  PointRow to{.width = width(),
+              .E_x = stages.rays.E_x.row(row),
+              .E_y = stages.rays.E_y.row(row),
+              .flags = kept.flags(row),
+              .z = scratch.z.begin(),
+              .validity = scratch.validity.begin()};
+  if (stages.blocks) to.blocks = stages.blocks->at(row);
   if (output.cloud != nullptr) {
-    Cloud& cloud = *output.cloud;
-    for (Image<float>* image : {&cloud.x, &cloud.y, &cloud.z, &cloud.intensity}) {
-      prepare(*image, size);
-    }
-    prepare(cloud.validity, size);
+    to.x = output.cloud->x.row(row);
+    to.y = output.cloud->y.row(row);
+    to.z = output.cloud->z.row(row);
+    to.validity = output.cloud->validity.row(row);
+  } else if (output.depth != nullptr) {
+    to.z = output.depth->z.row(row);
+    to.validity = output.depth->validity.row(row);
+  } else if (output.points != nullptr) {
+    to.x = scratch.x.begin();
+    to.y = scratch.y.begin();
   }
-  if (output.depth != nullptr) {
-    prepare(output.depth->z, size);
-    prepare(output.depth->validity, size);
+  to.past_cache = output.depth16 == nullptr && output.points == nullptr &&
+                  written_past_cache(stages.rays.E_x.size());
+  if (turn != nullptr) {
+    to.coordinate = turn;
+    point_row(stages.point, stages.coordinate, to);
+  } else {
+    to.above = kept.coordinates(row - 1);
+    to.coordinate = kept.coordinates(row);
+    to.below = kept.coordinates(row + 1);
+    point_row(stages.point, stages.consensus, to);
   }
-  if (output.points != nullptr) {
-    for (Image<float>* image : values_of(*output.points)) prepare(*image, size);
+  if (output.depth16 != nullptr) {
+    number_row(output.scale, width(), to.z, output.depth16->row(row));
   }
-  if (output.maps != nullptr) {
-    Maps& maps = *output.maps;
-    for (Image<float>* image :
-         {&maps.mean, &maps.modulation, &maps.wrapped_phase, &maps.coordinate}) {
-      prepare(*image, size);
-    }
-    prepare(maps.fringe_order_doubt, doubtful ? size : Size{});
+  if (output.points == nullptr) return;
+  const auto at = [&](Image<float>& image) { return image.row(first) + scratch.packed; };
+  PackedPoints& points = *output.points;
+  scratch.packed +=
+      pack_row(width(), {to.x, to.y, to.z, mean_row(row)},
+               {at(points.x), at(points.y), at(points.z), at(points.intensity)},
+               static_cast<std::size_t>(width() * (row + 1 - first)) - scratch.packed);
+}
+
+void prepare(const Outputs& output, Size size, bool doubtful) {
+  const auto all = [&](auto&... images) { (prepare(images, size), ...); };
+  if (Cloud* const cloud = output.cloud) {
+    all(cloud->x, cloud->y, cloud->z, cloud->intensity, cloud->validity);
   }
-  if (output.modulation != nullptr) prepare(*output.modulation, size);
-  if (output.depth16 != nullptr) prepare(*output.depth16, size);
+  if (Depth* const depth = output.depth) all(depth->z, depth->validity);
+  if (PackedPoints* const points = output.points) {
+    all(points->x, points->y, points->z, points->intensity);
+  }
+  if (Maps* const maps = output.maps) {
+    all(maps->mean, maps->modulation, maps->wrapped_phase, maps->coordinate);
+    prepare(maps->fringe_order_doubt, doubtful ? size : Size{});
+  }
+  if (output.modulation != nullptr) all(*output.modulation);
+  if (output.depth16 != nullptr) all(*output.depth16);
 }
 
 void require_frames(const FrameViews& frames, int count, Size camera) {
-  if (frames.count() != count) {
-    throw Error(fmt::format("{} frames given; the strategy takes {}", frames.count(), count));
-  }
-  if (frames.size() != camera) {
-    throw Error(fmt::format("frames are {}, the scanner's camera has {}; both must agree",
-                            text_of(frames.size()), text_of(camera)));
-  }
+  throw_if(frames.count() != count, "{} frames given; the strategy takes {}", frames.count(),
+           count);
+  require_size(frames, camera);
 }
 
-FusedEngine::FusedEngine(FusedStages stages, ReconstructSettings settings)
-    : stages_(std::move(stages)), settings_(std::move(settings)) {}
-
 std::optional<FusedEngine> FusedEngine::make(const EngineSetup& setup,
-                                             const PhaseCorrections& corrections) {
-  std::optional<FusedStages> stages = fused_stages(setup, corrections);
+                                             const PhaseCorrections& corrections,
+                                             std::string* why_not) {
+  std::optional<FusedStages> stages = fused_stages(setup, corrections, why_not);
   if (!stages) return std::nullopt;
-  return FusedEngine(std::move(*stages), setup.settings);
+  return FusedEngine{std::make_shared<const FusedStages>(std::move(*stages)), setup.settings};
+}
+
+void FusedEngine::find_limits(const FrameViews& frames, const Outputs& output,
+                              std::vector<SinusoidLimits>& limits) const {
+  const double full_scale = frames.full_scale();
+  const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
+  limits.clear();
+  for (const FusedStages::BandStage& band : stages->bands) {
+    limits.push_back(
+        sinusoid_limits(band.sinusoid, settings, full_scale, frames.saturation(), mean_of));
+  }
 }
 
 void FusedEngine::operator()(const FrameViews& frames, const Outputs& output, FusedMemory& memory,
                              const Image<float>* coarse) const {
-  if ((coarse != nullptr) != stages_.coarse_given) {
-    throw Error("a coordinate is given where, and only where, the picture gives the fringe order");
-  }
-  require_frames(frames, stages_.frames, stages_.rays.E_x.size());
-  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
-    if constexpr (std::is_integral_v<Pixel>) {
-      const Size size = stages_.rays.E_x.size();
-      const double full_scale = frames.full_scale();
-      const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
-      memory.limits.clear();
-      for (const FusedStages::BandStage& band : stages_.bands) {
-        memory.limits.push_back(
-            sinusoid_limits(band.sinusoid, settings_, full_scale, frames.saturation(), mean_of));
-      }
-      prepare(output, size, !stages_.chain.empty() || stages_.cue);
-      const FusedPass<Pixel> pass{
-          .stages = stages_,
-          .frames = views,
-          .output = output,
-          .full_scale = full_scale,
-          .limits = memory.limits,
-          .cue_limits = stages_.cue ? cue_limits(stages_, settings_, full_scale) : CueLimits{},
-          .past_cache =
-              output.cloud != nullptr && output.maps == nullptr && written_past_cache(size),
-          .coarse = coarse};
-      run_bands(pass, memory.scratch);
-    } else {
-      throw Error("frames are not quantised; the fused pass takes 8 to 16 bits");
-    }
-  });
+  throw_if((coarse != nullptr) != stages->coarse_given,
+           "a coordinate is given where, and only where, the picture gives the fringe order");
+  const Size size = stages->rays.E_x.size();
+  require_frames(frames, stages->frames, size);
+  throw_if(!frames.quantised(), "frames are not quantised; the fused pass takes 8 to 16 bits");
+  find_limits(frames, output, memory.limits);
+  prepare(output, size, !stages->chain.empty() || stages->cue);
+  const bool past_cache =
+      output.cloud != nullptr && output.maps == nullptr && written_past_cache(size);
+  run_bands(
+      {.stages = *stages,
+       .frames = frames,
+       .output = output,
+       .limits = memory.limits,
+       .cue_limits = stages->cue ? cue_limits(*stages, settings, frames.full_scale()) : CueLimits{},
+       .past_cache = past_cache,
+       .coarse = coarse},
+      memory.scratch);
 }
 
 }  // namespace slipstream

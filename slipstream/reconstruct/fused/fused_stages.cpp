@@ -1,10 +1,8 @@
 #include "slipstream/reconstruct/fused/fused_stages.h"
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
 #include <numbers>
-#include <utility>
+
+#include <fmt/format.h>
 
 #include "slipstream/codes/unwrapping.h"
 #include "slipstream/geometry/stripe_geometry.h"
@@ -12,31 +10,32 @@
 namespace slipstream {
 namespace {
 
+float narrow(double value) {
+  return static_cast<float>(value);
+}
+
 /// `frequency` measures, `widest` says within which period.
 CoordinateStage coordinate_stage(double frequency, double widest, int projector_length) {
   const double period = 1 / widest;
-  return {.scale = static_cast<float>(1 / frequency),
-          .period = static_cast<float>(period),
-          .cut = static_cast<float>(-0.5 / projector_length - (period - 1) / 2)};
+  return placing(narrow(1 / frequency), narrow(period),
+                 narrow(-0.5 / projector_length - (period - 1) / 2));
 }
 
 ConsensusStage consensus_stage(double frequency, const FringeOrderConsensus& settings) {
-  return {.half_fringe = static_cast<float>(0.5 / frequency),
+  return {.half_fringe = narrow(0.5 / frequency),
           .fewest_neighbours = settings.fewest_neighbours,
           .fewest_if_doubtful = settings.fewest_if_doubtful};
 }
 
 /// A coordinate wherever it lies, of so many periods in a unit.
 CoordinateStage unplaced(double periods) {
-  return {.scale = static_cast<float>(1 / periods), .period = 1e9F, .cut = -5e8F};
+  return placing(narrow(1 / periods), 1e9F, -5e8F);
 }
 
 FusedStages::CodeBits code_bits(const Layout& layout) {
   const Code& code = *layout.code;
-  FusedStages::CodeBits bits{.stage = {.frames = code.frames,
-                                       .inverses = code.inverses,
-                                       .gray = code.gray,
-                                       .stripe = static_cast<float>(1 / code.stripes)},
+  const CodeNumbers numbers{.gray = code.gray ? 1 : 0, .stripe = narrow(1 / code.stripes)};
+  FusedStages::CodeBits bits{.stage = {numbers, code.frames, code.inverses},
                              .against_mean = code.reference == layout.bands.front().mean,
                              .reference = {}};
   if (code.base) {
@@ -45,7 +44,7 @@ FusedStages::CodeBits code_bits(const Layout& layout) {
     bits.stage.others = ((1 << count) - 1) & ~bits.stage.base;
   }
   for (const double weight : code.reference) {
-    bits.reference.push_back(static_cast<float>(weight));
+    bits.reference.push_back(narrow(weight));
   }
   return bits;
 }
@@ -57,7 +56,7 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   const auto measuring = static_cast<std::ptrdiff_t>(measuring_band_index(layout));
   for (std::size_t i = 0; i < layout.bands.size(); ++i) {
     stages.bands.push_back(band_stage(layout.bands[i], corrections));
-    stages.bands.back().weight = static_cast<float>(weights[i]);
+    stages.bands.back().weight = narrow(weights[i]);
   }
   std::rotate(stages.bands.begin(), stages.bands.begin() + measuring,
               stages.bands.begin() + measuring + 1);
@@ -70,18 +69,18 @@ void add_bands(FusedStages& stages, const Layout& layout, const EngineSetup& set
   const double largest_doubt = setup.settings.fringe_order.largest_doubt;
   const auto link = [&](const PhaseSum& fine, double ratio) {
     return FusedStages::Link{.of = factors(fine.of),
-                             .unwrap = {.ratio = static_cast<float>(ratio),
-                                        .largest_doubt = static_cast<float>(largest_doubt),
+                             .unwrap = {.ratio = narrow(ratio),
+                                        .largest_doubt = narrow(largest_doubt),
                                         .coordinate = unplaced(1)}};
   };
-  if (way_of(layout.unwrapping).reads_code) {
+  if (layout.unwrapping->reads_code) {
     stages.code = code_bits(layout);
     stages.chain.push_back(link(chain.back(), chain.back().periods));
     UnwrapStage& unwrap = stages.chain.back().unwrap;
     unwrap.coordinate = unplaced(chain.back().periods);
     const double open = open_by_code(*layout.code, chain.back().periods);
-    unwrap.open = static_cast<float>(open);
-    unwrap.doubt_scale = static_cast<float>(1 / (1 - 2 * open));
+    unwrap.open = narrow(open);
+    unwrap.doubt_scale = narrow(1 / (1 - 2 * open));
     return;
   }
   if (chain.size() < 2) return;
@@ -107,8 +106,8 @@ void add_known_band(FusedStages& stages, const EngineSetup& setup,
   stages.coarse_given = true;
   stages.chain.push_back(
       {.of = {1},
-       .unwrap = {.ratio = static_cast<float>(band.periods),
-                  .largest_doubt = static_cast<float>(setup.settings.fringe_order.largest_doubt),
+       .unwrap = {.ratio = narrow(band.periods),
+                  .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt),
                   .coordinate = unplaced(band.periods)}});
   if (unwraps_by_depth(setup)) stages.consensus.fewest_neighbours = 0;
 }
@@ -140,6 +139,24 @@ bool has_fused_cue(const EngineSetup& setup) {
          layout.bands.front().periods <= most_periods && cue_steps(layout);
 }
 
+/// Empty where the row kernels can.
+std::string why_not_in_rows(const EngineSetup& setup) {
+  constexpr double widest_margin = 0.25;
+  const Strategy& strategy = setup.sequence.strategy;
+  const Layout& layout = strategy.layout();
+  if (!layout.unwrapping->in_kernels || carrier_periods(layout) > 0) {
+    return fmt::format("it does not decode {}", strategy.name());
+  }
+  if (order_source(layout) == OrderSource::neighbours && !has_fused_cue(setup)) {
+    return fmt::format("it does not read the cue of {} as set", strategy.name());
+  }
+  if (setup.settings.field_margin > widest_margin) {
+    return fmt::format("the field margin is above {}", widest_margin);
+  }
+  if (setup.scanner.camera.size.width >= least_row_width) return {};
+  return fmt::format("the picture is narrower than {} pixels", least_row_width);
+}
+
 CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
   const int N = layout.frames;
   const CueSettings settings = cue_settings(setup);
@@ -147,16 +164,16 @@ CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
   const double f_h = layout.bands[0].periods, c1 = layout.bands[0].share;
   const double c2 = layout.cue ? layout.cue->share : layout.bands[1].share;
   const double dc = needs_ambient_light(layout) ? 1 + 2 * (beta_p + settings.ambient) / alpha_p : 0;
-  CueStage stage{.gain = static_cast<float>(c1 / c2),
-                 .offset = static_cast<float>(dc / c2),
-                 .shade = static_cast<float>(c2 / c1),
-                 .periods = static_cast<float>(f_h),
-                 .largest_doubt = static_cast<float>(setup.settings.fringe_order.largest_doubt),
-                 .coordinate = coordinate_stage(f_h, 1, projector_length(setup))};
+  CueStage stage{CueNumbers{.gain = narrow(c1 / c2),
+                            .offset = narrow(dc / c2),
+                            .shade = narrow(c2 / c1),
+                            .periods = narrow(f_h),
+                            .largest_doubt = narrow(setup.settings.fringe_order.largest_doubt)}};
+  stage.coordinate = coordinate_stage(f_h, 1, projector_length(setup));
   if (N == 5) {
-    stage.sine_weight = static_cast<float>(2 * std::sin(2 * std::numbers::pi / 5));
+    stage.sine_weight = narrow(2 * std::sin(2 * std::numbers::pi / 5));
   } else if (N == 6) {
-    stage.sine_weight = static_cast<float>(std::sqrt(3));
+    stage.sine_weight = narrow(std::sqrt(3));
   } else if (N > 6) {
     stage.cosines = layout.bands[1].cosine;
     stage.sines = layout.bands[1].sine;
@@ -167,21 +184,21 @@ CueStage cue_stage(const Layout& layout, const EngineSetup& setup) {
 OrderCostStage order_cost_stage(const Layout& layout, const CueEvidence& exact, double margin) {
   const CueCost& cost = exact.cost();
   const bool is_cosine = cost.reference.form() == CueReference::Form::cosine;
-  const auto reference = is_cosine ? OrderCostStage::Cue::cosine : OrderCostStage::Cue::linear;
   const Band& high = layout.bands[0];
-  return {.cosines = high.cosine,
-          .sines = high.sine,
-          .cue = layout.cue ? layout.cue->weights : layout.bands[1].cosine,
-          .cue_sine = layout.cue ? std::vector<double>(high.sine.size()) : layout.bands[1].sine,
-          .form = cost.circle ? OrderCostStage::Cue::circle : reference,
-          .share = static_cast<float>(cost.c1),
-          .cue_share = static_cast<float>(cost.c2),
-          .constant_light = static_cast<float>(cost.constant_light),
-          .steady = static_cast<float>(cost.steady),
-          .component_variance = static_cast<float>(cost.component_variance),
-          .cue_variance = static_cast<float>(cost.cue_variance),
-          .periods = static_cast<float>(high.periods),
-          .margin = static_cast<float>(margin)};
+  return {OrderCostNumbers{.form = cost.circle ? CueForm::circle
+                                   : is_cosine ? CueForm::cosine
+                                               : CueForm::linear,
+                           .share = narrow(cost.c1),
+                           .cue_share = narrow(cost.c2),
+                           .constant_light = narrow(cost.constant_light),
+                           .steady = narrow(cost.steady),
+                           .component_variance = narrow(cost.component_variance),
+                           .cue_variance = narrow(cost.cue_variance),
+                           .periods = narrow(high.periods),
+                           .margin = narrow(margin)},
+          high.cosine, high.sine,  //
+          layout.cue ? layout.cue->weights : layout.bands[1].cosine,
+          layout.cue ? std::vector<double>(high.sine.size()) : layout.bands[1].sine};
 }
 
 FusedStages::Cue fused_cue(const Layout& layout, const EngineSetup& setup) {
@@ -207,7 +224,7 @@ std::vector<float> kernel_order(const PlanePolynomial& polynomial, int degree) {
   auto c = polynomial.coefficients.begin();
   for (int i = 0; i <= degree; ++i) {
     for (int j = 0; i + j <= degree; ++j) {
-      coefficients.push_back(i + j <= polynomial.degree ? static_cast<float>(*c++) : 0);
+      coefficients.push_back(i + j <= polynomial.degree ? narrow(*c++) : 0);
     }
   }
   std::reverse(coefficients.begin(), coefficients.end());
@@ -215,41 +232,39 @@ std::vector<float> kernel_order(const PlanePolynomial& polynomial, int degree) {
 }
 
 template <class Row>
-PointStage::Linear linear(const Row& row) {
-  return {static_cast<float>(row(0)), static_cast<float>(row(1)), static_cast<float>(row(2))};
+RayTerms linear(const Row& row) {
+  return {narrow(row(0)), narrow(row(1)), narrow(row(2))};
 }
 
-std::array<float, 6> edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
-  std::array<float, 6> narrow{};
-  std::transform(terms.begin(), terms.end(), narrow.begin(),
-                 [](double c) { return static_cast<float>(c); });
-  return narrow;
+EdgeTerms edge(const std::array<double, StripeGeometry::edge_terms>& terms) {
+  EdgeTerms all{};
+  std::transform(terms.begin(), terms.end(), all.begin(), narrow);
+  return all;
 }
 
 PointStage point_stage(const StripeGeometry& geometry, const DepthRange& depths) {
   const int degree = compiled_degree(geometry.lens.degree);
   const auto [inner_low, inner_high] = geometry.inner_places();
   constexpr double largest = std::numeric_limits<float>::max();
-  return {.coordinate = linear(geometry.coordinate),
-          .depth = linear(geometry.depth),
-          .facing = linear(geometry.facing),
-          .place_constant = linear(geometry.place_constant),
-          .place_slope = linear(geometry.place_slope),
-          .coordinate_offset = static_cast<float>(geometry.coordinate(3)),
-          .depth_offset = static_cast<float>(geometry.depth(3)),
-          .unit_scale = static_cast<float>(geometry.unit_coordinate.scale),
-          .unit_offset = static_cast<float>(geometry.unit_coordinate.offset),
-          .least_coordinate = static_cast<float>(geometry.least_coordinate),
-          .largest_coordinate = static_cast<float>(geometry.largest_coordinate),
-          .lens_degree = degree,
-          .lens = kernel_order(geometry.lens, degree),
-          .low_edge = edge(geometry.low_edge),
-          .high_edge = edge(geometry.high_edge),
-          .inner_low = static_cast<float>(inner_low),
-          .inner_high = static_cast<float>(inner_high),
-          .nearest = static_cast<float>(std::min(depths.nearest, largest)),
-          .farthest = static_cast<float>(std::min(depths.farthest, largest)),
-          .limits_depth = depths.nearest > 0 || depths.farthest < largest};
+  return {PointNumbers{.coordinate = linear(geometry.coordinate),
+                       .depth = linear(geometry.depth),
+                       .facing = linear(geometry.facing),
+                       .place_constant = linear(geometry.place_constant),
+                       .place_slope = linear(geometry.place_slope),
+                       .coordinate_offset = narrow(geometry.coordinate(3)),
+                       .depth_offset = narrow(geometry.depth(3)),
+                       .unit_scale = narrow(geometry.unit_coordinate.scale),
+                       .unit_offset = narrow(geometry.unit_coordinate.offset),
+                       .least_coordinate = narrow(geometry.least_coordinate),
+                       .largest_coordinate = narrow(geometry.largest_coordinate),
+                       .lens_degree = degree,
+                       .low_edge = edge(geometry.low_edge),
+                       .high_edge = edge(geometry.high_edge),
+                       .inner_low = narrow(inner_low),
+                       .inner_high = narrow(inner_high),
+                       .nearest = narrow(std::min(depths.nearest, largest)),
+                       .farthest = narrow(std::min(depths.farthest, largest))},
+          kernel_order(geometry.lens, degree), depths.nearest > 0 || depths.farthest < largest};
 }
 
 /// Where the row kernel takes a turn for a coordinate as it is, without asking for the cut.
@@ -267,20 +282,23 @@ void keep_before_cut(FusedStages& stages) {
 }  // namespace
 
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
-                                        const PhaseCorrections& corrections) {
-  constexpr double widest_margin = 0.25;
-  const auto& [scanner, sequence, settings] = setup;
+                                        const PhaseCorrections& corrections, std::string* why_not) {
+  const auto& [scanner, sequence, settings, own_engine] = setup;
   const Layout& layout = sequence.strategy.layout();
   const bool votes = order_source(layout) == OrderSource::neighbours;
-  const bool by_reference = !way_of(layout.unwrapping).in_kernels || carrier_periods(layout) > 0;
-  if (by_reference || (votes && !has_fused_cue(setup)) || settings.field_margin > widest_margin ||
-      scanner.camera.size.width < least_row_width) {
+  std::optional<StripeGeometry> geometry;
+  std::optional<RayTable> rays;
+  std::string why = why_not_in_rows(setup);
+  if (why.empty()) {
+    geometry = stripe_geometry(scanner, sequence.axis, settings.field_margin);
+    rays = ray_table(scanner.camera);
+    if (!geometry) why = "the projector's lens is too bent";
+    if (!rays) why = "the camera's lens is too bent";
+  }
+  if (!why.empty()) {
+    if (why_not != nullptr) *why_not = why;
     return std::nullopt;
   }
-  const auto geometry = stripe_geometry(scanner, sequence.axis, settings.field_margin);
-  if (!geometry) return std::nullopt;
-  std::optional<RayTable> rays = ray_table(scanner.camera);
-  if (!rays) return std::nullopt;
   std::optional<RayBlocks> blocks = ray_blocks(*geometry, *rays);
 
   const double f = measuring_band(layout).periods, widest = least_periods(layout);
@@ -305,7 +323,7 @@ std::optional<FusedStages> fused_stages(const EngineSetup& setup,
     if (stages.chain.empty()) keep_before_cut(stages);
   }
   // Codes may be more than the stripes that are shown.
-  stages.point.may_leave_field = widest < 1 || stages.code;
+  stages.point.may_leave_field = widest < 1 || stages.code ? 1 : 0;
   return stages;
 }
 
@@ -313,16 +331,16 @@ SinusoidLimits sinusoid_limits(const SinusoidStage& stage, const ReconstructSett
                                double full_scale, double saturation, double mean_of) {
   // No pixel's modulation reaches twice the full scale, whatever a user asks for.
   const double least = std::min(least_modulation(settings, full_scale), 2 * full_scale);
-  SinusoidLimits limits{.mean_scale = static_cast<float>(mean_of / stage.steps)};
+  SinusoidLimits limits{.mean_scale = narrow(mean_of / stage.steps)};
   const ClosedForm* form = stage.cosines.empty() ? closed_form(stage.steps) : nullptr;
   if (form != nullptr) {
     // The least integer whose root passes in double, so that the same pixels do.
     double square = std::max(std::floor(least * form->divisor * least * form->divisor) - 2, 0.0);
     while (std::sqrt(square) / form->divisor < least) ++square;
-    limits.least_square = static_cast<float>(square);
+    limits.least_square = narrow(square);
   } else {
     const double in_sums = least / stage.modulation_scale;
-    limits.least_square = static_cast<float>(in_sums * in_sums);
+    limits.least_square = narrow(in_sums * in_sums);
   }
   if (settings.drop_saturated) limits.full_scale = static_cast<std::int32_t>(saturation);
   return limits;
@@ -335,9 +353,9 @@ CueLimits cue_limits(const FusedStages& stages, const ReconstructSettings& setti
       stages.cue->dimmest_lit * grey_level / stages.bands.front().sinusoid.modulation_scale;
   const double voting = least_neighbour_modulation(settings, full_scale) /
                         stages.bands.front().sinusoid.modulation_scale;
-  return {.ambient = static_cast<float>(stages.cue->ambient * grey_level),
-          .lit_square = static_cast<float>(dimmest * dimmest),
-          .voting_square = static_cast<float>(voting * voting)};
+  return {.ambient = narrow(stages.cue->ambient * grey_level),
+          .lit_square = narrow(dimmest * dimmest),
+          .voting_square = narrow(voting * voting)};
 }
 
 }  // namespace slipstream

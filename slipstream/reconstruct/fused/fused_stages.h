@@ -4,10 +4,8 @@
 #include <vector>
 
 #include "slipstream/decode/cue_evidence.h"
-#include "slipstream/geometry/ray_table.h"
-#include "slipstream/reconstruct/fused/point_rows.h"
-#include "slipstream/reconstruct/fused/sinusoid_rows.h"
-#include "slipstream/reconstruct/fused/vote_rows.h"
+#include "slipstream/geometry/stripe_geometry.h"
+#include "slipstream/reconstruct/fused/rows.h"
 #include "slipstream/reconstruct/reconstruct_settings.h"
 
 namespace slipstream {
@@ -67,13 +65,14 @@ struct FusedStages {
   std::optional<RayBlocks> blocks;
 };
 
-/// None where the fused pass cannot stand in for the reference engine: for Unwrapping::likelihood,
-/// code_alone and single_frames, a cue of other weights or another reference than those of Eqs.
-/// (3.53), (3.68), (3.83), another rule than CueRule::consensus, a lens too bent for StripeGeometry
-/// or RayTable, a picture narrower than `least_row_width`, a frequency above 16384 under a cue or a
-/// field margin above a quarter.
+/// None, with `why_not` unless that is null, where the fused pass cannot stand in for the reference
+/// engine: for Unwrapping::likelihood, code_alone and single_frames, a cue of other weights or
+/// another reference than those of Eqs. (3.53), (3.68), (3.83), another rule than
+/// CueRule::consensus, a lens too bent for StripeGeometry or RayTable, a picture narrower than
+/// `least_row_width`, a frequency above 16384 under a cue or a field margin above a quarter.
 std::optional<FusedStages> fused_stages(const EngineSetup& setup,
-                                        const PhaseCorrections& corrections);
+                                        const PhaseCorrections& corrections,
+                                        std::string* why_not = nullptr);
 
 /// The limits of one sinusoid for frames of such full scale and saturation: see FrameViews.
 /// `mean_of`: what one grey level of the frames counts for in the mean.

@@ -1,19 +1,9 @@
-#include "slipstream/reconstruct/fused/point_rows.h"
-
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <tuple>
 
-#include "slipstream/base/disabled_targets-inl.h"
-
+#include "slipstream/reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/point_rows.cpp"
-#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
 #include "slipstream/reconstruct/fused/ray_points-inl.h"
@@ -21,90 +11,6 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
-
-HWY_INLINE Ints reason_unless(FloatMask good, Ints otherwise, Validity reason) {
-  const IntTag di;
-  return hn::IfThenElse(hn::RebindMask(di, good), otherwise,
-                        hn::Set(di, static_cast<std::int32_t>(reason)));
-}
-
-HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
-  const hn::Rebind<std::uint8_t, IntTag> bytes;
-  hn::StoreU(hn::DemoteTo(bytes, reasons), bytes, reinterpret_cast<std::uint8_t*>(validity));
-}
-
-/// With `past_cache` in place of that of the row, so that it need not be asked for each vector.
-HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i, Floats E_x,
-                             Floats E_y, Floats z) {
-  store(z, row.z + i, past_cache);
-  if (row.x != nullptr) {
-    store(hn::Mul(E_x, z), row.x + i, past_cache);
-    store(hn::Mul(E_y, z), row.y + i, past_cache);
-  }
-}
-
-/// The first reason in the order of Validity wins.
-HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags) {
-  const FloatTag d;
-  const IntTag di;
-  const auto without = [&](PixelFlag flag) SLIPSTREAM_STEP {
-    return hn::RebindMask(d, hn::Eq(hn::And(flags, hn::Set(di, flag)), hn::Zero(di)));
-  };
-  Ints reason = hn::Zero(di);
-  reason = reason_unless(points.in_range, reason, Validity::out_of_range);
-  reason = reason_unless(points.in_field, reason, Validity::outside_field);
-  reason = reason_unless(points.exists, reason, Validity::no_point);
-  reason = reason_unless(confirmed, reason, Validity::doubtful_order);
-  reason = reason_unless(without(PixelFlag::saturated), reason, Validity::saturated);
-  return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
-}
-
-/// A vector of pixels that are all dark.
-HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
-  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
-  store_points(row, row.past_cache, i, nan, nan, nan);
-  store_validity(hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark)),
-                 row.validity + i);
-}
-
-/// The points of a vector of pixels, some of which may have none.
-HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints& points,
-                             FloatMask confirmed, Ints flags) {
-  const FloatTag d;
-  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
-                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
-  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
-  const Floats z = hn::IfThenElse(good, points.z, nan);
-  store_points(row, row.past_cache, i, points.E_x, points.E_y, z);
-  if (hn::AllTrue(d, good)) return store_validity(hn::Zero(IntTag()), row.validity + i);
-  store_validity(reasons(points, confirmed, flags), row.validity + i);
-}
-
-/// One vector without its block.
-template <int lens_degree>
-HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
-                                 Floats y, FloatMask confirmed, Ints flags) {
-  store_vector(row, i, points_on_rays<lens_degree>(stage, row, i, y), confirmed, flags);
-}
-
-using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
-                              Ints);
-
-/// For the degree of PointStage::lens.
-HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
-  switch (lens_degree) {
-    case 0:
-      return vector_on_rays<0>;
-    case 3:
-      return vector_on_rays<3>;
-    case 5:
-      return vector_on_rays<5>;
-    case 7:
-      return vector_on_rays<7>;
-    default:
-      return vector_on_rays<9>;
-  }
-}
 
 template <class Source>
 HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const PointRow& row) {
@@ -118,8 +24,7 @@ HWY_INLINE void row_on_rays(const PointStage& stage, const Source& source, const
 
 /// The coefficients of some neighbouring blocks in one row. They stand ready before any is used:
 /// to read single numbers out of a vector just written takes long.
-class MixedBlocks {
- public:
+struct MixedBlocks {
   static constexpr std::size_t most = 40;
   static constexpr std::size_t terms = std::tuple_size_v<decltype(RayBlocks::Block::coefficients)>;
 
@@ -136,16 +41,12 @@ class MixedBlocks {
         Floats sum = hn::Mul(w0, hn::Load(d, knot(0) + i));
         sum = hn::MulAdd(w1, hn::Load(d, knot(1) + i), sum);
         sum = hn::MulAdd(w2, hn::Load(d, knot(2) + i), sum);
-        hn::Store(sum, d, coefficients_.data() + b * terms + i);
+        hn::Store(sum, d, coefficients.data() + b * terms + i);
       }
     }
   }
 
-  /// Block after block, `terms` of each.
-  [[nodiscard]] HWY_INLINE const float* coefficients() const { return coefficients_.data(); }
-
- private:
-  alignas(64) std::array<float, most * terms> coefficients_;
+  alignas(64) std::array<float, most * terms> coefficients;  ///< block after block
 };
 
 /// Neighbouring vectors of a row, the first of which begins at `pixel`. `coefficients` and
@@ -349,20 +250,18 @@ HWY_INLINE void point_vectors(const PointStage& stage, const Source& source, con
   });
 }
 
-/// Vectors `next` to `last` of blocks that follow one another from `pixel` on.
-template <std::size_t count, class Source>
-HWY_INLINE std::size_t point_blocks(const PointStage& stage, const Source& source,
-                                    const PointRow& row, std::size_t pixel,
-                                    const float* coefficients, const RayBlocks::Range* described,
-                                    std::size_t next, std::size_t last) {
-  using Parts = BlockParts<count>;
-  for (; next + count <= last; next += count) {
-    const std::size_t block = next / Parts::vectors_of_block;
+/// So many pixels of blocks that follow one another from `pixel` on.
+template <std::size_t most, class Source>
+HWY_INLINE void point_blocks(const PointStage& stage, const Source& source, const PointRow& row,
+                             std::size_t pixel, std::size_t pixels, const float* coefficients,
+                             const RayBlocks::Range* described) {
+  for_each_group<most>(pixels, [&]<std::size_t count>(Together<count>,
+                                                      std::size_t i) SLIPSTREAM_STEP {
+    const std::size_t vector = i / hn::Lanes(FloatTag()), block = i / RayBlocks::width;
     point_vectors(stage, source, row,
-                  Parts(pixel + next * hn::Lanes(FloatTag()), next,
-                        coefficients + block * MixedBlocks::terms, described + block));
-  }
-  return next;
+                  BlockParts<count>(pixel + i, vector, coefficients + block * MixedBlocks::terms,
+                                    described + block));
+  });
 }
 
 /// Of `count` blocks from `first` on, whose coefficients are mixed. The row's last one may overlap
@@ -370,17 +269,15 @@ HWY_INLINE std::size_t point_blocks(const PointStage& stage, const Source& sourc
 template <class Source>
 HWY_INLINE void point_part(const PointStage& stage, const Source& source, const PointRow& row,
                            const float* coefficients, std::size_t first, std::size_t count) {
-  constexpr std::size_t vectors = BlockParts<1>::vectors_of_block, width = RayBlocks::width;
+  constexpr std::size_t width = RayBlocks::width;
   const std::size_t pixel = first * width;
   const std::size_t whole = std::min(count, (static_cast<std::size_t>(row.width) - pixel) / width);
-  const RayBlocks::Range* described = row.blocks.described + first;
-  const std::size_t next = point_blocks<few_at_once>(stage, source, row, pixel, coefficients,
-                                                     described, 0, whole * vectors);
-  point_blocks<1>(stage, source, row, pixel, coefficients, described, next, whole * vectors);
+  const RayBlocks::Range* const described = row.blocks.described + first;
+  point_blocks<few_at_once>(stage, source, row, pixel, whole * width, coefficients, described);
   if (whole == count) return;
   const int last = RayBlocks::first_column(static_cast<int>(first + whole), row.width);
-  point_blocks<1>(stage, source, row, static_cast<std::size_t>(last),
-                  coefficients + whole * MixedBlocks::terms, described + whole, 0, vectors);
+  point_blocks<1>(stage, source, row, static_cast<std::size_t>(last), width,
+                  coefficients + whole * MixedBlocks::terms, described + whole);
 }
 
 template <class Source>
@@ -394,7 +291,7 @@ HWY_INLINE void point_row(const PointStage& stage, const Source& source, const P
   for (std::size_t first = 0; first < blocks; first += MixedBlocks::most) {
     const std::size_t count = std::min(MixedBlocks::most, blocks - first);
     mixed.mix(row.blocks, first, count);
-    point_part(stage, source, row, mixed.coefficients(), first, count);
+    point_part(stage, source, row, mixed.coefficients.data(), first, count);
   }
 }
 

@@ -7,20 +7,15 @@
 #define SLIPSTREAM_KERNELS_RAY_POINTS_INL_H_
 #endif
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-
 #include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
-#include "slipstream/reconstruct/fused/point_rows.h"
+#include "slipstream/reconstruct/fused/rows.h"
 #include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
-HWY_INLINE Floats linear(const PointStage::Linear& c, Floats E_x, Floats E_y) {
+HWY_INLINE Floats linear(const RayTerms& c, Floats E_x, Floats E_y) {
   const FloatTag d;
   return hn::MulAdd(hn::Set(d, c[0]), E_x, hn::MulAdd(hn::Set(d, c[1]), E_y, hn::Set(d, c[2])));
 }
@@ -39,7 +34,7 @@ HWY_INLINE Floats plane_polynomial(const float* coefficients, Floats p, Floats q
   return sum;
 }
 
-HWY_INLINE Floats edge_polynomial(const std::array<float, 6>& edge, Floats p) {
+HWY_INLINE Floats edge_polynomial(const EdgeTerms& edge, Floats p) {
   const FloatTag d;
   Floats sum = hn::Set(d, edge.back());
   for (std::size_t i = edge.size() - 1; i > 0; --i) {
@@ -89,7 +84,7 @@ HWY_INLINE RayPoints points_on_rays(const PointStage& stage, const PointRow& row
     in_field = hn::And(hn::Ge(q, edge_polynomial(stage.low_edge, p)),
                        hn::Le(q, edge_polynomial(stage.high_edge, p)));
   }
-  if (stage.may_leave_field) {
+  if (stage.may_leave_field != 0) {
     in_field = hn::And(in_field, hn::And(hn::Ge(y, hn::Set(d, stage.least_coordinate)),
                                          hn::Le(y, hn::Set(d, stage.largest_coordinate))));
   }
@@ -100,6 +95,90 @@ HWY_INLINE FloatMask is_unflagged(Ints flags) {
   const IntTag di;
   const Ints flagged = hn::And(flags, hn::Set(di, PixelFlag::dark | PixelFlag::saturated));
   return hn::RebindMask(FloatTag(), hn::Eq(flagged, hn::Zero(di)));
+}
+
+HWY_INLINE Ints reason_unless(FloatMask good, Ints otherwise, Validity reason) {
+  const IntTag di;
+  return hn::IfThenElse(hn::RebindMask(di, good), otherwise,
+                        hn::Set(di, static_cast<std::int32_t>(reason)));
+}
+
+HWY_INLINE void store_validity(Ints reasons, Validity* validity) {
+  const hn::Rebind<std::uint8_t, IntTag> bytes;
+  hn::StoreU(hn::DemoteTo(bytes, reasons), bytes, reinterpret_cast<std::uint8_t*>(validity));
+}
+
+/// With `past_cache` in place of that of the row, so that it need not be asked for each vector.
+HWY_INLINE void store_points(const PointRow& row, bool past_cache, std::size_t i, Floats E_x,
+                             Floats E_y, Floats z) {
+  store(z, row.z + i, past_cache);
+  if (row.x != nullptr) {
+    store(hn::Mul(E_x, z), row.x + i, past_cache);
+    store(hn::Mul(E_y, z), row.y + i, past_cache);
+  }
+}
+
+/// The first reason in the order of Validity wins.
+HWY_INLINE Ints reasons(const RayPoints& points, FloatMask confirmed, Ints flags) {
+  const FloatTag d;
+  const IntTag di;
+  const auto without = [&](PixelFlag flag) SLIPSTREAM_STEP {
+    return hn::RebindMask(d, hn::Eq(hn::And(flags, hn::Set(di, flag)), hn::Zero(di)));
+  };
+  Ints reason = hn::Zero(di);
+  reason = reason_unless(points.in_range, reason, Validity::out_of_range);
+  reason = reason_unless(points.in_field, reason, Validity::outside_field);
+  reason = reason_unless(points.exists, reason, Validity::no_point);
+  reason = reason_unless(confirmed, reason, Validity::doubtful_order);
+  reason = reason_unless(without(PixelFlag::saturated), reason, Validity::saturated);
+  return reason_unless(without(PixelFlag::dark), reason, Validity::too_dark);
+}
+
+/// A vector of pixels that are all dark.
+HWY_INLINE void store_dark(const PointRow& row, std::size_t i) {
+  const Floats nan = hn::Set(FloatTag(), std::numeric_limits<float>::quiet_NaN());
+  store_points(row, row.past_cache, i, nan, nan, nan);
+  store_validity(hn::Set(IntTag(), static_cast<std::int32_t>(Validity::too_dark)),
+                 row.validity + i);
+}
+
+/// The points of a vector of pixels, some of which may have none.
+HWY_INLINE void store_vector(const PointRow& row, std::size_t i, const RayPoints& points,
+                             FloatMask confirmed, Ints flags) {
+  const FloatTag d;
+  const FloatMask good = hn::And(hn::And(is_unflagged(flags), confirmed),
+                                 hn::And(points.exists, hn::And(points.in_field, points.in_range)));
+  const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+  const Floats z = hn::IfThenElse(good, points.z, nan);
+  store_points(row, row.past_cache, i, points.E_x, points.E_y, z);
+  if (hn::AllTrue(d, good)) return store_validity(hn::Zero(IntTag()), row.validity + i);
+  store_validity(reasons(points, confirmed, flags), row.validity + i);
+}
+
+/// One vector without its block.
+template <int lens_degree>
+HWY_NOINLINE void vector_on_rays(const PointStage& stage, const PointRow& row, std::size_t i,
+                                 Floats y, FloatMask confirmed, Ints flags) {
+  store_vector(row, i, points_on_rays<lens_degree>(stage, row, i, y), confirmed, flags);
+}
+
+using VectorOnRays = void (*)(const PointStage&, const PointRow&, std::size_t, Floats, FloatMask,
+                              Ints);
+
+/// For the degree of PointStage::lens.
+HWY_INLINE VectorOnRays vector_on_rays_for(int lens_degree) {
+  switch (lens_degree) {
+    case 0:
+      return vector_on_rays<0>;
+    case 3:
+      return vector_on_rays<3>;
+    case 5:
+      return vector_on_rays<5>;
+    case 7:
+      return vector_on_rays<7>;
+    default:
+      return vector_on_rays<9>;
+  }
 }
 
 /// Finds the lanes with at least as many agreeing neighbours as they need, see

@@ -1,19 +1,9 @@
 // Frames to turns, flags and levels of a row.
-#include "slipstream/reconstruct/fused/sinusoid_rows.h"
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <limits>
-#include <span>
-#include <type_traits>
-
-#include "slipstream/base/disabled_targets-inl.h"
-
+#include "slipstream/reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/sinusoid_rows.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
 #include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
@@ -77,12 +67,12 @@ HWY_INLINE Several<count> folded_turns(const FoldedPhase& folded, const Several<
 }
 
 /// What the row keeps of a vector besides its turns and flags.
-HWY_INLINE void store_levels(const SinusoidStage& stage, const SinusoidLimits& limits, Floats sum,
-                             Floats square, const SinusoidRow& row, std::size_t i) {
+HWY_INLINE void store_levels(const SinusoidStage& stage, Floats sum, Floats square,
+                             const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   if (!row.another) {
     fetch_ahead(row.mean + i, row.past_cache);
-    store(hn::Mul(sum, hn::Set(d, limits.mean_scale)), row.mean + i, row.past_cache);
+    store(hn::Mul(sum, hn::Set(d, row.limits.mean_scale)), row.mean + i, row.past_cache);
   }
   if (row.modulation != nullptr) {
     Floats modulation = hn::Mul(hn::Sqrt(square), hn::Set(d, stage.modulation_scale));
@@ -112,20 +102,10 @@ HWY_INLINE Several<count> turns(const SinusoidStage& stage, const Several<count>
   return turn;
 }
 
-/// Of the frames of one row: their sums, and which are saturated.
-template <class Sums, class Saturated>
-struct RowFrames {
-  Sums sums;
-  Saturated saturation;
-};
-template <class Sums, class Saturated>
-RowFrames(Sums, Saturated) -> RowFrames<Sums, Saturated>;
-
 /// Vectors from pixel `i` on; `N` as in `turns`.
 template <int N, std::size_t count, class Sums, class Saturated>
-HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits& limits,
-                               const RowFrames<Sums, Saturated>& frames, const SinusoidRow& row,
-                               std::size_t i) {
+HWY_INLINE void decode_vectors(const SinusoidStage& stage, const Sums& sums,
+                               const Saturated& saturation, const SinusoidRow& row, std::size_t i) {
   const FloatTag d;
   const IntTag di;
   const auto at = [&](std::size_t k) SLIPSTREAM_STEP { return i + k * hn::Lanes(d); };
@@ -141,17 +121,17 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
   Several<count> U, V, turn;
   Several<count, FloatMask> dark;
   FloatMask any_dark = hn::FirstN(d, 0);
-  const Floats least_square = hn::Set(d, limits.least_square);
+  const Floats least_square = hn::Set(d, row.limits.least_square);
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
-    const FrameSums sum = frames.sums(at(k));
+    const FrameSums sum = sums(at(k));
     U[k] = sum.U;
     V[k] = sum.V;
     const Floats square = modulation_square(stage, sum);
     dark[k] = hn::Lt(square, least_square);
     any_dark = hn::Or(any_dark, dark[k]);
-    store_levels(stage, limits, sum.sum, square, row, at(k));
+    store_levels(stage, sum.sum, square, row, at(k));
   });
-  const bool saturated = frames.saturation.template among<count>(i);
+  const bool saturated = saturation.template among<count>(i);
   if (HWY_LIKELY(hn::AllFalse(d, any_dark) && !saturated)) {
     turn = turns<N, count>(stage, U, V);
     return each<count>([&](std::size_t k) SLIPSTREAM_STEP {
@@ -163,7 +143,7 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
   const Floats nan = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
   each<count>([&](std::size_t k) SLIPSTREAM_STEP {
     Ints flags = hn::IfThenElseZero(hn::RebindMask(di, dark[k]), hn::Set(di, PixelFlag::dark));
-    if (saturated) flags = hn::Or(flags, saturation_flag(limits, frames.sums(at(k))));
+    if (saturated) flags = hn::Or(flags, saturation_flag(row.limits, sums(at(k))));
     if (row.another) flags = hn::Or(flags, known(k));
     hn::StoreU(flags, di, row.flags + at(k));
   });
@@ -182,74 +162,63 @@ HWY_INLINE void decode_vectors(const SinusoidStage& stage, const SinusoidLimits&
   });
 }
 
-template <int N, class Frames>
-HWY_INLINE void decode_with(const SinusoidStage& stage, const SinusoidLimits& limits,
-                            const SinusoidRow& row, const Frames& frames) {
+template <int N, class Sums, class Saturated>
+HWY_INLINE void decode_with(const SinusoidStage& stage, const Sums& sums,
+                            const Saturated& saturation, const SinusoidRow& row) {
   for_each_group(static_cast<std::size_t>(row.width),
-                 [&]<std::size_t count>(Together<count>, std::size_t i)
-                     SLIPSTREAM_STEP { decode_vectors<N, count>(stage, limits, frames, row, i); });
+                 [&]<std::size_t count>(Together<count>, std::size_t i) SLIPSTREAM_STEP {
+                   decode_vectors<N, count>(stage, sums, saturation, row, i);
+                 });
 }
 
 template <int N, class Pixel>
-HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const SinusoidLimits& limits,
-                                   const Pixel* const* frames, const SinusoidRow& row) {
+HWY_INLINE void decode_closed_form(const SinusoidStage& stage, const Pixel* const* frames,
+                                   const SinusoidRow& row) {
   std::array<const Pixel*, N> rows;
   std::copy_n(frames, N, rows.begin());
   const auto sums = [rows](std::size_t i)
                         SLIPSTREAM_STEP { return closed_form_sums<N>(rows.data(), i); };
-  const RowFrames decoded{sums, Saturation(rows.data(), N, limits.full_scale)};
-  if (!stage.folded.empty()) return decode_with<N>(stage, limits, row, decoded);
-  decode_with<0>(stage, limits, row, decoded);
-}
-
-template <class Pixel>
-HWY_INLINE void decode_fifths(const SinusoidStage& stage, const SinusoidLimits& limits,
-                              const Pixel* const* frames, const SinusoidRow& row) {
-  std::array<const Pixel*, 5> rows;
-  std::copy_n(frames, rows.size(), rows.begin());
-  const auto sums = [rows](std::size_t i)
-                        SLIPSTREAM_STEP { return fifth_sums(rows.data(), i).first; };
-  decode_with<0>(stage, limits, row,
-                 RowFrames{sums, Saturation(rows.data(), rows.size(), limits.full_scale)});
-}
-
-template <class Pixel>
-HWY_INLINE void decode_weighted(const SinusoidStage& stage, const SinusoidLimits& limits,
-                                const Pixel* const* frames, const SinusoidRow& row) {
-  const Saturation saturation(frames, stage.cosines.size(), limits.full_scale);
-  const auto decode = [&](const auto& sums) SLIPSTREAM_STEP {
-    decode_with<0>(stage, limits, row, RowFrames{sums, saturation});
-  };
-  if (stage.whole.empty()) {
-    return decode([&](std::size_t i) SLIPSTREAM_STEP { return general_sums(stage, frames, i); });
+  const Saturation saturation(rows.data(), N, row.limits.full_scale);
+  if constexpr (N != 5) {
+    if (!stage.folded.empty()) return decode_with<N>(stage, sums, saturation, row);
   }
-  const std::span whole = stage.whole;
-  decode([whole, frames](std::size_t i) SLIPSTREAM_STEP { return whole_sums(whole, frames, i); });
+  decode_with<0>(stage, sums, saturation, row);
 }
 
 template <class Pixel>
-HWY_NOINLINE void decode_pixels(const SinusoidStage& stage, const SinusoidLimits& limits,
-                                const Pixel* const* frames, const SinusoidRow& row) {
+HWY_INLINE void decode_weighted(const SinusoidStage& stage, const Pixel* const* frames,
+                                const SinusoidRow& row) {
+  const Saturation saturation(frames, stage.cosines.size(), row.limits.full_scale);
+  const std::span whole = stage.whole;
+  const auto any = [&](std::size_t i) SLIPSTREAM_STEP { return general_sums(stage, frames, i); };
+  const auto exact = [whole, frames](std::size_t i)
+                         SLIPSTREAM_STEP { return whole_sums(whole, frames, i); };
+  whole.empty() ? decode_with<0>(stage, any, saturation, row)
+                : decode_with<0>(stage, exact, saturation, row);
+}
+
+template <class Pixel>
+HWY_NOINLINE void decode_pixels(const SinusoidStage& stage, const Pixel* const* frames,
+                                const SinusoidRow& row) {
   // A local copy stays in registers: no store can alias it.
   const SinusoidRow local = row;
   switch (stage.cosines.empty() ? stage.steps : 0) {
     case 3:
-      return decode_closed_form<3>(stage, limits, frames, local);
+      return decode_closed_form<3>(stage, frames, local);
     case 4:
-      return decode_closed_form<4>(stage, limits, frames, local);
+      return decode_closed_form<4>(stage, frames, local);
     case 5:
-      return decode_fifths(stage, limits, frames, local);
+      return decode_closed_form<5>(stage, frames, local);
     case 6:
-      return decode_closed_form<6>(stage, limits, frames, local);
+      return decode_closed_form<6>(stage, frames, local);
     default:
-      return decode_weighted(stage, limits, frames, local);
+      return decode_weighted(stage, frames, local);
   }
 }
 
-void DecodeRow(const SinusoidStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
-               const SinusoidRow& row) {
-  if (frames.of_8_bits != nullptr) return decode_pixels(stage, limits, frames.of_8_bits, row);
-  decode_pixels(stage, limits, frames.of_16_bits, row);
+void DecodeRow(const SinusoidStage& stage, const FrameRows& frames, const SinusoidRow& row) {
+  if (frames.of_8_bits != nullptr) return decode_pixels(stage, frames.of_8_bits, row);
+  decode_pixels(stage, frames.of_16_bits, row);
 }
 
 }  // namespace slipstream::HWY_NAMESPACE
@@ -260,9 +229,8 @@ namespace slipstream {
 
 HWY_EXPORT(DecodeRow);
 
-void decode_row(const SinusoidStage& stage, const SinusoidLimits& limits, const FrameRows& frames,
-                const SinusoidRow& row) {
-  HWY_DYNAMIC_DISPATCH(DecodeRow)(stage, limits, frames, row);
+void decode_row(const SinusoidStage& stage, const FrameRows& frames, const SinusoidRow& row) {
+  HWY_DYNAMIC_DISPATCH(DecodeRow)(stage, frames, row);
 }
 
 }  // namespace slipstream

@@ -7,15 +7,10 @@
 #define SLIPSTREAM_KERNELS_SINUSOID_SUMS_INL_H_
 #endif
 
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <span>
-
 #include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
-#include "slipstream/reconstruct/fused/sinusoid_rows.h"
+#include "slipstream/reconstruct/fused/rows.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace slipstream::HWY_NAMESPACE {
@@ -30,34 +25,6 @@ struct FrameSums {
   Ints greatest;
   Floats U, V;
 };
-
-/// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), exact in integers and in float, for any pixel
-/// of 16 bits.
-template <int N, class Pixel>
-HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i) {
-  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
-  const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
-  const Ints I0 = I(0), I1 = I(1), I2 = I(2);
-  const FloatTag d;
-  if constexpr (N == 3) {
-    const Ints others = hn::Add(I1, I2);
-    return {hn::ConvertTo(d, hn::Add(I0, others)), hn::Max(I0, hn::Max(I1, I2)),
-            hn::ConvertTo(d, hn::Sub(twice(I0), others)), hn::ConvertTo(d, hn::Sub(I1, I2))};
-  } else if constexpr (N == 4) {
-    const Ints I3 = I(3);
-    return {hn::ConvertTo(d, hn::Add(hn::Add(I0, I1), hn::Add(I2, I3))),
-            hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), hn::ConvertTo(d, hn::Sub(I0, I2)),
-            hn::ConvertTo(d, hn::Sub(I1, I3))};
-  } else {
-    static_assert(N == 6);
-    const Ints I3 = I(3), I4 = I(4), I5 = I(5);
-    const Ints ends = hn::Add(I1, I5), middle = hn::Add(I2, I4);
-    return {hn::ConvertTo(d, hn::Add(hn::Add(I0, I3), hn::Add(ends, middle))),
-            hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), hn::Max(I4, I5)),
-            hn::ConvertTo(d, hn::Add(twice(hn::Sub(I0, I3)), hn::Sub(ends, middle))),
-            hn::ConvertTo(d, hn::Sub(hn::Add(I1, I2), hn::Add(I4, I5)))};
-  }
-}
 
 /// The sums of Eqs. (1.5), (1.6) in double: in float their rounding would be more than the phase
 /// allows where the modulation is small. A vector of doubles has half the lanes of one of floats.
@@ -147,6 +114,36 @@ HWY_INLINE FifthSums fifth_sums(const Pixel* const* frames, std::size_t i) {
            with_root_of_five(hn::MulSub(two, rise, inner_rise), inner_rise)},
           hn::NegMulAdd(root, apart, whole),
           hn::MulSub(root, rise, hn::MulAdd(two, inner_rise, rise))};
+}
+
+/// Eqs. (2.5), (2.6), (2.8), (2.9), (2.11), (2.12), exact in integers and in float, for any pixel
+/// of 16 bits; and those of N = 5.
+template <int N, class Pixel>
+HWY_INLINE FrameSums closed_form_sums(const Pixel* const* frames, std::size_t i) {
+  const auto I = [&](std::size_t n) SLIPSTREAM_STEP { return load_pixels(frames[n] + i); };
+  const auto twice = [](Ints v) SLIPSTREAM_STEP { return hn::ShiftLeft<1>(v); };
+  const Ints I0 = I(0), I1 = I(1), I2 = I(2);
+  const FloatTag d;
+  if constexpr (N == 3) {
+    const Ints others = hn::Add(I1, I2);
+    return {hn::ConvertTo(d, hn::Add(I0, others)), hn::Max(I0, hn::Max(I1, I2)),
+            hn::ConvertTo(d, hn::Sub(twice(I0), others)), hn::ConvertTo(d, hn::Sub(I1, I2))};
+  } else if constexpr (N == 4) {
+    const Ints I3 = I(3);
+    return {hn::ConvertTo(d, hn::Add(hn::Add(I0, I1), hn::Add(I2, I3))),
+            hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), hn::ConvertTo(d, hn::Sub(I0, I2)),
+            hn::ConvertTo(d, hn::Sub(I1, I3))};
+  } else if constexpr (N == 5) {
+    return fifth_sums(frames, i).first;
+  } else {
+    static_assert(N == 6);
+    const Ints I3 = I(3), I4 = I(4), I5 = I(5);
+    const Ints ends = hn::Add(I1, I5), middle = hn::Add(I2, I4);
+    return {hn::ConvertTo(d, hn::Add(hn::Add(I0, I3), hn::Add(ends, middle))),
+            hn::Max(hn::Max(hn::Max(I0, I1), hn::Max(I2, I3)), hn::Max(I4, I5)),
+            hn::ConvertTo(d, hn::Add(twice(hn::Sub(I0, I3)), hn::Sub(ends, middle))),
+            hn::ConvertTo(d, hn::Sub(hn::Add(I1, I2), hn::Add(I4, I5)))};
+  }
 }
 
 template <class Pixel>
@@ -335,8 +332,8 @@ class FieldPlacer {
   explicit HWY_INLINE FieldPlacer(const CoordinateStage& stage)
       : scale_(hn::Set(FloatTag(), stage.scale)),
         period_(hn::Set(FloatTag(), stage.period)),
-        periods_(hn::Set(FloatTag(), stage.scale / stage.period)),
-        shift_(hn::Set(FloatTag(), -stage.cut / stage.period)) {}
+        periods_(hn::Set(FloatTag(), stage.fields_of_turn)),
+        shift_(hn::Set(FloatTag(), -stage.cut_fields)) {}
 
   HWY_INLINE Floats operator()(Floats turns) const {
     const Floats periods = hn::Floor(hn::MulAdd(turns, periods_, shift_));

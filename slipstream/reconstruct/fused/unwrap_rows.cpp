@@ -1,15 +1,11 @@
-// Turns and bits of a row to coordinates, and turns to wrapped phases.
-#include <cstddef>
-#include <cstdint>
+// From the phase to the coordinate: a row by its code, by what was before it, or alone.
 #include <limits>
 
-#include "slipstream/base/disabled_targets-inl.h"
-#include "slipstream/reconstruct/fused/sinusoid_rows.h"
+#include "slipstream/reconstruct/fused/rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/unwrap_rows.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
 #include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
@@ -24,7 +20,7 @@ HWY_INLINE Ints stripes(const CodeStage& stage, Ints shown) {
     const auto inverted = hn::Ne(hn::And(shown, hn::Set(di, stage.base)), hn::Zero(di));
     shown = hn::Xor(shown, hn::IfThenElseZero(inverted, hn::Set(di, stage.others)));
   }
-  if (!stage.gray) return shown;
+  if (stage.gray == 0) return shown;
   shown = hn::Xor(shown, hn::ShiftRight<1>(shown));
   shown = hn::Xor(shown, hn::ShiftRight<2>(shown));
   shown = hn::Xor(shown, hn::ShiftRight<4>(shown));

@@ -1,21 +1,10 @@
 // Which pixels disagree with their neighbours, and what other fringe orders cost them.
-#include "slipstream/reconstruct/fused/vote_rows.h"
-
-#include <array>
-#include <bit>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <numbers>
-#include <vector>
 
-#include "slipstream/base/disabled_targets-inl.h"
-
+#include "slipstream/reconstruct/fused/rows.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "slipstream/reconstruct/fused/vote_rows.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include "slipstream/base/vectors-inl.h"
 #include "slipstream/reconstruct/fused/sinusoid_sums-inl.h"
@@ -156,12 +145,12 @@ HWY_NOINLINE void costs_by_form(const OrderCostStage& stage, float to_8_bits,
                                 const Pixel* const* frames, const float* coordinate,
                                 const OrderCosts& costs) {
   switch (stage.form) {
-    case OrderCostStage::Cue::linear:
-      return costs_of<ReferenceCost<false>>(stage, to_8_bits, frames, coordinate, costs);
-    case OrderCostStage::Cue::cosine:
-      return costs_of<ReferenceCost<true>>(stage, to_8_bits, frames, coordinate, costs);
-    case OrderCostStage::Cue::circle:
+    case CueForm::circle:
       return costs_of<CircleCost>(stage, to_8_bits, frames, coordinate, costs);
+    case CueForm::cosine:
+      return costs_of<ReferenceCost<true>>(stage, to_8_bits, frames, coordinate, costs);
+    default:
+      return costs_of<ReferenceCost<false>>(stage, to_8_bits, frames, coordinate, costs);
   }
 }
 

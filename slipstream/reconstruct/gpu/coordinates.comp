@@ -40,7 +40,7 @@ vec4 quotients(vec4 a, vec4 b) {
   return q + rest / b;
 }
 
-// atan2(S, C) / (2 pi) in [0, 1] to 4e-7 rad: the polynomial of sinusoid_turns-inl.h.
+// atan2(S, C) / (2 pi) in [0, 1] to 4e-7 rad: that of sinusoid_sums-inl.h.
 vec4 angles_in_turns(vec4 S, vec4 C) {
   vec4 sine = abs(S), cosine = abs(C);
   vec4 smaller = min(sine, cosine), greater = max(max(sine, cosine), vec4(1e-30));
@@ -61,7 +61,7 @@ vec4 corrected(int index, vec4 turn) {
   const int wave_terms = bands[index].wave_terms, segments = bands[index].segments;
   if (wave_terms > 0) {
     const int wave = bands[index].wave;
-    vec4 N = vec4(bands[index].steps);
+    vec4 N = vec4(bands[index].sinusoid.steps);
     vec4 r = fma(turn, N, -roundEven(turn * N));
     vec4 slope = vec4(word(wave));
     for (int i = 1; i < wave_terms; ++i) slope = fma(slope, r * r, vec4(word(wave + i)));
@@ -116,18 +116,18 @@ Sums sums(const int index, const int fours) {
 void decode(const int index, const int fours, inout Pixels pixels) {
   const Sums of = sums(index, fours);
   const vec4 U = of.U, V = of.V;
-  vec4 square = fma(bands[index].sine_square * V, V, U * U);
-  pixels.flags |= flagged(dark, lessThan(square, vec4(bands[index].least_square)));
+  vec4 square = fma(bands[index].sinusoid.sine_square * V, V, U * U);
+  pixels.flags |= flagged(dark, lessThan(square, vec4(bands[index].limits.least_square)));
   pixels.flags |=
-      flagged(saturated, greaterThanEqual(of.greatest, ivec4(bands[index].full_scale)));
-  vec4 modulation = sqrt(square) * bands[index].modulation_scale;
+      flagged(saturated, greaterThanEqual(of.greatest, ivec4(bands[index].limits.full_scale)));
+  vec4 modulation = sqrt(square) * bands[index].sinusoid.modulation_scale;
   pixels.modulation = index == 0 ? modulation : min(modulation, pixels.modulation);
   if (index == 0) {
-    pixels.mean = of.mean * bands[index].mean_scale;
+    pixels.mean = of.mean * bands[index].limits.mean_scale;
     pixels.square = square;
   }
-  vec4 turn = corrected(index, angles_in_turns(bands[index].sine_weight * V, U));
-  const float direction = bands[index].direction, offset = bands[index].offset;
+  vec4 turn = corrected(index, angles_in_turns(bands[index].sinusoid.sine_weight * V, U));
+  const float direction = bands[index].sinusoid.direction, offset = bands[index].sinusoid.offset;
   if (direction != 1.0 || offset != 0.0) {
     turn = fma(vec4(direction), turn, vec4(offset));
     turn -= floor(turn);
@@ -153,18 +153,18 @@ vec4 code_coordinates(int fours, vec4 mean) {
     }
   }
   ivec4 shown = ivec4(0);
-  for (int bit = 0; bit < code.bits; ++bit) {
+  for (int bit = 0; bit < code.count; ++bit) {
     ivec4 against =
         code.inverses < 0 ? ivec4(limit) : levels(words[code.inverses + bit], fours);
     bvec4 bright = greaterThan(levels(words[code.frames + bit], fours), against);
     shown = 2 * shown + ivec4(bright);
   }
-  bvec4 inverted = notEqual(shown & code.base, ivec4(0));
-  shown ^= flagged(code.others, inverted);
-  if (code.gray != 0) {
+  bvec4 inverted = notEqual(shown & code.bits.base, ivec4(0));
+  shown ^= flagged(code.bits.others, inverted);
+  if (code.bits.gray != 0) {
     for (int shift = 1; shift < 32; shift *= 2) shown ^= shown >> shift;
   }
-  return fma(vec4(shown), vec4(code.stripe), vec4(0.5 * code.stripe));
+  return fma(vec4(shown), vec4(code.bits.stripe), vec4(0.5 * code.bits.stripe));
 }
 
 vec4 begin_of_chain(int fours, vec4 mean) {
@@ -184,12 +184,13 @@ void unwrap(int fours, inout Pixels pixels) {
   const bvec4 known = lessThan(y, vec4(no_coordinate));
   for (int i = 0; i < links; ++i) {
     vec4 high = sum_of_bands(chain[i].factors, chain[i].alone);
-    vec4 periods = fma(y, vec4(chain[i].ratio), -high), k = roundEven(periods);
+    vec4 periods = fma(y, vec4(chain[i].unwrap.ratio), -high), k = roundEven(periods);
     vec4 apart =
-        max(abs(periods - k) - chain[i].open, vec4(0.0)) * chain[i].doubt_scale;
+        max(abs(periods - k) - chain[i].unwrap.open, vec4(0.0)) * chain[i].unwrap.doubt_scale;
     pixels.doubt = max(apart, pixels.doubt);
-    pixels.flags |= flagged(doubtful_order, greaterThan(apart, vec4(chain[i].largest_doubt)));
-    y = in_field(chain[i].coordinate, high + k);
+    pixels.flags |=
+        flagged(doubtful_order, greaterThan(apart, vec4(chain[i].unwrap.largest_doubt)));
+    y = in_field(chain[i].unwrap.coordinate, high + k);
   }
   pixels.y = mix(vec4(no_coordinate), y, known);
 }
@@ -208,17 +209,17 @@ void weigh(inout Pixels pixels) {
 
 // CueEvidence::coordinate, in periods of the measuring band.
 vec4 cue_periods(Sums channel, vec4 modulation) {
-  if (cue.form == circle) return cue.periods * angles_in_turns(channel.V, channel.U);
+  if (cost.form == circle) return cue.periods * angles_in_turns(channel.V, channel.U);
   const vec4 light = max(modulation, vec4(1e-9));
-  vec4 R = clamp(cue.gain * ((channel.U - cue.ambient) / light) - cue.offset, -1.0, 1.0);
-  vec4 y = cue.form == linear ? 0.5 * R + 0.5
+  vec4 R = clamp(cue.gain * ((channel.U - cue_limits.ambient) / light) - cue.offset, -1.0, 1.0);
+  vec4 y = cost.form == linear ? 0.5 * R + 0.5
                               : 2.0 * angles_in_turns(sqrt(max(1.0 - R * R, vec4(0.0))), R);
   return mix(vec4(0.0), cue.periods * y, greaterThan(modulation, vec4(1e-9)));
 }
 
 // By each pixel alone; the neighbours vote later.
 void decode_cue(int fours, Sums channel, vec4 said, inout Pixels pixels) {
-  const bool turns_round = cue.form == circle;
+  const bool turns_round = cost.form == circle;
   vec4 turn = turns[0];
   if (!turns_round) turn = mix(vec4(0.0), turn, lessThan(turn, vec4(1.0)));
   const vec4 periods = said - turn;
@@ -227,13 +228,13 @@ void decode_cue(int fours, Sums channel, vec4 said, inout Pixels pixels) {
   pixels.y = turns_round ? in_field(coordinate, turn + k) : (turn + k) * coordinate.scale;
   pixels.doubt = abs(periods - k);
   if (!turns_round) pixels.doubt = min(pixels.doubt, vec4(0.5));
-  pixels.flags |= flagged(dim, lessThanEqual(pixels.square, vec4(cue.lit_square))) |
-                  flagged(nobody, lessThan(pixels.square, vec4(cue.voting_square))) |
+  pixels.flags |= flagged(dim, lessThanEqual(pixels.square, vec4(cue_limits.lit_square))) |
+                  flagged(nobody, lessThan(pixels.square, vec4(cue_limits.voting_square))) |
                   flagged(doubtful_order, greaterThan(pixels.doubt, vec4(cue.largest_doubt)));
   const int at = (scan() * plane_fours + fours) * kept;
-  between[at + 2] = floatBitsToUint(cue.to_8_bits * pixels.modulation);
-  between[at + 3] = floatBitsToUint(cue.to_8_bits * channel.U);
-  between[at + 4] = floatBitsToUint(cue.to_8_bits * channel.V);
+  between[at + 2] = floatBitsToUint(vote.to_8_bits * pixels.modulation);
+  between[at + 3] = floatBitsToUint(vote.to_8_bits * channel.U);
+  between[at + 4] = floatBitsToUint(vote.to_8_bits * channel.V);
   between[at + 5] = floatBitsToUint(said);
   between[at + 6] = uvec4(0u);
 }
@@ -241,7 +242,7 @@ void decode_cue(int fours, Sums channel, vec4 said, inout Pixels pixels) {
 Pixels measured(int fours) {
   Pixels pixels = Pixels(vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), vec4(0.0), ivec4(0));
   for (int i = 0; i < band_count; ++i) decode(i, fours, pixels);
-  if (cue.form != 0) {
+  if (cost.form != 0) {
     const Sums channel = sums(1, fours);
     decode_cue(fours, channel, cue_periods(channel, pixels.modulation), pixels);
     return pixels;
@@ -269,13 +270,13 @@ void main() {
   if (4 * fours >= pixel_count()) return;
   const Pixels pixels = measured(fours);
   const bvec4 known = lessThan(pixels.y, vec4(no_coordinate));
-  write(mean_plane, fours, floatBitsToUint(pixels.mean));
-  write(modulation_plane, fours, floatBitsToUint(pixels.modulation));
-  write(phase_plane, fours, floatBitsToUint(wrapped_phases(turns[0])));
-  write(coordinate_plane, fours, mix(uvec4(nan), floatBitsToUint(pixels.y), known));
-  write(doubt_plane, fours, floatBitsToUint(pixels.doubt));
-  if (wants_points == 0 && cue.form == 0) return;
-  const bvec4 lit = equal(pixels.flags & (cue.form == 0 ? dark : 0), ivec4(0));
+  write(plane_at.mean, fours, floatBitsToUint(pixels.mean));
+  write(plane_at.modulation, fours, floatBitsToUint(pixels.modulation));
+  write(plane_at.phase, fours, floatBitsToUint(wrapped_phases(turns[0])));
+  write(plane_at.coordinate, fours, mix(uvec4(nan), floatBitsToUint(pixels.y), known));
+  write(plane_at.doubt, fours, floatBitsToUint(pixels.doubt));
+  if (packing.wanted == 0 && cost.form == 0) return;
+  const bvec4 lit = equal(pixels.flags & (cost.form == 0 ? dark : 0), ivec4(0));
   const int at = (scan() * plane_fours + fours) * kept;
   between[at] = floatBitsToUint(mix(vec4(no_coordinate), pixels.y, lit));
   between[at + 1] = uvec4(pixels.flags);

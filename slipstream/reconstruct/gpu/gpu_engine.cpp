@@ -1,15 +1,6 @@
 #include "slipstream/reconstruct/gpu/gpu_engine.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <cstring>
-#include <span>
-#include <utility>
-
-#include "slipstream/base/error.h"
-#include "slipstream/base/parallel_rows.h"
 
 namespace slipstream {
 namespace {
@@ -37,28 +28,6 @@ std::size_t padded(Size size) {
   return (pixels_of(size) + whole_words - 1) / whole_words * whole_words;
 }
 
-/// Pixels that are computed at once, so few that the largest buffer is small enough: results, or
-/// frames.
-std::size_t pixels_in_buffers(int frames, std::size_t pixels, std::size_t most_bytes) {
-  constexpr std::size_t most_planes = 8, most_pixel_bytes = 2;
-  const std::size_t each =
-      std::max(most_planes * sizeof(float),
-               static_cast<std::size_t>(frames) * most_pixel_bytes + sizeof(float));
-  return std::min(pixels, most_bytes / each);
-}
-
-int part_count(Size size, int beside, std::size_t pixels) {
-  const std::size_t seen_beside = pixels_of({size.width, 2 * beside});
-  pixels = pixels > seen_beside ? pixels - seen_beside : 1;
-  return static_cast<int>(std::clamp<std::size_t>((pixels_of(size) + pixels - 1) / pixels, 1,
-                                                  static_cast<std::size_t>(size.height)));
-}
-
-GpuProgram coordinate_program(const std::shared_ptr<const Gpu>& gpu, std::size_t bands,
-                              std::uint32_t bits) {
-  return {gpu, coordinates_spirv, std::array{bits, static_cast<std::uint32_t>(bands)}};
-}
-
 /// Four E_x, then their E_y, and so on.
 GpuBuffer rays_on(const std::shared_ptr<const Gpu>& gpu, const RayTable& rays, int first,
                   int last) {
@@ -80,17 +49,18 @@ std::size_t bytes_of_pixels(const FrameViews& frames) {
 }
 
 /// Rows from `first` to `last`, frame after frame without gaps.
-template <class Pixel>
-void copy_frames(const Frames<Pixel>& frames, int first, int last, std::size_t frame_bytes,
+void copy_frames(const FrameViews& frames, int first, int last, std::size_t frame_bytes,
                  std::byte* to) {
-  for (const ImageView<const Pixel>& frame : frames) {
-    const std::size_t row_bytes = static_cast<std::size_t>(frame.width()) * sizeof(Pixel);
-    for (int row = first; row < last; ++row) {
-      std::memcpy(to + static_cast<std::size_t>(row - first) * row_bytes, frame.row(row),
-                  row_bytes);
+  frames.visit([&]<class Pixel>(const Frames<Pixel>& views) {
+    for (const ImageView<const Pixel>& frame : views) {
+      const std::size_t row_bytes = static_cast<std::size_t>(frame.width()) * sizeof(Pixel);
+      for (int row = first; row < last; ++row) {
+        std::memcpy(to + static_cast<std::size_t>(row - first) * row_bytes, frame.row(row),
+                    row_bytes);
+      }
+      to += frame_bytes;
     }
-    to += frame_bytes;
-  }
+  });
 }
 
 /// NaN, which a shader need not know, becomes a coordinate that is none.
@@ -103,23 +73,18 @@ void copy_coarse(const Image<float>& coarse, int first, int last, std::byte* to)
 /// The planes of an output, one after another, and where each goes.
 struct PlaneList {
   std::size_t plane_pixels;
-  GpuStages::Planes planes{};
+  GpuPlanes planes{};
   std::vector<Image<float>*> images{};
 
-  void add(GpuStages::Word& plane, Image<float>& image) {
-    plane = static_cast<GpuStages::Word>(images.size() * (plane_pixels / whole_words));
+  void add(int& plane, Image<float>& image) {
+    plane = static_cast<int>(images.size() * (plane_pixels / whole_words));
     images.push_back(&image);
   }
 };
 
-Image<Validity>* reasons_of(const Outputs& output) {
-  if (output.cloud != nullptr) return &output.cloud->validity;
-  return output.depth != nullptr ? &output.depth->validity : nullptr;
-}
-
 PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   PlaneList list{.plane_pixels = plane_pixels};
-  GpuStages::Planes& at = list.planes;
+  GpuPlanes& at = list.planes;
   if (Cloud* const cloud = output.cloud) {
     list.add(at.x, cloud->x);
     list.add(at.y, cloud->y);
@@ -140,213 +105,179 @@ PlaneList planes_of(const Outputs& output, std::size_t plane_pixels) {
   return list;
 }
 
-/// Pixels of whole rows.
-template <class Pixel>
-void copy_rows(const std::byte* from, int first, int last, Image<Pixel>& to) {
-  std::memcpy(to.row(first), from, pixels_of({to.width(), last - first}) * sizeof(Pixel));
-}
-
-void scale_intensity(const Image<float>& mean, double full_scale, Image<float>& intensity) {
-  const auto to_8_bits = static_cast<float>(255 / full_scale);
-  std::transform(mean.begin(), mean.end(), intensity.begin(),
-                 [&](float level) { return to_8_bits * level; });
-}
-
-}  // namespace
-
 /// Scans on their way through the device.
-struct GpuEngine::Job {
+struct Job {
   GpuStages stages;
   std::vector<PlaneList> planes;  ///< of each scan
   std::span<const FrameViews> scans;
   std::span<const Outputs> outputs;
   const Image<float>* coarse;
-  std::size_t plane_pixels;
-  std::size_t pixel_bytes;  ///< of frames
-  std::size_t together;     ///< scans that are computed at once
-
-  [[nodiscard]] std::size_t frame_bytes() const { return plane_pixels * pixel_bytes; }
-  [[nodiscard]] std::size_t all_frames() const {
-    return frame_bytes() * static_cast<std::size_t>(scans.front().count());
-  }
-  [[nodiscard]] std::size_t plane_bytes() const { return plane_pixels * sizeof(float); }
-  [[nodiscard]] std::size_t between_bytes() const {
-    return together * static_cast<std::size_t>(stages.kept) * plane_bytes();
-  }
-  // Of each scan:
-  [[nodiscard]] std::size_t upload_bytes() const {
-    return all_frames() + (coarse != nullptr ? plane_bytes() : 0);
-  }
-  [[nodiscard]] std::size_t output_bytes() const {
-    return planes.front().images.size() * plane_bytes();
-  }
-  [[nodiscard]] std::size_t packed_bytes() const {
-    const bool numbers = outputs.front().depth16 != nullptr;
-    return plane_pixels * (numbers ? sizeof(std::uint16_t) : sizeof(Validity));
-  }
+  std::size_t together;  ///< scans that are computed at once
+  std::size_t pixels;    ///< of a plane
+  std::size_t frame_bytes = 0, between_bytes = 0;
+  std::size_t all_frames_bytes = 0, upload_bytes = 0, output_bytes = 0;  ///< of each scan
 };
 
 /// What one submission computes: rows of one scan, or several scans.
-struct GpuEngine::Step {
-  const Part& part;
+struct Step {
+  const GpuEngine::Part& part;
   std::size_t first, scans;
 };
 
-GpuEngine::GpuEngine(const FusedEngine& fused, GpuProgramText text, std::shared_ptr<const Gpu> gpu,
-                     std::size_t pixels)
-    : settings_(fused.settings()),
-      frames_(fused.stages().frames),
-      text_(std::move(text)),
-      gpu_(std::move(gpu)),
-      coordinates_of_8_bits_(coordinate_program(gpu_, fused.stages().bands.size(), 8)),
-      coordinates_of_16_bits_(coordinate_program(gpu_, fused.stages().bands.size(), 16)),
-      points_(gpu_, points_spirv, {}) {
-  const FusedStages& stages = fused.stages();
-  for (const auto& band : stages.bands) sinusoids_.push_back(band.sinusoid);
-  const auto [width, height] = stages.rays.E_x.size();
-  const std::size_t at_once = pixels_in_buffers(stages.frames, pixels, gpu_->most_bytes());
-  const int beside = stages.cue ? VoteBlock::seen : 1;
-  const int count = part_count({width, height}, beside, at_once);
-  const auto border = [&, height = height](int i) {
-    return static_cast<int>(std::int64_t{height} * i / count);
-  };
-  for (int i = 0; i < count; ++i) {
-    const int first = border(i), last = border(i + 1);
-    const int first_seen = std::max(first - beside, 0), last_seen = std::min(last + beside, height);
-    parts_.push_back(
-        {first, last, first_seen, last_seen, rays_on(gpu_, stages.rays, first_seen, last_seen)});
-    largest_ = {width, std::max(largest_.height, last_seen - first_seen)};
+Job job_for(const GpuEngine& engine, std::span<const FrameViews> scans,
+            std::span<const Outputs> outputs, const Image<float>* coarse) {
+  const FrameViews& frames = scans.front();
+  const Outputs& output = outputs.front();
+  const GpuStages& of = engine.text.stages;
+  Job job{.stages = of,
+          .planes = {},
+          .scans = scans,
+          .outputs = outputs,
+          .coarse = coarse,
+          .together = std::min(engine.together, scans.size()),
+          .pixels = padded(engine.largest)};
+  for (const Outputs& each : outputs) {
+    prepare(each, {of.width, of.height}, of.links > 0 || !engine.vote.empty());
+    job.planes.push_back(planes_of(each, job.pixels));
   }
-  if (stages.cue) {
-    cue_limits_ = cue_limits(stages, settings_, 255);
-    for (std::uint32_t task = 0; task < 4; ++task) {
-      vote_.emplace_back(gpu_, vote_spirv, std::array{task});
-    }
+  const std::size_t plane_bytes = job.pixels * sizeof(float);
+  const std::size_t planes = job.planes.front().images.size();
+  job.frame_bytes = job.pixels * bytes_of_pixels(frames);
+  job.all_frames_bytes = job.frame_bytes * static_cast<std::size_t>(frames.count());
+  job.upload_bytes = job.all_frames_bytes + (coarse != nullptr ? plane_bytes : 0);
+  job.output_bytes = planes * plane_bytes;
+  job.between_bytes = job.together * static_cast<std::size_t>(of.kept) * plane_bytes;
+
+  GpuStages& stages = job.stages;
+  std::vector<SinusoidLimits> limits;
+  engine.fused.find_limits(frames, output, limits);
+  for (std::size_t i = 0; i < limits.size(); ++i) stages.bands[i].limits = limits[i];
+  if (!engine.vote.empty()) {
+    const double full_scale = frames.full_scale();
+    const auto level = static_cast<float>(full_scale / 255);
+    const auto mean_of = static_cast<float>(output.maps != nullptr ? 1 : 255 / full_scale);
+    stages.cue_limits = cue_limits(*engine.fused.stages, engine.fused.settings, full_scale);
+    stages.vote.to_8_bits = 1 / level;
+    stages.vote.shade = mean_of * level * stages.cost.cue_share / stages.cost.share;
   }
-  if (count > 1) return;
-  together_ = std::clamp<std::size_t>(at_once / padded(largest_), 1, GpuRun::most_layers);
+  const GpuBand& first = stages.bands.front();
+  stages.code.mean_to_frames =
+      1 / (first.limits.mean_scale * static_cast<float>(first.sinusoid.steps));
+  stages.plane_at = job.planes.front().planes;
+  stages.packing = {.wanted = output.makes_points() ? 1 : 0,
+                    .numbers_per_mm = output.depth16 != nullptr ? 1 / output.scale.scale : 0,
+                    .offset = output.scale.offset};
+  stages.plane_fours = static_cast<int>(job.pixels / whole_words);
+  stages.scan_words = static_cast<int>(job.upload_bytes / sizeof(int));
+  stages.scan_fours = stages.plane_fours * static_cast<int>(planes);
+  if (coarse != nullptr) stages.coarse_given = static_cast<int>(job.all_frames_bytes / sizeof(int));
+  return job;
 }
 
-std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional<int> device,
-                                         std::size_t pixels) {
-  std::optional<GpuProgramText> text = gpu_stages(fused.stages());
-  if (!text) return std::nullopt;
-  return GpuEngine(fused, std::move(*text), Gpu::open(device), pixels);
-}
-
-GpuScanMemory::Slot GpuEngine::slot_for(const Job& job, bool resident) const {
-  const std::size_t stage_bytes = sizeof(GpuStages) + text_.words.size() * sizeof(GpuStages::Word);
+GpuScanMemory::Slot slot_for(const GpuEngine& engine, const Job& job, bool resident) {
+  const auto& words = engine.text.words;
+  const std::size_t word_bytes = words.size() * sizeof(int);
   const GpuMemory results = resident ? GpuMemory::device : GpuMemory::download;
+  const auto buffer = [&](std::size_t bytes, GpuMemory memory) {
+    return GpuBuffer(engine.gpu, bytes, memory);
+  };
   GpuScanMemory::Slot slot{
-      .frames = GpuBuffer(gpu_, job.together * job.upload_bytes(), GpuMemory::upload),
-      .stages = GpuBuffer(gpu_, stage_bytes, GpuMemory::upload),
-      .between = GpuBuffer(gpu_, job.between_bytes(), GpuMemory::device),
-      .output = GpuBuffer(gpu_, job.together * job.output_bytes(), results),
-      .packed = GpuBuffer(gpu_, job.together * job.plane_pixels * sizeof(std::uint16_t), results),
-      .run = GpuRun(gpu_)};
-  std::memcpy(slot.stages.data() + sizeof(GpuStages), text_.words.data(),
-              stage_bytes - sizeof(GpuStages));
+      .frames = buffer(job.together * job.upload_bytes, GpuMemory::upload),
+      .stages = buffer(sizeof(GpuStages) + word_bytes, GpuMemory::upload),
+      .between = buffer(job.between_bytes, GpuMemory::device),
+      .output = buffer(job.together * job.output_bytes, results),
+      .packed = buffer(job.together * job.pixels * sizeof(std::uint16_t), results),
+      .run = GpuRun(engine.gpu)};
+  std::memcpy(slot.stages.data() + sizeof(GpuStages), words.data(), word_bytes);
   return slot;
 }
 
-void GpuEngine::upload(const Step& step, const Job& job, const GpuBuffer& to) {
+void upload(const Step& step, const Job& job, const GpuBuffer& to) {
   const int first = step.part.first_seen, last = step.part.last_seen;
   for (std::size_t scan = 0; scan < step.scans; ++scan) {
-    std::byte* const place = to.data() + scan * job.upload_bytes();
-    job.scans[step.first + scan].visit([&]<class Pixel>(const Frames<Pixel>& views) {
-      copy_frames(views, first, last, job.frame_bytes(), place);
-    });
-    if (job.coarse != nullptr) copy_coarse(*job.coarse, first, last, place + job.all_frames());
+    std::byte* const place = to.data() + scan * job.upload_bytes;
+    copy_frames(job.scans[step.first + scan], first, last, job.frame_bytes, place);
+    if (job.coarse != nullptr) copy_coarse(*job.coarse, first, last, place + job.all_frames_bytes);
   }
 }
 
-void GpuEngine::start(const Step& step, Job& job, GpuScanMemory::Slot& slot) const {
-  const Part& part = step.part;
+void start(const GpuEngine& engine, const Step& step, Job& job, GpuScanMemory::Slot& slot) {
+  const GpuEngine::Part& part = step.part;
   job.stages.height = part.last_seen - part.first_seen;
   std::memcpy(slot.stages.data(), &job.stages, sizeof(job.stages));
-  std::vector programs{job.pixel_bytes == 1 ? &coordinates_of_8_bits_ : &coordinates_of_16_bits_};
-  if (!vote_.empty()) {
-    for (const std::size_t task : vote_passes) programs.push_back(&vote_[task]);
+  std::vector programs{bytes_of_pixels(job.scans.front()) == 1 ? &engine.coordinates_of_8_bits
+                                                               : &engine.coordinates_of_16_bits};
+  if (!engine.vote.empty()) {
+    for (const std::size_t task : vote_passes) programs.push_back(&engine.vote[task]);
   }
-  if (job.outputs.front().makes_points()) programs.push_back(&points_);
+  if (job.outputs.front().makes_points()) programs.push_back(&engine.points);
   slot.run.start(std::array<const GpuBuffer*, 6>{&slot.frames, &slot.stages, &part.rays,
                                                  &slot.between, &slot.output, &slot.packed},
                  programs, padded({job.stages.width, job.stages.height}) / whole_words,
                  static_cast<std::uint32_t>(step.scans));
 }
 
-void GpuEngine::collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot) {
-  const Part& part = step.part;
+void collect(const Step& step, const Job& job, const GpuScanMemory::Slot& slot) {
+  const GpuEngine::Part& part = step.part;
   const std::size_t skipped = pixels_of({job.stages.width, part.first - part.first_seen});
   const std::size_t planes = job.planes.front().images.size();
+  const auto copy = [&]<class Pixel>(const GpuBuffer& from, std::size_t plane, Image<Pixel>& to) {
+    std::memcpy(to.row(part.first), from.data() + (plane * job.pixels + skipped) * sizeof(Pixel),
+                pixels_of({to.width(), part.last - part.first}) * sizeof(Pixel));
+  };
   for_each_row(static_cast<int>(step.scans * planes), [&](int plane) {
     const auto i = static_cast<std::size_t>(plane);
-    copy_rows(slot.output.data() + i * job.plane_bytes() + skipped * sizeof(float), part.first,
-              part.last, *job.planes[step.first + i / planes].images[i % planes]);
+    copy(slot.output, i, *job.planes[step.first + i / planes].images[i % planes]);
   });
   for (std::size_t scan = 0; scan < step.scans; ++scan) {
     const Outputs& output = job.outputs[step.first + scan];
-    const std::byte* const packed = slot.packed.data() + scan * job.packed_bytes();
-    if (Image<Validity>* const reasons = reasons_of(output)) {
-      copy_rows(packed + skipped * sizeof(Validity), part.first, part.last, *reasons);
-    }
-    if (output.depth16 != nullptr) {
-      copy_rows(packed + skipped * sizeof(std::uint16_t), part.first, part.last, *output.depth16);
-    }
+    if (output.cloud != nullptr) copy(slot.packed, scan, output.cloud->validity);
+    if (output.depth != nullptr) copy(slot.packed, scan, output.depth->validity);
+    if (output.depth16 != nullptr) copy(slot.packed, scan, *output.depth16);
   }
 }
 
-GpuEngine::Job GpuEngine::job_for(std::span<const FrameViews> scans,
-                                  std::span<const Outputs> outputs,
-                                  const Image<float>* coarse) const {
-  const Size size{text_.stages.width, text_.stages.height};
-  const FrameViews& frames = scans.front();
-  const Outputs& output = outputs.front();
-  Job job{.stages = text_.stages,
-          .planes = {},
-          .scans = scans,
-          .outputs = outputs,
-          .coarse = coarse,
-          .plane_pixels = padded(largest_),
-          .pixel_bytes = bytes_of_pixels(frames),
-          .together = std::min(together_, scans.size())};
-  for (const Outputs& of : outputs) {
-    prepare(of, size, text_.stages.links > 0 || !vote_.empty());
-    job.planes.push_back(planes_of(of, job.plane_pixels));
+}  // namespace
+
+GpuEngine::GpuEngine(const FusedEngine& of, GpuProgramText program,
+                     std::shared_ptr<const Gpu> device, std::size_t pixels)
+    : fused(of), text(std::move(program)), gpu(std::move(device)), points(gpu, points_spirv, {}) {
+  const FusedStages& stages = *fused.stages;
+  const auto bands = static_cast<std::uint32_t>(stages.bands.size());
+  coordinates_of_8_bits = {gpu, coordinates_spirv, std::array{8U, bands}};
+  coordinates_of_16_bits = {gpu, coordinates_spirv, std::array{16U, bands}};
+  for (std::uint32_t task = 0; stages.cue && task < 4; ++task) {
+    vote.emplace_back(gpu, vote_spirv, std::array{task});
   }
-  GpuStages& stages = job.stages;
-  const double full_scale = frames.full_scale();
-  const double mean_of = output.maps != nullptr ? 1 : 255 / full_scale;
-  for (std::size_t i = 0; i < sinusoids_.size(); ++i) {
-    const SinusoidLimits limits =
-        sinusoid_limits(sinusoids_[i], settings_, full_scale, frames.saturation(), mean_of);
-    stages.bands[i].least_square = limits.least_square;
-    stages.bands[i].mean_scale = limits.mean_scale;
-    stages.bands[i].full_scale = limits.full_scale;
-  }
-  if (!vote_.empty()) {
-    const auto level = static_cast<float>(full_scale / 255);
-    stages.cue.ambient = level * cue_limits_.ambient;
-    stages.cue.lit_square = level * level * cue_limits_.lit_square;
-    stages.cue.voting_square = level * level * cue_limits_.voting_square;
-    stages.cue.to_8_bits = 1 / level;
-    stages.cue.shade =
-        static_cast<float>(mean_of) * level * stages.cue.cue_share / stages.cue.share;
-  }
-  const GpuStages::Band& first = stages.bands.front();
-  stages.code.mean_to_frames = 1 / (first.mean_scale * static_cast<float>(first.steps));
-  stages.planes = job.planes.front().planes;
-  stages.packed = {.wanted = output.makes_points() ? 1 : 0, .offset = output.scale.offset};
-  if (output.depth16 != nullptr) stages.packed.numbers_per_mm = 1 / output.scale.scale;
-  const auto words = [](std::size_t bytes) {
-    return static_cast<GpuStages::Word>(bytes / sizeof(GpuStages::Word));
+  const auto [width, height] = stages.rays.E_x.size();
+  // So few at once that the largest buffer is small enough: results, or frames of 16 bits.
+  constexpr std::size_t results = 8 * sizeof(float);
+  const std::size_t frames = static_cast<std::size_t>(stages.frames) * 2 + sizeof(float);
+  const std::size_t at_once = std::min(pixels, gpu->most_bytes() / std::max(results, frames));
+  const int beside = stages.cue ? VoteBlock::seen : 1;
+  const std::size_t seen_beside = pixels_of({width, 2 * beside});
+  const std::size_t own = at_once > seen_beside ? at_once - seen_beside : 1;
+  const int count = static_cast<int>(std::clamp<std::size_t>(
+      (pixels_of({width, height}) + own - 1) / own, 1, static_cast<std::size_t>(height)));
+  const auto border = [&, height = height](int i) {
+    return static_cast<int>(std::int64_t{height} * i / count);
   };
-  stages.plane_fours = static_cast<GpuStages::Word>(job.plane_pixels / whole_words);
-  stages.scan_words = words(job.upload_bytes());
-  stages.scan_fours =
-      stages.plane_fours * static_cast<GpuStages::Word>(job.planes.front().images.size());
-  stages.coarse_given = coarse != nullptr ? words(job.all_frames()) : 0;
-  return job;
+  for (int i = 0; i < count; ++i) {
+    const int first = border(i), last = border(i + 1);
+    const int first_seen = std::max(first - beside, 0), last_seen = std::min(last + beside, height);
+    parts.push_back(
+        {first, last, first_seen, last_seen, rays_on(gpu, stages.rays, first_seen, last_seen)});
+    largest = {width, std::max(largest.height, last_seen - first_seen)};
+  }
+  if (count > 1) return;
+  together = std::clamp<std::size_t>(at_once / padded(largest), 1, GpuRun::most_layers);
+}
+
+std::optional<GpuEngine> GpuEngine::make(const FusedEngine& fused, std::optional<int> device,
+                                         std::size_t pixels) {
+  std::optional<GpuProgramText> text = gpu_stages(*fused.stages);
+  if (!text) return std::nullopt;
+  return GpuEngine(fused, std::move(*text), Gpu::open(device), pixels);
 }
 
 void GpuEngine::operator()(const FrameViews& frames, const Outputs& output, GpuScanMemory& memory,
@@ -358,30 +289,29 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
                            GpuScanMemory& memory, const Image<float>* coarse) const {
   const FrameViews& like = scans.front();
   for (const FrameViews& frames : scans) {
-    require_frames(frames, frames_, {text_.stages.width, text_.stages.height});
-  }
-  if (!std::all_of(scans.begin(), scans.end(), [&](const FrameViews& frames) {
-        return frames.quantised() && bytes_of_pixels(frames) == bytes_of_pixels(like) &&
-               frames.full_scale() == like.full_scale() && frames.merged() == like.merged();
-      })) {
+    require_frames(frames, fused.stages->frames, {text.stages.width, text.stages.height});
+    if (frames.quantised() && bytes_of_pixels(frames) == bytes_of_pixels(like) &&
+        frames.full_scale() == like.full_scale() && frames.merged() == like.merged()) {
+      continue;
+    }
     throw Error("frames are not quantised or not alike; the GPU takes 8 to 16 bits");
   }
-  Job job = job_for(scans, outputs, coarse);
+  Job job = job_for(*this, scans, outputs, coarse);
   const std::size_t at_a_time = (scans.size() + job.together - 1) / job.together;
-  const std::size_t steps = at_a_time * parts_.size();
+  const std::size_t steps = at_a_time * parts.size();
   auto& slots = memory.slots;
   // What was made later is no larger.
   const bool keeps = !slots.empty() &&
-                     slots.back().frames.size() >= job.together * job.upload_bytes() &&
-                     slots.back().between.size() >= job.between_bytes() &&
-                     slots.back().output.size() >= job.together * job.output_bytes();
+                     slots.back().frames.size() >= job.together * job.upload_bytes &&
+                     slots.back().between.size() >= job.between_bytes &&
+                     slots.back().output.size() >= job.together * job.output_bytes;
   if (!keeps) slots.clear();
   while (slots.size() < (memory.resident ? steps : std::min<std::size_t>(steps, 2))) {
-    slots.push_back(slot_for(job, memory.resident));
+    slots.push_back(slot_for(*this, job, memory.resident));
   }
   const auto step_of = [&](std::size_t i) {
-    const std::size_t first = i / parts_.size() * job.together;
-    return Step{parts_[i % parts_.size()], first, std::min(job.together, scans.size() - first)};
+    const std::size_t first = i / parts.size() * job.together;
+    return Step{parts[i % parts.size()], first, std::min(job.together, scans.size() - first)};
   };
   const auto collect_from = [&](std::size_t i) {
     slots[i % slots.size()].run.wait();
@@ -391,14 +321,17 @@ void GpuEngine::operator()(std::span<const FrameViews> scans, std::span<const Ou
     GpuScanMemory::Slot& slot = slots[i % slots.size()];
     slot.run.wait();  // of a call that was given up by an exception
     if (!keeps || !memory.resident) upload(step_of(i), job, slot.frames);
-    start(step_of(i), job, slot);
+    start(*this, step_of(i), job, slot);
     if (i > 0) collect_from(i - 1);
   }
   collect_from(steps - 1);
   if (memory.resident) return;
+  const auto to_8_bits = static_cast<float>(255 / like.full_scale());
   for (const Outputs& output : outputs) {
     if (output.cloud == nullptr || output.maps == nullptr) continue;
-    scale_intensity(output.maps->mean, like.full_scale(), output.cloud->intensity);
+    const Image<float>& mean = output.maps->mean;
+    std::transform(mean.begin(), mean.end(), output.cloud->intensity.begin(),
+                   [&](float level) { return to_8_bits * level; });
   }
 }
 

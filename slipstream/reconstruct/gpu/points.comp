@@ -19,12 +19,12 @@ float coordinate_at(int at) { return uintBitsToFloat(between[place(0, at)]); }
 
 int agreeing(float y, int row, int column) {
   if (row < 0 || row >= height || column < 0 || column >= width) return 0;
-  return abs(coordinate_at(row * width + column) - y) < points.half_fringe ? 1 : 0;
+  return abs(coordinate_at(row * width + column) - y) < consensus.half_fringe ? 1 : 0;
 }
 
 bool is_confirmed(int at, float y, int flags) {
   const int needed =
-      (flags & doubtful_order) != 0 ? points.fewest_if_doubtful : points.fewest_neighbours;
+      (flags & doubtful_order) != 0 ? consensus.fewest_if_doubtful : consensus.fewest_neighbours;
   const int column = at % width, row = at / width;
   // In a surface the row's own neighbours suffice.
   int found = agreeing(y, row, column - 1) + agreeing(y, row, column + 1);
@@ -42,7 +42,7 @@ vec4 of_rays(float c[3], vec4 E_x, vec4 E_y) {
 // PlanePolynomial, its coefficients from the last to the first.
 vec4 lens_adds(vec4 p, vec4 q) {
   if (points.lens_degree == 0) return vec4(0.0);
-  int at = points.lens;
+  int at = lens;
   vec4 sum = vec4(word(at++));
   for (int i = points.lens_degree - 1; i >= 0; --i) {
     vec4 inner = vec4(word(at++));
@@ -89,7 +89,7 @@ ivec4 find_points(vec4 E_x, vec4 E_y, vec4 y, out vec4 z) {
 void write_numbers(int at, vec4 z, ivec4 why) {
   uvec4 numbers = uvec4(0u);
   for (int k = 0; k < 4; ++k) {
-    float number = (z[k] - depth_offset) * numbers_per_mm + 0.5;
+    float number = (z[k] - packing.offset) * packing.numbers_per_mm + 0.5;
     if (why[k] == valid && number >= 1.0 && number < 65536.0) numbers[k] = uint(number);
   }
   packed[2 * at] = numbers.x | numbers.y << 16;
@@ -110,18 +110,18 @@ void main() {
   for (int k = 0; k < 4; ++k) {
     if ((flags[k] & dark) != 0) why[k] = too_dark;
     else if ((flags[k] & saturated) != 0) why[k] = is_saturated;
-    else if (points.confirmed != 0 && !is_confirmed(first + k, y[k], flags[k])) why[k] = doubtful;
+    else if (confirmed != 0 && !is_confirmed(first + k, y[k], flags[k])) why[k] = doubtful;
   }
-  if (numbers_per_mm > 0.0) {
+  if (packing.numbers_per_mm > 0.0) {
     write_numbers(among_scans, z, why);
     return;
   }
   const bvec4 good = equal(why, ivec4(valid));
   const int at = scan() * scan_fours + fours;
-  if (x_plane >= 0) {
-    planes[x_plane + at] = mix(uvec4(nan), floatBitsToUint(E_x * z), good);
-    planes[y_plane + at] = mix(uvec4(nan), floatBitsToUint(E_y * z), good);
+  if (plane_at.x >= 0) {
+    planes[plane_at.x + at] = mix(uvec4(nan), floatBitsToUint(E_x * z), good);
+    planes[plane_at.y + at] = mix(uvec4(nan), floatBitsToUint(E_y * z), good);
   }
-  planes[z_plane + at] = mix(uvec4(nan), floatBitsToUint(z), good);
+  planes[plane_at.z + at] = mix(uvec4(nan), floatBitsToUint(z), good);
   packed[among_scans] = uint(why.x | why.y << 8 | why.z << 16 | why.w << 24);
 }

@@ -10,7 +10,7 @@ layout(constant_id = 0) const int task = 0;
 layout(std430, binding = 3) buffer Between { uint between[]; };
 layout(std430, binding = 4) buffer Output { float planes[]; };
 
-// A pass begins with what all pixels chose before it, in `chosen`, and puts its choices beside that.
+// A pass begins with what all pixels chose before it, in `chosen`, and puts its choices beside it.
 const int choose = 0, restore = 1, settle = 2;
 const int chosen = 6, next = 7;  // slots
 const int side = 5, cells = 25, middle = 12, line_count = 20;
@@ -107,31 +107,31 @@ void find_surface(uint among) {
   }
 }
 
-float slope(float y) { return cue.relative_share * reference(y) + cue.steady; }
+float slope(float y) { return vote.relative_share * reference(y) + cost.steady; }
 
 // OrderCosts, of any shift.
 float against(int cell, int by) {
   if (by == 0) return 0.0;
   const ivec2 at = here + ivec2(cell % side, cell / side) - 2;
   const int pixel = at.y * width + at.x;
-  const float y = kept_at(0, pixel), other = y + float(by) * cue.period;
-  if (other < -cue.margin || other > 1.0 + cue.margin) return infinite;
+  const float y = kept_at(0, pixel), other = y + float(by) * vote.period;
+  if (other < -cost.margin || other > 1.0 + cost.margin) return infinite;
   const float B = kept_at(2, pixel), C = kept_at(3, pixel), S = kept_at(4, pixel);
-  if (cue.form == circle) {
-    const float turns = float(by) * cue.period, turn = turns - roundEven(turns);
+  if (cost.form == circle) {
+    const float turns = float(by) * vote.period, turn = turns - roundEven(turns);
     if (abs(turn) < 1e-5) return 1e-3;  // the same cue: of both the own order
     const float cosine = cosine_of(y), sine = sine_of(y), half_sine = sine_of(0.5 * turn);
     const float along = C * cosine + S * sine, across = S * cosine - C * sine;
     const float versine = 2.0 * half_sine * half_sine;
-    const float lost = cue.cue_share * (versine * along - sine_of(turn) * across);
-    const float own = cue.share * B + cue.cue_share * along, held = max(own - lost, 0.0);
+    const float lost = cost.cue_share * (versine * along - sine_of(turn) * across);
+    const float own = cost.share * B + cost.cue_share * along, held = max(own - lost, 0.0);
     const float less = own > 0.0 && held > 0.0 ? lost : max(own, 0.0) - held;
-    return less * (max(own, 0.0) + held) * cue.circle_weight;
+    return less * (max(own, 0.0) + held) * vote.circle_weight;
   }
   const vec2 slopes = vec2(slope(other), slope(y));
-  const vec2 difference = C - cue.constant_light - slopes * B;
-  const vec2 spread = 1.0 + cue.relative_variance * slopes * slopes;
-  const vec2 square = difference * difference / (cue.cue_variance * spread);
+  const vec2 difference = C - cost.constant_light - slopes * B;
+  const vec2 spread = 1.0 + vote.relative_variance * slopes * slopes;
+  const vec2 square = difference * difference / (cost.cue_variance * spread);
   return square.x - square.y + log(spread.x / spread.y);
 }
 
@@ -179,7 +179,7 @@ vec2 line_evidence(int c) {
   vec2 found = vec2(0.0);
   bool suited = false;
   for (int i = 0; i < line_count; ++i) {
-    uint line = uint(words[cue.lines + i]);
+    uint line = uint(words[vote.lines + i]);
     suited = suited || bitCount(line & voters[c] & ~(1u << middle)) > 1;
     float sum = 0.0;
     bool best_known = true, known = true;
@@ -261,19 +261,19 @@ int next_shift(float y) {
 
 void finish(int at) {
   const int by = int(between[place(chosen, at)]), fours = scan() * scan_fours + at / 4;
-  const float y = kept_at(0, at) + float(by) * cue.period;
+  const float y = kept_at(0, at) + float(by) * vote.period;
   uint flags = between[place(1, at)];
   if (by != 0) {
     float periods = kept_at(5, at) - cue.periods * y;
-    if (cue.form == circle) periods -= cue.periods * roundEven(periods * cue.period);
+    if (cost.form == circle) periods -= cue.periods * roundEven(periods * vote.period);
     const float doubt = min(abs(periods), 0.5);
     flags &= ~uint(doubtful_order);
     if (doubt > cue.largest_doubt) flags |= uint(doubtful_order);
-    if (coordinate_plane >= 0) planes[4 * (coordinate_plane + fours) + at % 4] = y;
-    if (doubt_plane >= 0) planes[4 * (doubt_plane + fours) + at % 4] = doubt;
+    if (plane_at.coordinate >= 0) planes[4 * (plane_at.coordinate + fours) + at % 4] = y;
+    if (plane_at.doubt >= 0) planes[4 * (plane_at.doubt + fours) + at % 4] = doubt;
   }
-  if (cue.form == linear && mean_plane >= 0) {
-    planes[4 * (mean_plane + fours) + at % 4] -= cue.shade * kept_at(2, at) * reference(y);
+  if (cost.form == linear && plane_at.mean >= 0) {
+    planes[4 * (plane_at.mean + fours) + at % 4] -= vote.shade * kept_at(2, at) * reference(y);
   }
   between[place(0, at)] =
       floatBitsToUint((flags & uint(nobody)) != 0u ? no_coordinate : y);

@@ -27,7 +27,7 @@ struct Orders {
   Image<int> region;  ///< the same number where they are connected; -1 where there is no phase
 };
 
-// The first four are in growing.cpp, the others in the files of their names.
+// The first five are in growing.cpp, the others in the files of their names.
 Orders orders_by_rows(const WrappedCycles& wrapped);
 Orders orders_by_flood(const WrappedCycles& wrapped);
 Orders orders_by_regions(const WrappedCycles& wrapped);
@@ -36,8 +36,8 @@ Orders orders_by_branch_cuts(const WrappedCycles& wrapped);
 Orders orders_by_least_squares(const WrappedCycles& wrapped);
 Orders orders_by_flow(const WrappedCycles& wrapped);
 
-/// The whole periods by which the order changes between neighbours, of phases in [-0.5, 0.5], that
-/// lie less than half a period apart.
+/// The periods by which the order changes between neighbours of phases in [-0.5, 0.5], taken to lie
+/// less than half a period apart.
 inline int step_between(float from, float to) {
   return (from - to > 0.5F ? 1 : 0) - (from - to < -0.5F ? 1 : 0);
 }
@@ -78,25 +78,24 @@ struct EdgeSteps {
 };
 EdgeSteps edge_steps(const Image<float>& cycles);
 
-/// What a whole turn around each corner of pixels changes, closed edges nothing; pixel (x, y) is
-/// the lower right one of corner (x, y), and there is a column and a row more of these than of
-/// pixels.
+/// What a whole turn around each corner of pixels changes, closed edges nothing; pixel (x, y) lies
+/// to the lower right of corner (x, y), so that there is one more row and column of corners.
 Image<int> charges_of(const EdgeSteps& steps);
 
 /// From pixel to pixel along the steps; what they connect is a region.
 Orders flood(const WrappedCycles& wrapped, const EdgeSteps& steps);
 
-/// How little the phase of each pixel is to be trusted: how far it is from the mean of two
-/// neighbours, the square in periods, in the mean over row, column and diagonals, as far as they
-/// are there; over the square of the quality, where that is known.
+/// How little to trust each pixel's phase: the square in periods of its distance from the mean of
+/// two neighbours, averaged over those of row, column and diagonals that are there, over the square
+/// of the quality, where that is known.
 Image<float> roughness(const WrappedCycles& wrapped);
 
 /// The weight of each pixel, 0 to 1: less the rougher it is than most.
 Image<float> smoothness(const WrappedCycles& wrapped);
 
-/// What `flow` pays to change the step between two pixels by `change`, 1 or -1, the first time:
-/// by how much the square of the difference grows, so that what is nearly half a period gives way
-/// first, and less where the smoothness is.
+/// What `flow` pays to change the step between two pixels by `change`, 1 or -1, the first time: the
+/// growth of the difference's square, so that nearly half a period gives way first, times the
+/// smoothness.
 inline int cost_of_change(const WrappedCycles& wrapped, const Image<float>& smoothness, int from,
                           int to, int change) {
   const float first = wrapped.cycles.begin()[from], second = wrapped.cycles.begin()[to];
@@ -128,8 +127,7 @@ class PhaseGroups {
     }
   }
 
-  /// Makes one of both groups, with `step` periods from one pixel to the other; not where they are
-  /// one.
+  /// Makes one of two groups, with `step` periods from one pixel to the other.
   void join(int from, int to, int step) {
     Place first = find(from), second = find(to);
     if (first.group == second.group) return;

@@ -1,0 +1,236 @@
+#include "slipstream/simulate/accuracy.h"
+
+#include "app/source_flags.h"
+#include "slipstream/codes/registry.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/simulate/comparison.h"
+
+namespace slipstream::app {
+namespace {
+
+struct CompareFlags {
+  std::vector<std::string> scenes, worlds{"bench"}, strategies;
+  VirtualFlags devices;
+  std::string folder;
+};
+
+/// A line of the table.
+struct Row {
+  std::string scene, world, strategy;
+  int frames = 0;
+  ComparedSequence compared{};
+};
+
+std::vector<Sequence> sequences_from(const CompareFlags& flags, Size projector) {
+  std::vector<Strategy> strategies;
+  for (const std::string& label : flags.strategies) strategies.push_back(strategy_labelled(label));
+  if (strategies.empty()) strategies = strategies_to_compare();
+  std::vector<Sequence> sequences;
+  for (const Strategy& strategy : strategies) {
+    sequences.push_back({.strategy = strategy, .projector = projector});
+    require_shown(sequences.back());
+  }
+  return sequences;
+}
+
+std::vector<Row> compared_rows(const CompareFlags& flags) {
+  std::vector<std::string> scenes = flags.scenes;
+  if (scenes.empty()) scenes = {flags.devices.scene};
+  if (flags.devices.mesh) scenes = {flags.devices.mesh->string()};
+  Progress progress("scenes", scenes.size() * flags.worlds.size());
+  std::vector<Row> rows;
+  for (const std::string& scene : scenes) {
+    for (const std::string& name : flags.worlds) {
+      VirtualFlags devices = flags.devices;
+      devices.scene = scene;
+      devices.world = name;
+      const VirtualWorld world = world_from(devices);
+      const std::vector<Sequence> sequences = sequences_from(flags, world.scanner.projector.size);
+      std::vector<ComparedSequence> all = compare(world, sequences);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const Strategy& strategy = sequences[i].strategy;
+        rows.push_back({scene, name, label_of(strategy), frame_count(strategy), std::move(all[i])});
+      }
+      progress.advance();
+    }
+  }
+  return rows;
+}
+
+nlohmann::json json_of(const Row& row) {
+  const CloudErrors& errors = row.compared.errors;
+  return described("scene", row.scene, "world", row.world, "strategy", row.strategy, "frames",
+                   row.frames, "points", errors.points, "completeness", errors.completeness,
+                   "rms_mm", errors.rms, "repeatability_mm", row.compared.repeatability,
+                   "normalised_rms", errors.normalised_rms, "beyond_5_sigma", errors.beyond_5,
+                   "flying", errors.flying, "wrong_order", errors.wrong_order, "decode_ms",
+                   row.compared.decode_ms);
+}
+
+std::vector<std::string> table_of(const std::vector<Row>& rows) {
+  std::vector<std::string> lines{
+      "| scene | world | strategy | frames | complete | RMS | noise | error / sigma | beyond 5 "
+      "sigma | flying | wrong order | decoding |",
+      "| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"};
+  for (const Row& row : rows) {
+    const CloudErrors& errors = row.compared.errors;
+    lines.push_back(fmt::format(
+        "| {} | {} | {} | {} | {:.1f} % | {:.3f} mm | {:.3f} mm | {:.2f} | {:.3f} % | {:.3f} % | "
+        "{:.3f} % | {:.2f} ms |",
+        row.scene, row.world, row.strategy, row.frames, 100 * errors.completeness, errors.rms,
+        row.compared.repeatability, errors.normalised_rms, 100 * errors.beyond_5,
+        100 * errors.flying, 100 * errors.wrong_order, row.compared.decode_ms));
+  }
+  return lines;
+}
+
+/// RMS by the strategies' place in the table, a line for each scene in each world.
+LinePlot plot_of(const std::vector<Row>& rows) {
+  LinePlot plot{.title = "RMS error of depth",
+                .x_label = "strategy, by its place in the table",
+                .y_label = "mm",
+                .y_scale = PlotScale::logarithmic,
+                .lines = {}};
+  for (const Row& row : rows) {
+    const std::string label = row.scene + ", " + row.world;
+    if (plot.lines.empty() || plot.lines.back().label != label) {
+      plot.lines.push_back({.label = label, .x = {}, .y = {}});
+    }
+    PlotLine& line = plot.lines.back();
+    line.add(static_cast<double>(line.x.size() + 1), row.compared.errors.rms);
+  }
+  return plot;
+}
+
+void write_comparison(const fs::path& folder, const std::vector<Row>& rows,
+                      const std::vector<std::string>& table) {
+  make_folder(folder);
+  write_plot(folder / "rms.png", plot_of(rows));
+  std::string page = fmt::format("{}\n\n![RMS error of depth](rms.png)\n", fmt::join(table, "\n"));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string picture = fmt::format("cloud-{:02}.png", i + 1);
+    write_depth_preview(folder / picture, rows[i].compared.cloud);
+    page += fmt::format("\n{}, {}, {}: ![cloud]({})\n", rows[i].scene, rows[i].world,
+                        rows[i].strategy, picture);
+  }
+  write_file(folder / "comparison.md", page);
+}
+
+void compare_strategies(const CompareFlags& flags, Output& output) {
+  const std::vector<Row> rows = compared_rows(flags);
+  const std::vector<std::string> table = table_of(rows);
+  for (const std::string& line : table) output.say("{}", line);
+  for (const Row& row : rows) output.list("rows").push_back(json_of(row));
+  if (flags.folder.empty()) return;
+  write_comparison(flags.folder, rows, table);
+  output.document["folder"] = flags.folder;
+  output.say("table, plot and pictures are in {}", flags.folder);
+}
+
+struct VerifyFlags {
+  std::optional<std::string> artefacts, report, calibrated;
+  bool rehearse = false;
+  VirtualFlags devices;  ///< of a rehearsal: its world
+  CloudFlags input;
+};
+
+void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& output) {
+  for (const AccuracyFigure& figure : accuracy_figures(accuracy)) {
+    output.document["figures_mm"][std::string(figure.key)] = figure.value;
+    output.say("{}: {:.4f} mm{}", figure.what, figure.value,
+               diagonal ? fmt::format(", {:.3f} per mille", 1000 * figure.value / *diagonal) : "");
+  }
+  for (const ShapeAccuracy& shape : accuracy.shapes) {
+    output.list(shape.size ? "spheres" : "planes")
+        .push_back(described("scan", shape.scan, "form_mm", shape.range, "form_95_mm",
+                             shape.range_95, "rms_mm", shape.rms, "points", shape.points, "size_mm",
+                             shape.size, "spacing_mm", shape.spacing, "planarity_mm",
+                             shape.bending));
+  }
+}
+
+/// A test, and in a line what it is of.
+struct Test {
+  Rehearsal rehearsal;
+  std::string subject;
+};
+
+Test rehearsed(const VerifyFlags& flags) {
+  VirtualFlags devices = flags.devices;
+  devices.scene = "board";  // it makes way for the artefacts
+  devices.scanner_file = flags.input.scanner;
+  const VirtualWorld world = world_from(devices);
+  const Scanner calibrated =
+      flags.calibrated ? read_scanner(*flags.calibrated) : as_calibrated(world);
+  require_valid(flags.input.settings.clean);
+  const Sequence sequence = sequence_for(flags.input.sequence, world.scanner);
+  return {rehearsal(world, sequence, calibrated, flags.input.settings),
+          fmt::format("Rehearsed in the virtual world {}: {}", devices.world,
+                      label_of(sequence.strategy))};
+}
+
+Test of_artefacts(const VerifyFlags& flags, Output& output) {
+  Artefacts artefacts = read_artefacts(*flags.artefacts);
+  return {
+      {std::move(artefacts),
+       [&](const std::string& scan) { return organised_cloud(scan, flags.input, output).cloud; }},
+      "Artefacts of " + *flags.artefacts};
+}
+
+void verify_accuracy(const VerifyFlags& flags, Output& output) {
+  throw_if(flags.rehearse == flags.artefacts.has_value(),
+           "give the file of the artefacts, or --rehearse");
+  const auto [test, subject] = flags.rehearse ? rehearsed(flags) : of_artefacts(flags, output);
+  const Artefacts& artefacts = test.artefacts;
+  Progress progress("scans",
+                    artefacts.spheres.size() + artefacts.planes.size() + artefacts.repeated.size());
+  const Accuracy accuracy = measure_accuracy(artefacts, [&](const std::string& scan) {
+    progress.advance();
+    return test.cloud_of(scan);
+  });
+  progress.finish();
+  output.document["subject"] = subject;
+  if (artefacts.diagonal) output.document["diagonal_mm"] = *artefacts.diagonal;
+  tell(accuracy, artefacts.diagonal, output);
+  if (!flags.report) return;
+  write_accuracy_report(*flags.report, subject, accuracy, artefacts.diagonal);
+  output.document["report"] = *flags.report;
+  output.say("the report is {}/report.md", *flags.report);
+}
+
+}  // namespace
+
+void add_verify(const Commands& program) {
+  const auto [command, flags] =
+      program.add(verify_accuracy, "verify",
+                  "accuracy by certified artefacts, as ISO 10360-13 and VDI/VDE 2634 state it");
+  command.add_file("artefacts", flags.artefacts, "certified lengths and scans: .yaml");
+  command.add("--rehearse", flags.rehearse, "artefacts and scans in the virtual world instead");
+  command.add("--world", flags.devices.world, "of a rehearsal, as simulate has it");
+  command.add_file("--calibrated", flags.calibrated,
+                   "of a rehearsal: what reconstructs, where not the scanner as it truly is");
+  command.add("-o,--output", flags.report, "a folder to write a report with pictures into");
+  add_cloud_flags(command.app, flags.input);
+  command.examples({"verify artefacts.yaml -o report", "verify --rehearse -o report"});
+}
+
+void add_compare(const Commands& program) {
+  const auto [command, flags] =
+      program.add(compare_strategies, "compare",
+                  "strategies in the virtual world: errors, noise, wrong points, time");
+  add_virtual_flags(command.app, flags.devices);
+  // Of these there may be several here.
+  for (const char* single : {"--scene", "--world"}) {
+    command.app.remove_option(command.app.get_option(single));
+  }
+  command.add("scenes", flags.scenes, "names as of simulate --scene; the statue where none");
+  command.add("--world", flags.worlds, "as of simulate; several to compare them")
+      ->default_str("bench");
+  command.add("--strategies", flags.strategies,
+              "each as \"pcmp, steps 5\", settings after commas; a usual set where none");
+  command.add("-o,--output", flags.folder, "a folder for table, plot and pictures");
+  command.examples({"compare statue boxes --world bench harsh -o comparison",
+                    "compare --move 0 0 0.5 --strategies \"pcmp, steps 3\" \"pmp, steps 6\""});
+}
+
+}  // namespace slipstream::app

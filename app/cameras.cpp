@@ -1,0 +1,253 @@
+// Cameras: which there are, a virtual one that is served, their frames to disk. Which GPUs.
+#include <thread>
+
+#include "app/board_flags.h"
+#include "app/process.h"
+#include "app/source_flags.h"
+#include "slipstream/devices/virtual_gige_camera.h"
+#include "slipstream/io/recorder.h"
+#include "slipstream/reconstruct/gpu.h"
+#include "slipstream/simulate/named_scenes.h"
+#include "slipstream/simulate/virtual_camera.h"
+
+namespace slipstream::app {
+namespace {
+
+struct NoFlags {};
+
+void list_connected(const NoFlags&, Output& output) {
+  output.document = described("cameras", nlohmann::json::array());
+  for (const CameraDescription& camera : list_cameras()) {
+    output.say("{}  {} {} {}, {} {}", camera.name, camera.vendor, camera.model, camera.serial,
+               camera.protocol, camera.address);
+    output.list("cameras").push_back(
+        described("source", camera.name, "vendor", camera.vendor, "model", camera.model, "serial",
+                  camera.serial, "protocol", camera.protocol, "address", camera.address));
+  }
+  if (output.document["cameras"].empty()) output.say("no camera answers");
+}
+
+void list_gpus(const NoFlags&, Output& output) {
+  const std::vector<GpuDescription> devices = gpu_devices();
+  output.document["devices"] = nlohmann::json::array();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const GpuDescription& device = devices[i];
+    constexpr double mebibyte = 1 << 20;
+    output.say("gpu:{}  {}, {:.0f} MiB, {}{}", i, device.name,
+               static_cast<double>(device.memory) / mebibyte, device.driver,
+               device.software ? "; software, on the processor's cores" : "");
+    output.document["devices"].push_back(described("backend", fmt::format("gpu:{}", i), "name",
+                                                   device.name, "driver", device.driver, "software",
+                                                   device.software, "memory_bytes", device.memory));
+  }
+  if (!devices.empty()) return;
+  try {
+    Gpu::open(std::nullopt);
+  } catch (const WorldError& why) {
+    output.say("{}", why.what());
+  }
+}
+
+#ifdef SLIPSTREAM_CAMERAS
+struct ServeFlags {
+  std::string address = "127.0.0.1";
+  std::string serial = "SLIPSTREAM";
+  double rate = 120;
+  int cycles = 16;
+  std::optional<double> duration;  ///< s
+  double packet_loss = 0;
+  std::optional<std::string> write_scanner;
+  std::optional<int> boards;
+  BoardFlags board;
+  int still = 8;
+  VirtualFlags scene;
+  SequenceChanges scan;
+};
+
+/// What a person does who calibrates: the board in one pose after another, under patterns along x
+/// and then along y.
+Reel boards_for(const ServeFlags& flags, const VirtualWorld& world, const Sequence& sequence) {
+  require_in_range(flags.still >= 1 && flags.still <= 1000, "--still", flags.still, "1 to 1000");
+  const Body sheet = sheet_of(board_from(flags.board), world.scanner);
+  const auto poses = poses_of(sheet, *flags.boards, world.scanner);
+  Progress progress("boards", *flags.boards);
+  Reel reel = moved_board(world, misprinted(sheet, world.photometry.physics), poses,
+                          along_both_axes(sequence), flags.still, [&] { progress.advance(); });
+  progress.finish();
+  return reel;
+}
+
+void require_good(const ServeFlags& flags) {
+  require_duration(flags.duration);
+  require_in_range(flags.packet_loss >= 0 && flags.packet_loss <= 1, "--packet-loss",
+                   flags.packet_loss, "0 to 1");
+  require_in_range(flags.cycles >= 1 && flags.cycles <= 1000, "--cycles", flags.cycles,
+                   "1 to 1000");
+  throw_if(flags.scene.bits != 8, "--camera-bits {}: a camera that is served has 8",
+           flags.scene.bits.value_or(0));
+}
+
+void serve_camera(const ServeFlags& flags, Output& output) {
+  require_good(flags);
+  const VirtualWorld world = world_from(flags.scene);
+  const Sequence sequence = sequence_for(flags.scan, world.scanner);
+  std::vector<Reel> reels;
+  if (flags.boards) reels.push_back(boards_for(flags, world, sequence));
+  reels.push_back(
+      reel_of(virtual_frames(world.scanner, world.scene, pattern_set(cycle_of(sequence)),
+                             world.photometry, flags.cycles)));
+  VirtualGigeCamera camera(std::move(reels), flags.address, flags.serial);
+  camera.set_frame_rate(flags.rate);
+  camera.set_packet_loss(flags.packet_loss);
+  if (flags.write_scanner) write_scanner(*flags.write_scanner, world.scanner);
+
+  const RunEnd end(flags.duration);
+  output.say("serving {} of {} at {} as aravis:{} or aravis:Aravis-Fake-{}; Ctrl-C ends it",
+             sequence.strategy.name(), text_of(world.scanner.camera.size), flags.address,
+             flags.address, flags.serial);
+  if (flags.boards) {
+    output.say(
+        "a board is moved through {} poses until a client has seen them all; the next sees "
+        "the scene",
+        *flags.boards);
+  }
+  std::fflush(stdout);  // who reads it through a pipe waits for it to connect
+  while (!end.reached()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  output.say("{} frames were sent in {:.1f} s", camera.sent(), end.seconds());
+  output.document = described("address", flags.address, "serial", flags.serial, "frames",
+                              camera.sent(), "seconds", end.seconds());
+}
+
+void add_camera_serve(const Commands& camera) {
+  const auto [command, flags] =
+      camera.add(serve_camera, "serve",
+                 "the virtual scanner as a GigE Vision camera of this machine, until Ctrl-C");
+  command.add("--address", flags.address, "of the network interface to serve on");
+  command.add("--serial", flags.serial, "the camera's name to clients");
+  command.add("--rate", flags.rate, "frames per second until a client asks for another");
+  command.add("--cycles", flags.cycles,
+              "scans that are rendered before and then served over and over");
+  command.add("--boards", flags.boards,
+              "before the scene: a calibration board that is moved through so many poses, under "
+              "patterns along x and then y, until a client has seen them all");
+  command.add("--still", flags.still, "cycles that the board stays in a pose");
+  command.add("--duration", flags.duration, "so long, s");
+  command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
+  command.add_file("--scanner", flags.scene.scanner_file,
+                   "scanner file to imitate; an example where not given");
+  command.add_output("--write-scanner", flags.write_scanner,
+                     "scanner file to write, to reconstruct with", scanner_output_type);
+  add_virtual_flags(command.app, flags.scene);
+  add_board_flags(command.app, flags.board);
+  add_pattern_flags(command.app, flags.scan, true);
+  command.examples({"camera serve --strategy pmp --steps 4 --rate 150 --move 0.2 0 0"});
+}
+#endif
+
+struct RecordFlags {
+  std::string file;
+  SourceFlags source;
+  std::optional<std::int64_t> frames;
+  std::optional<double> duration;  ///< s
+};
+
+void require_valid(const RecordFlags& flags) {
+  const std::int64_t frames = flags.frames.value_or(1);
+  throw_if(frames < 1, "--frames {} is out of range; at least 1", frames);
+  require_duration(flags.duration);
+}
+
+/// What is amiss with the first whole cycle of what was recorded. It is told and no more: the
+/// recording stays, for there may be no second one.
+std::vector<Finding> findings_of_recording(const std::string& file, Output& output) {
+  std::vector<Finding> findings;
+  try {
+    findings = check_scan(load_scan(file), {.moving = true}).findings;
+  } catch (const Error& error) {
+    output.warn(fmt::format("what was recorded cannot be checked: {}", error.what()));
+  }
+  output.warn(findings);
+  return findings;
+}
+
+void record(const RecordFlags& flags, Output& output) {
+  require_valid(flags);
+  SourceRequest request = request_from(flags.source);
+  request.as_taken = true;
+  const NamedSource opened = open(request, output);
+  FrameSource& source = *opened.frames;
+  Recorder recorder(flags.file, {.format = source.format(),
+                                 .frame_rate = request.rate.value_or(0),
+                                 .sequence = opened.sequence,
+                                 .scanner = opened.scanner,
+                                 .in_colour = opened.in_colour,
+                                 .white = opened.white});
+  source.start();
+  Progress progress("frames", flags.frames.value_or(0));
+  const RunEnd end(flags.duration);
+  const std::int64_t frames = record_frames(
+      source, recorder, [&](std::int64_t taken) { return end.reached() || taken == flags.frames; },
+      [&] {
+        if (flags.frames) progress.advance();
+      },
+      [&](const std::string& state) { output.warn(state.empty() ? "the camera is back" : state); });
+  const double seconds = end.seconds();
+  progress.finish();
+  source.stop();
+  recorder.finish();
+
+  const SourceCounters counters = source.counters();
+  const Recorder::Counts counts = recorder.counts();
+  if (counts.written == 0) {
+    throw WorldError(fmt::format("{}: no frame came that could be recorded", flags.file));
+  }
+  const double rate = seconds > 0 ? static_cast<double>(frames) / seconds : 0;
+  output.say("{}: {} frames of {}, {:.1f} per second", flags.file, counts.written,
+             text_of(source.format().size), rate);
+  if (counters.lost > 0) output.warn(fmt::format("{} frames did not arrive", counters.lost));
+  if (counts.lost > 0) {
+    output.warn(fmt::format("{} frames came faster than the disk took them", counts.lost));
+  }
+  output.document =
+      described("recording", flags.file, "findings", findings_of_recording(flags.file, output),
+                "frames", counts.written, "lost", counters.lost, "not_written", counts.lost,
+                "resent_packets", counters.resent, "reconnects", counters.reconnects, "seconds",
+                seconds, "frames_per_second", rate);
+}
+
+}  // namespace
+
+void add_camera(const Commands& program) {
+  const Commands camera = program.add_group("camera", "find cameras; serve a virtual one");
+  camera.add(list_connected, "list", "cameras that answer, as --source names them");
+#ifdef SLIPSTREAM_CAMERAS
+  add_camera_serve(camera);
+#endif
+}
+
+void add_gpu(const Commands& program) {
+  const Commands gpu = program.add_group("gpu", "devices for --backend gpu");
+  gpu.add(list_gpus, "list", "the devices that Vulkan finds, by number");
+}
+
+void add_record(const Commands& program) {
+  const auto [command, flags] =
+      program.add(record, "record", "frames of a camera to disk, lossless, to be replayed");
+  SourceFlags& source = flags.source;
+  required(command.add_output("-o,--output", flags.file, "the recording"));
+  required(command.add("--source", source.source, source_forms()));
+  command.add("--frames", flags.frames, "so many; until Ctrl-C without");
+  command.add("--duration", flags.duration, "so long, s");
+  command.add("--rate", source.rate,
+              "frames per second; 0: as fast as it goes; else the source's own");
+  command.add("--loop", source.loop, "a replay begins again at its end");
+  command.add_file("--scanner", source.scanner, "scanner file, which is kept in the recording");
+  add_source_flags(command.app, source, true);
+  command.examples({"record --source aravis: -o scan.slip --frames 1000 --strategy pmp --steps 4 "
+                    "--scanner scanner.yaml"},
+                   "Ctrl-C finishes the file.");
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,186 @@
+#include "app/commands.h"
+
+#include <cctype>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <tuple>
+
+#include "slipstream/base/error.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/result_files.h"
+
+namespace slipstream::app {
+namespace {
+
+/// What a run writes and how it talks is not of the rig.
+bool is_of_rig(const std::string& name) {
+  static const std::set<std::string> of_run{"rig", "help", "version", "output", "json"};
+  return !of_run.contains(name);
+}
+
+void collect_settings(const CLI::App& app, std::set<std::string>& names) {
+  for (const CLI::Option* const option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      if (is_of_rig(name)) names.insert(name);
+    }
+  }
+  const auto any = [](const CLI::App*) { return true; };
+  for (const CLI::App* const command : app.get_subcommands(any)) collect_settings(*command, names);
+}
+
+/// Whether the command line, or what it does without, leaves no room for the option.
+bool is_ruled_out(const CLI::Option& option) {
+  const auto given = [](const CLI::Option* other) { return other->count() > 0; };
+  const auto& excludes = option.get_excludes();
+  const auto& needs = option.get_needs();
+  return std::any_of(excludes.begin(), excludes.end(), given) ||
+         !std::all_of(needs.begin(), needs.end(), given);
+}
+
+/// A path in the rig file is relative to that; so is the one behind replay:.
+std::string resolved(const CLI::Option& option, const std::string& value, const fs::path& folder) {
+  const std::string replay = "replay:";
+  if (option.get_type_name() == file_type) return (folder / value).string();
+  if (option.check_lname("source") && value.starts_with(replay)) {
+    return replay + (folder / value.substr(replay.size())).string();
+  }
+  return value;
+}
+
+bool apply(const RigSetting& setting, const fs::path& folder, CLI::Option& option) {
+  if (option.count() > 0 || is_ruled_out(option)) return false;
+  const bool is_switch = option.get_expected_max() == 0;  // whose name may begin with no-
+  for (const std::string& value : setting.values) {
+    option.add_result(is_switch ? option.get_flag_value(setting.name, value)
+                                : resolved(option, value, folder));
+  }
+  option.run_callback();
+  return true;
+}
+
+void apply(const fs::path& file, CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
+  said.file = file.string();
+  said.settings.clear();
+  std::set<std::string> known;
+  collect_settings(program, known);
+  for (const RigSetting& setting : read_rig(file)) {
+    const auto refuse = [&](const std::string& why) {
+      throw Error(fmt::format("{}: line {}: {}", file.string(), setting.line, why));
+    };
+    if (!known.contains(setting.name)) {
+      refuse(fmt::format("no command has a setting '{}'{}", setting.name,
+                         did_you_mean(setting.name, known)));
+    }
+    CLI::Option* const option = subcommand.get_option_no_throw("--" + setting.name);
+    if (option == nullptr) continue;
+    try {
+      if (apply(setting, file.parent_path(), *option)) said.settings.push_back(setting);
+    } catch (const CLI::ConversionError&) {  // of a switch; numbers are checked before
+      refuse(fmt::format("{} '{}': true or false is wanted", setting.name, setting.values.front()));
+    } catch (const CLI::ParseError& error) {
+      refuse(error.what());
+    } catch (const Error& error) {
+      refuse(error.what());
+    }
+  }
+  // As on the command line in the order of the flags: --raw comes before the filters it leaves on.
+  for (CLI::Option* const option : subcommand.get_options()) {
+    const bool is_rig = option->check_name("--rig") || option->check_name("rig");
+    if (option->count() > 0 && !is_rig) option->run_callback();
+  }
+}
+
+/// Whether the text has it as a word of its own.
+bool has_word(const std::string& text, const std::string& word) {
+  const auto inside = [&](std::size_t at) {
+    return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
+  };
+  for (std::size_t at = text.find(word); at != text.npos; at = text.find(word, at + 1)) {
+    if (!inside(at - 1) && !inside(at + word.size())) return true;
+  }
+  return false;
+}
+
+/// How clearly the message names the setting: its flag, its name, or what it is set to.
+int clarity(const RigSetting& setting, const std::string& message) {
+  // "minimum modulation" is min-modulation.
+  const std::string last = setting.name.substr(setting.name.rfind('-') + 1);
+  const bool names_flag = has_word(message, "--" + setting.name) ||
+                          message.find("'" + setting.name + "'") != message.npos;
+  const bool names_setting = has_word(message, last.size() > 5 ? last : setting.name);
+  const bool names_value =
+      std::any_of(setting.values.begin(), setting.values.end(), [&](const std::string& value) {
+        const std::string what = value.substr(value.find(':') + 1);  // of "replay:PATH"
+        return what.size() > 1 && has_word(message, what);
+      });
+  return (names_flag ? 4 : 0) + (names_setting ? 2 : 0) + (names_value ? 1 : 0);
+}
+
+}  // namespace
+
+std::string why_no_number(const std::string& text, bool is_unsigned, bool is_whole) {
+  if (text.empty()) return "a number is missing";
+  if (is_unsigned && text.find('-') != std::string::npos) return text + " is below 0";
+  char* end = nullptr;
+  const double number = std::strtod(text.c_str(), &end);
+  if (*end != '\0') return "'" + text + "' is no number";
+  if (!std::isfinite(number)) return text + " is not finite";
+  return is_whole && number != std::floor(number) ? text + " is no whole number" : "";
+}
+
+void require_distinct_files(const CLI::App& command) {
+  constexpr std::string_view replay = "replay:", mcap = "mcap:";
+  DistinctFiles files;
+  const auto for_each_value = [&](const auto& take) {
+    for (const CLI::Option* const option : command.get_options()) {
+      for (const std::string& value : option->results()) take(*option, value);
+    }
+  };
+  for_each_value([&](const CLI::Option& option, const std::string& value) {
+    if (option.check_name("--scanner")) {
+      files.add_scanner(value);
+    } else if (option.get_type_name() == file_type) {
+      files.add_input(value);
+    }
+    if (value.starts_with(replay)) files.add_input(value.substr(replay.size()));
+  });
+  for_each_value([&](const CLI::Option& option, const std::string& value) {
+    if (option.get_type_name() == output_type) files.add_output(value);
+    if (option.get_type_name() == scanner_output_type) files.add_scanner_output(value);
+    if (value.starts_with(mcap)) files.add_output(value.substr(mcap.size()));
+  });
+}
+
+Size size_from(const std::string& text, const std::string& flag) {
+  const std::optional<Size> size = size_of_text(text);
+  throw_if(!size.has_value(), "{} '{}' is not a size; give width x height in pixels, as 1824x1140",
+           flag, text);
+  const auto side = [](int pixels) { return static_cast<std::uint64_t>(pixels); };
+  throw_if(side(size->width) * side(size->height) > largest_picture, "{} {}: at most {} pixels",
+           flag, text, largest_picture);
+  return *size;
+}
+
+void add_rig_flag(CLI::App& subcommand, const CLI::App& program, RigSaid& said) {
+  const bool served = subcommand.get_name() == "serve" && subcommand.get_parent() == &program;
+  subcommand
+      .add_option_function<std::string>(
+          served ? "rig" : "--rig",
+          [&](const std::string& file) { apply(file, subcommand, program, said); },
+          "settings by their flags' names, which the command line goes before: .yaml")
+      ->type_name(file_type)
+      ->required(served);
+}
+
+std::string located(const RigSaid& said, const std::string& message) {
+  if (message.starts_with(said.file + ": line ")) return message;
+  int clearest = 0, line = 0;
+  for (const RigSetting& setting : said.settings) {
+    const int clear = clarity(setting, message);
+    if (clear > clearest) std::tie(clearest, line) = std::pair(clear, setting.line);
+  }
+  return clearest == 0 ? message : fmt::format("{}: line {}: {}", said.file, line, message);
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,223 @@
+#include <cmath>
+#include <limits>
+
+#include "app/process.h"
+#include "app/scan_flags.h"
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/io/image_file.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/reconstruct/engine.h"
+#include "slipstream/spatial/spatial_unwrapping.h"
+
+namespace slipstream::app {
+namespace {
+
+struct UnwrapFlags {
+  std::string input, output, method = "flow";
+  std::optional<std::string> quality, mask, coarse, regions, preview;
+  std::vector<double> anchor;  ///< row, column, phase
+};
+
+void leave_out(Image<double>& phase, const Image<double>& mask) {
+  throw_if(mask.size() != phase.size(), "the mask is {}, but the phase {}", text_of(mask.size()),
+           text_of(phase.size()));
+  for (std::size_t i = 0; i < phase.pixel_count(); ++i) {
+    const double in = mask.begin()[i];
+    if (in == 0 || std::isnan(in)) phase.begin()[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+void anchor(const UnwrapFlags& flags, UnwrappedPhase<double>& unwrapped) {
+  if (!flags.anchor.empty()) {
+    const double row = flags.anchor[0], column = flags.anchor[1];
+    for (const double place : {row, column}) {
+      throw_if(std::rint(place) != place || std::abs(place) > 1e6,
+               "--anchor takes a row and a column, whole numbers, and a phase");
+    }
+    anchor_at(unwrapped, static_cast<int>(column), static_cast<int>(row), flags.anchor[2]);
+  }
+  if (flags.coarse) anchor_by(unwrapped, read_map(*flags.coarse));
+}
+
+void tell(const UnwrappedPhase<double>& unwrapped, Output& output) {
+  std::size_t pixels = 0, anchored = 0;
+  for (const PhaseRegion& region : unwrapped.regions) {
+    pixels += region.pixels;
+    anchored += region.anchored ? 1 : 0;
+    output.list("regions").push_back(
+        described("pixels", region.pixels, "anchored", region.anchored));
+  }
+  output.document["pixels"] = pixels;
+  const std::size_t count = unwrapped.regions.size();
+  output.say("{} pixels in {} region{}{}; {} anchored", pixels, count, count == 1 ? "" : "s",
+             count > 1 ? fmt::format(", the largest of {}", unwrapped.regions.front().pixels) : "",
+             anchored);
+}
+
+void unwrap(const UnwrapFlags& flags, Output& output) {
+  require_map_ending(flags.output);
+  if (flags.regions) require_map_ending(*flags.regions);
+  if (flags.preview) require_ending(*flags.preview, "preview", {".png"});
+  Image<double> phase = read_map(flags.input);
+  if (flags.mask) leave_out(phase, read_levels(*flags.mask));
+  Image<float> quality;
+  if (flags.quality) quality = converted<float>(read_levels(*flags.quality));
+  Stopwatch watch;
+  UnwrappedPhase<double> unwrapped = unwrap_in_space(phase, quality, flags.method);
+  output.document["seconds"] = watch.lap();
+  anchor(flags, unwrapped);
+  output.document["method"] = flags.method;
+  tell(unwrapped, output);
+  write_map(flags.output, unwrapped.phase);
+  if (flags.regions) write_map(*flags.regions, converted<float>(unwrapped.region));
+  if (flags.preview) write_map_preview(*flags.preview, unwrapped.phase, "phase, rad");
+}
+
+std::string methods() {
+  std::string text;
+  for (const SpatialUnwrapping& method : spatial_unwrappings()) {
+    text += fmt::format("\n  {:14} {}", method.name, method.text);
+  }
+  return text;
+}
+
+struct CalibrateHeightFlags {
+  std::vector<std::string> planes;
+  std::string heights, output;
+  CloudFlags phase;
+};
+
+struct HeightFlags {
+  std::string scan, calibration, output, preview;
+  CloudFlags phase;
+};
+
+void add_phase_flags(CLI::App& command, CloudFlags& flags) {
+  add_anyway_flag(command, flags.anyway);
+  FlagGroup{command}.add("--min-modulation", flags.settings.minimum_modulation,
+                         "of a pixel that is measured, grey levels of 255");
+  add_scan_input_flags(command, flags);
+}
+
+/// Of a scan the projector coordinate, NaN where it is not measured; a phase map as it is.
+Image<double> measured_phase(const std::string& path, const CloudFlags& flags, Output& output) {
+  const std::string ending = lower_case_extension(path);
+  if (ending == ".npy" || ending == ".tiff" || ending == ".tif") return read_map(path);
+  Scan scan = load_checkable(path, flags, false, output);
+  PhotometricCalibration known = scan.scanner ? scan.scanner->photometry : flags.photometry;
+  known.response = choose_response(scan, flags.gamma).response;
+  refuse_or_warn(check_and_repair(scan, {.minimum_modulation = flags.settings.minimum_modulation,
+                                         .photometry = known}),
+                 path, flags.anyway, output);
+  const EngineSetup setup{without_geometry(scan.frames.size(), scan.sequence.projector, known),
+                          scan.sequence, flags.settings};
+  require_ambient_known(setup, path);
+  Engine engine(setup);
+  return measured_coordinates(engine, scan.frames);
+}
+
+void calibrate_height(const CalibrateHeightFlags& flags, Output& output) {
+  require_ending(flags.output, "calibration of heights", {".npy"});
+  const std::vector<double> known = numbers_in<double>(flags.heights, ',');
+  throw_if(known.size() != flags.planes.size(),
+           "--heights '{}' is not a number for each of {} planes, as 0,10,20", flags.heights,
+           flags.planes.size());
+  std::vector<PlanePhase> planes;
+  Progress progress("planes", known.size());
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    planes.push_back({known[i], measured_phase(flags.planes[i], flags.phase, output)});
+    progress.advance();
+  }
+  progress.finish();
+  const HeightFit fit = fit_heights(planes);
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    output.say("{}: {} mm, RMS error {:.4f} mm", flags.planes[i], known[i], fit.rms[i]);
+    output.list("planes").push_back(described("plane", flags.planes[i], "rms_mm", fit.rms[i]));
+  }
+  write_height_curves(flags.output, fit.curves);
+  output.say("{}: {} of {} pixels are calibrated", flags.output, fit.pixels,
+             fit.curves.pixel_count());
+  output.document["pixels"] = fit.pixels;
+}
+
+void measure_heights(const HeightFlags& flags, Output& output) {
+  require_map_ending(flags.output);
+  if (!flags.preview.empty()) require_ending(flags.preview, "preview", {".png"});
+  const Image<HeightCurve> curves = read_height_curves(flags.calibration);
+  const Image<double> phase = measured_phase(flags.scan, flags.phase, output);
+  const Image<float> found = heights(curves, phase);
+  const std::size_t measured = finite_values(phase).size();
+  const std::size_t pixels = finite_values(found).size();
+  output.document = described("measured", measured, "pixels", pixels);
+  output.say("{} of {} measured pixels have a height", pixels, measured);
+  if (2 * pixels < measured) {
+    output.warn(fmt::format(
+        "{}: most of its phases are of no calibrated height; other patterns or another axis than "
+        "the planes', a rig that was moved, or a thing beyond the planes",
+        flags.scan));
+  }
+  write_map(flags.output, found);
+  if (!flags.preview.empty()) {
+    write_map_preview(flags.preview, converted<double>(found), "height, mm");
+  }
+}
+
+}  // namespace
+
+void add_calibrate_height(const Commands& calibrate) {
+  const auto [command, flags] =
+      calibrate.add(calibrate_height, "height",
+                    "heights over a reference plane, from scans of it moved by known heights");
+  required(command.add_file(
+      "planes", flags.planes,
+      "scans of a plane, three or more, or maps of its absolute phase: .tiff or .npy"));
+  required(
+      command.add("--heights", flags.heights, "of each plane, mm, the reference at 0: 0,10,20"));
+  required(command.add_output("-o,--output", flags.output, "the calibration: .npy"));
+  add_phase_flags(command.app, flags.phase);
+  command.examples({"calibrate height plane_0 plane_10 plane_20 --heights 0,10,20 -o heights.npy"});
+}
+
+void add_height(const Commands& program) {
+  const auto [command, flags] =
+      program.add(measure_heights, "height",
+                  "a scan to heights over a reference plane, of a rig without a calibrated "
+                  "projector");
+  required(command.add_file("scan", flags.scan,
+                            "a scan, or a map of its absolute phase: .tiff or .npy"));
+  required(command.add_file("--calibration", flags.calibration,
+                            "what slipstream calibrate height wrote: .npy"));
+  required(
+      command.add_output("-o,--output", flags.output, "height of each pixel, mm: .tiff or .npy"));
+  command.add_output("--preview", flags.preview, "the heights in colours: .png");
+  add_phase_flags(command.app, flags.phase);
+  command.examples({"height scan --calibration heights.npy -o height.tiff --preview height.png"});
+}
+
+void add_unwrap(const Commands& program) {
+  const auto [command, flags] = program.add(
+      unwrap, "unwrap", "unwraps a phase map of any instrument by its neighbouring pixels");
+  required(command.add_file("wrapped", flags.input,
+                            "phase in rad, NaN where there is none: .tiff or .npy"));
+  required(command.add_output("-o,--output", flags.output, "the unwrapped phase: .tiff or .npy"));
+  command.add("--method", flags.method, "how: see below");
+  command.add_file("--quality", flags.quality, "how sure each pixel is, as the modulation");
+  command.add_file("--mask", flags.mask, "0 where pixels are left out");
+  command.add("--anchor", flags.anchor, "a row, a column and the phase there, rad, that is known")
+      ->expected(3);
+  command.add_file("--coarse", flags.coarse,
+                   "an absolute phase that is right within half a period");
+  command.exclude("--coarse", {"--anchor"});
+  command.add_output("--regions", flags.regions,
+                     "the number of the region of each pixel: .tiff or .npy");
+  command.add_output("--preview", flags.preview, "the phase in colours: .png");
+  command.app.footer(
+      "Methods:" + methods() +
+      "\nExamples:\n  slipstream unwrap wrapped.tiff -o phase.tiff --preview phase.png\n"
+      "  slipstream unwrap wrapped.npy -o phase.npy --method quality --anchor 240 320 12.5\n"
+      "Regions that pixels without a phase keep apart are unwrapped each by itself. A step of half "
+      "a period or more between neighbours cannot be known from one map.");
+}
+
+}  // namespace slipstream::app

@@ -1,0 +1,164 @@
+#include <tbb/global_control.h>
+
+#include "app/commands.h"
+#include "bench/bench_report.h"
+#include "bench/bench_rows.h"
+#include "paper/reproduction.h"
+#include "slipstream/io/file.h"
+#include "slipstream/io/plot.h"
+#include "slipstream/reconstruct/gpu.h"
+
+namespace slipstream::app {
+namespace {
+
+struct BenchFlags {
+  bool quick = false;
+  bool gpu = false;
+};
+
+nlohmann::json json_of(const TimedRow& timed, double bandwidth) {
+  const auto& [row, timing] = timed;
+  nlohmann::json document =
+      described("name", row.name, "steps", row.steps, "width", row.width, "height", row.height,
+                "threads", row.threads, "ms", timing.median, "ms_quartiles",
+                std::array{timing.lower_quartile, timing.upper_quartile}, "runs", timing.runs,
+                "fps", timed.runs_per_second());
+  if (row.bytes_per_pixel > 0) document["bytes_per_pixel"] = row.bytes_per_pixel;
+  if (row.bytes_per_pixel > 0 && !row.is_beside_gpu) {
+    document["bandwidth_share"] = timed.bytes_per_second() / bandwidth;
+  }
+  return document;
+}
+
+nlohmann::json json_of(const BenchRatios& ratios) {
+  nlohmann::json document = ratios.over_fused;
+  describe(document, "largest_per_pixel", ratios.largest_per_pixel, "threads", ratios.threads);
+  return document;
+}
+
+nlohmann::json json_of(const BenchReport& report) {
+  const BenchMachine& machine = report.machine;
+  const auto row = [&](const TimedRow& timed) { return json_of(timed, machine.bandwidth); };
+  const auto published = [](const PublishedMark& mark) {
+    return described("source", mark.source, "fps", mark.fps);
+  };
+  nlohmann::json document =
+      described("machine", machine.processor, "vectors", machine.vectors, "bandwidth_bytes_per_s",
+                machine.bandwidth, "ratios", json_of(report.ratios), "rows",
+                as_json(report.rows, row), "published", as_json(published_marks, published));
+  if (!report.gpu.empty()) document["gpu"] = report.gpu;
+  return document;
+}
+
+void bench(const BenchFlags& flags, Output& output) {
+  BenchSettings settings;
+  TimingSettings timing;
+  using Threads = tbb::global_control;  // as --threads limits them
+  settings.most_threads = static_cast<int>(Threads::active_value(Threads::max_allowed_parallelism));
+  if (flags.quick) {
+    settings.steps = {3};
+    settings.enlargements = {1};
+    settings.small = {};
+    timing = {.rounds = 1, .row_seconds = 0};
+  }
+  BenchReport report{.machine = bench_machine()};
+  output.say("{}", text_of(report.machine));
+  if (flags.gpu) {
+    const auto device = Gpu::open(std::nullopt);
+    report.gpu = fmt::format("{}, {}", device->description().name, device->description().driver);
+    output.say("GPU: {}", report.gpu);
+  }
+  const std::vector<BenchRow> rows = flags.gpu ? gpu_rows(settings) : bench_rows(settings);
+  Progress progress("rows", static_cast<std::size_t>(timing.rounds) * rows.size());
+  report.rows = timed(rows, timing, [&] { progress.advance(); });
+  progress.finish();
+  report.ratios = bench_ratios(report.rows);
+  output.say("{}", text_of(report));
+  output.document = json_of(report);
+}
+
+struct ReproduceFlags {
+  std::vector<std::string> names;
+  bool list = false;
+  std::string plots;
+  std::string report;
+  std::uint64_t seed = 1;
+};
+
+nlohmann::json json_of(const Reproduced& done) {
+  const auto cells = as_json(done.result.cells, [](const ReproducedCell& cell) {
+    return described("quantity", cell.quantity, "parameters", cell.parameters, "published",
+                     as_json(cell.published), "recomputed", as_json(cell.recomputed), "improved",
+                     as_json(cell.improved));
+  });
+  return described("id", done.item.id, "title", done.item.title, "cells", cells, "plots",
+                   as_json(done.plots, [](const fs::path& plot) { return plot.string(); }), "notes",
+                   done.result.notes);
+}
+
+Reproduced run(const Reproducible& item, const ReproduceFlags& flags) {
+  Reproduced done{item, item.run(flags.seed)};
+  if (flags.plots.empty()) return done;
+  for (const auto& [name, plot] : done.result.plots) {
+    done.plots.push_back(fs::path(flags.plots) / (name + ".png"));
+    write_plot(done.plots.back(), plot);
+  }
+  return done;
+}
+
+void reproduce(const ReproduceFlags& flags, Output& output) {
+  const std::vector<Reproducible> items = reproducibles_named(flags.names);
+  if (flags.list) {
+    for (const Reproducible& item : items) {
+      output.say("{:12} {}", item.name(), item.title);
+      output.list("names").push_back(item.name());
+    }
+    return;
+  }
+  if (!flags.plots.empty()) make_folder(flags.plots);
+  if (!flags.report.empty()) make_folder(fs::absolute(flags.report).parent_path());
+  for (const char* kind : {"tables", "figures", "sections", "experiments"}) {
+    output.document[kind] = nlohmann::json::array();
+  }
+  output.document["seed"] = flags.seed;
+  std::string report = "# Published and recomputed\n\n";
+  Progress progress("reproduce", items.size());
+  for (const Reproducible& item : items) {
+    const Reproduced done = run(item, flags);
+    output.list(std::string(item.kind) + "s").push_back(json_of(done));
+    report += markdown_of(done, fs::path(flags.report).parent_path());
+    progress.advance();
+    output.say("{}", text_of(done));
+  }
+  progress.finish();
+  if (!flags.report.empty()) {
+    write_file(flags.report, report);
+    output.say("report: {}", flags.report);
+  }
+}
+
+}  // namespace
+
+void add_reproduce(const Commands& program) {
+  const auto [command, flags] = program.add(
+      reproduce, "reproduce", "the dissertation's tables and figures: published beside recomputed");
+  command.add("names", flags.names, "as table-4.1 figure-4.7 section-4.5, or all");
+  command.add("--list", flags.list, "say what there is");
+  command.add("--plots", flags.plots, "folder for the figures as PNG");
+  command.add_output("--report", flags.report, "a Markdown report: .md");
+  command.add("--seed", flags.seed, "of the simulated noise");
+  command.examples({"reproduce table-4.1 figure-4.7 section-4.5 --plots plots --report report.md"});
+}
+
+void add_bench(const Commands& program) {
+  const auto [command, flags] =
+      program.add(bench, "bench", "times of every stage on this machine, and of its peers");
+  command.add("--quick", flags.quick, "N = 3 and 640x480 alone, one run of each row");
+  command.add("--gpu", flags.gpu,
+              "the first GPU beside the fused pass on all threads, and nothing else");
+  command.examples({"bench", "bench --json > bench.json"},
+                   "Ratios within one run hold better than times from run to run: other work on "
+                   "the machine slows all rows.");
+}
+
+}  // namespace slipstream::app

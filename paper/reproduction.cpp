@@ -1,0 +1,95 @@
+#include "paper/reproduction.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream {
+namespace fs = std::filesystem;
+namespace {
+
+std::string text_of(const std::optional<double>& value) {
+  return value ? fmt::format("{:.4g}", *value) : "";
+}
+
+std::string text_of(const std::vector<std::pair<std::string, double>>& parameters) {
+  std::string text;
+  for (const auto& [name, value] : parameters) {
+    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, value);
+  }
+  return text;
+}
+
+std::string markdown_of(const std::vector<ReproducedCell>& cells) {
+  std::string text =
+      "| quantity | of | published | recomputed | improved |\n| --- | --- | --- | --- | --- |\n";
+  for (const ReproducedCell& cell : cells) {
+    text += fmt::format("| {} | {} | {} | {} | {} |\n", cell.quantity, text_of(cell.parameters),
+                        text_of(cell.published), text_of(cell.recomputed), text_of(cell.improved));
+  }
+  return text + "\n";
+}
+
+}  // namespace
+
+std::vector<Reproducible> reproducibles() {
+  std::vector<Reproducible> all;
+  for (const auto& some : {multiplexing_table_reproducibles(), noise_figure_reproducibles(),
+                           gamma_model_reproducibles(), gamma_experiment_reproducibles(),
+                           motion_reproducibles(), model_reproducibles()}) {
+    all.insert(all.end(), some.begin(), some.end());
+  }
+  return all;
+}
+
+std::vector<Reproducible> reproducibles_named(const std::vector<std::string>& names) {
+  std::vector<Reproducible> all = reproducibles();
+  if (names.empty() || std::find(names.begin(), names.end(), "all") != names.end()) return all;
+  const auto means = [](const std::string& name, const Reproducible& item) {
+    return name.ends_with('.') ? item.name().starts_with(name) : item.name() == name;
+  };
+  for (const std::string& name : names) {
+    const bool known = std::any_of(all.begin(), all.end(),
+                                   [&](const Reproducible& item) { return means(name, item); });
+    if (!known) {
+      std::vector<std::string> possible;
+      for (const Reproducible& item : all) possible.push_back(item.name());
+      throw Error(fmt::format("'{}' is not known; it is all or some of: {}", name,
+                              fmt::join(possible, ", ")));
+    }
+  }
+  std::erase_if(all, [&](const Reproducible& item) {
+    return std::none_of(names.begin(), names.end(),
+                        [&](const std::string& name) { return means(name, item); });
+  });
+  return all;
+}
+
+std::string text_of(const Reproduced& reproduced) {
+  const auto& [item, result, plots] = reproduced;
+  std::string text = fmt::format("{}: {}", item.name(), item.title);
+  for (const ReproducedCell& cell : result.cells) {
+    text += fmt::format("\n  {:52} {:40} published {:>9}  recomputed {:>9}{}", cell.quantity,
+                        text_of(cell.parameters), text_of(cell.published), text_of(cell.recomputed),
+                        cell.improved ? "  improved " + text_of(cell.improved) : "");
+  }
+  for (const std::string& note : result.notes) text += "\n  " + note;
+  for (const fs::path& plot : plots) text += "\n  " + plot.string();
+  return text;
+}
+
+std::string markdown_of(const Reproduced& reproduced, const fs::path& folder) {
+  const auto& [item, result, plots] = reproduced;
+  std::string text = fmt::format("## {}: {}\n\n", item.name(), item.title);
+  if (!result.cells.empty()) text += markdown_of(result.cells);
+  for (const std::string& note : result.notes) text += note + "\n\n";
+  for (const fs::path& plot : plots) {
+    const fs::path near = fs::absolute(plot).lexically_proximate(fs::current_path() / folder);
+    text += fmt::format("![{}]({})\n\n", plot.stem().string(), near.string());
+  }
+  return text;
+}
+
+}  // namespace slipstream

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "slipstream/base/error.h"
+
+namespace slipstream {
+
+/// Throws Error with that text if the input is `wrong`.
+template <class... Args>
+void throw_if(bool wrong, fmt::format_string<Args...> text, Args&&... args) {
+  if (wrong) throw Error(fmt::format(text, std::forward<Args>(args)...));
+}
+
+}  // namespace slipstream

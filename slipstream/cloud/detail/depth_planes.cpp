@@ -1,0 +1,203 @@
+#include "slipstream/cloud/detail/depth_planes.h"
+
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/statistics.h"
+
+namespace slipstream {
+namespace {
+
+// A surface is given up where it is steeper than about 83 degrees, as by surface_normals. Second
+// differences of independent noise are sqrt(6) of its standard deviation; eight in ten are smaller
+// than 1.28 of theirs.
+constexpr float largest_slope = 8;      ///< distances between pixels in depth, from one to the next
+constexpr float largest_curvature = 1;  ///< likewise, how much that may change
+constexpr float common_share = 0.8F;    ///< of second differences, taken for the noise's
+constexpr float step_over_noise = 2.5F;  ///< 5.5 standard deviations of a difference of two
+constexpr float bend_over_noise = 4;     ///< 5.1 of a second difference
+
+/// Calls `visit(column, row)` for places spread over the picture, none at its left or right end.
+template <class Visit>
+void for_each_sample(Size size, const Visit& visit) {
+  constexpr int across = 24;
+  const int step_x = std::max(1, size.width / across), step_y = std::max(1, size.height / across);
+  for (int row = step_y / 2; row < size.height; row += step_y) {
+    for (int column = 1 + step_x / 2; column + 1 < size.width; column += step_x) {
+      visit(column, row);
+    }
+  }
+}
+
+float sampled_quantile(std::vector<float>& samples, double share) {
+  constexpr std::size_t fewest = 8;
+  return samples.size() < fewest ? std::numeric_limits<float>::infinity()
+                                 : quantile(samples, share);
+}
+
+/// How far the next point is in one direction, at most `widest`; 0 for none.
+int distance_to_point(const Cloud& cloud, int column, int row, int right, int down, int widest) {
+  const auto [width, height] = cloud.size();
+  for (int i = 1; i <= widest; ++i) {
+    const int c = column + i * right, r = row + i * down;
+    if (c < 0 || r < 0 || c >= width || r >= height) break;
+    if (cloud.z(c, r) > 0) return i;
+  }
+  return 0;
+}
+
+/// Adds what a gap in one direction says of the pixel; `weight`: of all that is added so far.
+void add_across(const Cloud& cloud, int right, int down, int widest, const DepthLimits& limits,
+                SurfaceMemory::Point& sum, float& weight) {
+  const int before = distance_to_point(cloud, sum.column, sum.row, -right, -down, widest);
+  const int after = distance_to_point(cloud, sum.column, sum.row, right, down, widest);
+  const int length = before + after;
+  if (before == 0 || after == 0 || length - 1 > widest) return;
+  const int c0 = sum.column - before * right, r0 = sum.row - before * down;
+  const int c1 = sum.column + after * right, r1 = sum.row + after * down;
+  const float z0 = cloud.z(c0, r0), z1 = cloud.z(c1, r1);
+  if (!(std::abs(z1 - z0) <= limits.step * static_cast<float>(length) * z0)) return;
+  // A plane's inverse depth is linear in the picture, and so is the ray.
+  const float w = 1 / static_cast<float>(length);
+  const float w0 = w * static_cast<float>(after) * w, w1 = w * static_cast<float>(before) * w;
+  sum.x += w0 * cloud.x(c0, r0) / z0 + w1 * cloud.x(c1, r1) / z1;
+  sum.y += w0 * cloud.y(c0, r0) / z0 + w1 * cloud.y(c1, r1) / z1;
+  sum.z += w0 / z0 + w1 / z1;
+  weight += w;
+}
+
+}  // namespace
+
+void Components::find(Size picture, const BitPlane& kept, const BitPlane& to_right,
+                      const BitPlane& to_below) {
+  runs_.clear();
+  parent_.clear();
+  pixels_.clear();
+  const int words = BitPlane::words_of(picture);
+  first_here_ = 0;
+  for (int row = 0; row < picture.height; ++row) {
+    first_above_ = std::exchange(first_here_, static_cast<std::uint32_t>(runs_.size()));
+    find_runs(row, words, kept.row(row), to_right.row(row));
+    if (row == 0) continue;
+    link_rows(words, kept.row(row - 1), kept.row(row), to_right.row(row - 1), to_right.row(row),
+              to_below.row(row - 1));
+  }
+}
+
+void Components::find_runs(int row, int words, const Word* kept, const Word* to_right) {
+  std::size_t begun = runs_.size();
+  Word linked_before = 0;  // whether the last pixel of the word before is linked with this one's
+  for (int w = 0; w < words; ++w) {
+    const Word linked = to_right[w] & kept[w] & after(kept + w);
+    for_each_bit(kept[w] & ~(linked << 1 | linked_before), w, [&](int column) {
+      runs_.push_back({row, column, column});
+    });
+    for_each_bit(kept[w] & ~linked, w, [&](int column) { runs_[begun++].last = column; });
+    linked_before = linked >> (word_pixels - 1);
+  }
+  for (std::size_t i = parent_.size(); i < runs_.size(); ++i) {
+    parent_.push_back(static_cast<std::uint32_t>(i));
+    pixels_.push_back(static_cast<std::uint32_t>(runs_[i].last - runs_[i].first + 1));
+  }
+}
+
+void Components::link_rows(int words, const Word* kept_above, const Word* kept,
+                           const Word* to_right_above, const Word* to_right, const Word* to_below) {
+  std::uint32_t above = first_above_, here = first_here_;
+  Word same_before = 0;  // as below, of the last pixel of the word before
+  for (int w = 0; w < words; ++w) {
+    const Word linked = to_below[w] & kept_above[w] & kept[w];
+    // The next column links the same two runs.
+    const Word same =
+        linked & to_right_above[w] & to_right[w] & after(kept_above + w) & after(kept + w);
+    for_each_bit(linked & ~(same << 1 | same_before), w, [&](int column) {
+      while (runs_[above].last < column) ++above;
+      while (runs_[here].last < column) ++here;
+      unite(above, here);
+    });
+    same_before = same >> (word_pixels - 1);
+  }
+}
+
+std::uint32_t Components::root(std::uint32_t run) {
+  while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
+  return run;
+}
+
+void Components::unite(std::uint32_t a, std::uint32_t b) {
+  a = root(a);
+  b = root(b);
+  if (a == b) return;
+  if (a > b) std::swap(a, b);
+  parent_[b] = a;
+  pixels_[a] += pixels_[b];
+}
+
+DepthLimits depth_limits(const Cloud& cloud, std::vector<float>& samples) {
+  samples.clear();
+  for_each_sample(cloud.size(), [&](int column, int row) {
+    const float z = cloud.z(column, row), next = cloud.z(column + 1, row);
+    const float across = std::hypot(cloud.x(column + 1, row) / next - cloud.x(column, row) / z,
+                                    cloud.y(column + 1, row) / next - cloud.y(column, row) / z);
+    if (across > 0) samples.push_back(across);
+  });
+  const float distance = sampled_quantile(samples, 0.5);
+  samples.clear();
+  for_each_sample(cloud.size(), [&](int column, int row) {
+    const float* z = cloud.z.row(row) + column;
+    const float bend = std::abs(z[-1] - 2 * z[0] + z[1]) / z[0];
+    if (bend >= 0) samples.push_back(bend);
+  });
+  const float noise = sampled_quantile(samples, common_share);
+  return {.step = largest_slope * distance + step_over_noise * noise,
+          .bend = largest_curvature * distance + bend_over_noise * noise};
+}
+
+std::size_t fill_gaps(Cloud& cloud, int widest, const DepthLimits& limits, SurfaceMemory& memory) {
+  memory.found.clear();
+  for_each_pixel_in_order(cloud.size(), [&](int column, int row) {
+    const Validity why = cloud.validity(column, row);
+    if (why == Validity::outside_region || why == Validity::out_of_range) return;
+    if (cloud.z(column, row) > 0) return;
+    SurfaceMemory::Point sum{.column = column, .row = row};
+    float weight = 0;
+    add_across(cloud, 1, 0, widest, limits, sum, weight);
+    add_across(cloud, 0, 1, widest, limits, sum, weight);
+    if (weight == 0) return;
+    const float z = weight / sum.z;
+    memory.found.push_back({column, row, sum.x / weight * z, sum.y / weight * z, z});
+  });
+  for (const SurfaceMemory::Point& point : memory.found) {
+    cloud.x(point.column, point.row) = point.x;
+    cloud.y(point.column, point.row) = point.y;
+    cloud.z(point.column, point.row) = point.z;
+    cloud.validity(point.column, point.row) = Validity::valid;
+  }
+  return memory.found.size();
+}
+
+void smooth(Cloud& cloud, int reach, const DepthLimits& limits, SurfaceMemory& memory) {
+  memory.z = cloud.z;
+  const Image<float>& z = memory.z;
+  const auto inverse_at = [&](int column, int row) {
+    const bool inside = column >= 0 && row >= 0 && column < z.width() && row < z.height();
+    return inside ? 1 / z(column, row) : std::numeric_limits<float>::quiet_NaN();
+  };
+  for_each_pixel(z.size(), [&](int column, int row) {
+    const float here = 1 / z(column, row);
+    if (!(here > 0)) return;
+    float sum = here, count = 1;
+    // Half of the window: each pixel of it stands for the pair with the one opposite.
+    for (int down = 0; down <= reach; ++down) {
+      for (int right = down == 0 ? 1 : -reach; right <= reach; ++right) {
+        const float a = inverse_at(column - right, row - down);
+        const float b = inverse_at(column + right, row + down);
+        if (!(std::abs(a - 2 * here + b) <= limits.bend * here)) continue;
+        sum += a + b;
+        count += 2;
+      }
+    }
+    const float ratio = here * count / sum;
+    for (const auto part : {&Cloud::x, &Cloud::y, &Cloud::z}) (cloud.*part)(column, row) *= ratio;
+  });
+}
+
+}  // namespace slipstream

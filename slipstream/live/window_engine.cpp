@@ -1,0 +1,140 @@
+#include "slipstream/live/window_engine.h"
+
+#include <algorithm>
+
+#include "slipstream/decode/frame_adapter.h"
+
+namespace slipstream {
+namespace {
+
+/// So few cost next to nothing beside a cycle's clouds.
+constexpr ScanSamples::Effort few{
+    .most_looked = 384, .fewest_looked = 48, .lit_wanted = 32, .all_places = false};
+
+/// While something stays amiss it is looked into whole so often: it may have become something else.
+constexpr std::chrono::milliseconds next_look{500};
+
+/// Share of the pixels that move from which on a window is no still one.
+constexpr double least_moving = 0.01;
+
+/// LiveCheck as a function that can be copied.
+std::function<std::vector<Finding>(const FrameViews&)> live_check(const EngineSetup& setup) {
+  const bool known = has_geometry(setup.scanner);
+  const auto check = std::make_shared<LiveCheck>(
+      merged_sequence(setup.sequence), known ? std::optional(setup.scanner) : std::nullopt,
+      setup.scanner.camera.size,
+      CheckSettings{.minimum_modulation = setup.settings.minimum_modulation,
+                    .moving = true,
+                    .photometry = setup.scanner.photometry});
+  return [check](const FrameViews& window) { return check->look(window); };
+}
+
+}  // namespace
+
+LiveCheck::LiveCheck(const Sequence& sequence, const std::optional<Scanner>& scanner, Size camera,
+                     const CheckSettings& settings)
+    : sequence_(sequence),
+      scanner_(scanner),
+      settings_(settings),
+      model_(sequence, scanner ? scanner->photometry : settings.photometry),
+      order_(model_.identity()),
+      judge_(model_),
+      samples_(camera, frame_count(sequence.strategy)) {}
+
+bool LiveCheck::darkened() const {
+  constexpr double much = 0.5;
+  for (std::size_t n = 0; n < right_sums_.size(); ++n) {
+    if (samples_.sums()[n] < much * right_sums_[n]) return true;
+  }
+  return false;
+}
+
+LiveCheck::Suspicion LiveCheck::suspicion(const FrameViews& window) {
+  ScanSamples::Effort effort = few;
+  effort.least_range = least_range(settings_);
+  samples_.take(window, effort);
+  // A frame 5 percent brighter leaves 0.012 and more of its variation.
+  constexpr double most_residual = 0.011;
+  fit_.moving = settings_.moving;
+  fit_.frames = judge_(samples_, order_);
+  Suspicion raised;
+  raised[0] = fit_.frames.residual > std::max(most_residual, harmless_residual_);
+  raised[1] = !fit_.bands_agree();
+  raised[2] = !fit_.no_seam();
+  raised[3] = darkened();
+  return raised;
+}
+
+std::vector<Finding> LiveCheck::look(const FrameViews& window) {
+  const bool first = checked_ == Clock::time_point{};
+  const Suspicion raised = suspicion(window);
+  if (!raised.any()) right_sums_.assign(samples_.sums().begin(), samples_.sums().end());
+  const Clock::time_point now = Clock::now();
+  if (!findings_.empty()) {
+    if (suspected_.any() && !raised.any()) {
+      findings_.clear();  // what was seen has gone
+      return {};
+    }
+    if (raised == suspected_ && now - checked_ < next_look) return findings_;
+  } else {
+    harmless_ &= raised;
+    if (!first && harmless_ == raised) return {};
+  }
+  findings_ = check_frames(window, sequence_, scanner_, settings_).findings;
+  checked_ = now;
+  suspected_ = raised;
+  // What the whole check finds nothing in, as motion, need not be looked into again.
+  if (findings_.empty()) {
+    harmless_ = raised;
+    harmless_residual_ = 1.3 * fit_.frames.residual;
+  }
+  return findings_;
+}
+
+WindowEngine::WindowEngine(const EngineSetup& setup, const LiveSettings& settings)
+    : engines{Engine(setup)}, check(settings.check ? settings.check : live_check(setup)) {
+  EngineSetup later = setup;
+  const int starts = setup.sequence.motion > 0 ? cycle_length(setup.sequence) : 1;
+  for (int first = 1; first < starts; ++first) {
+    later.sequence = merged_sequence(setup.sequence, first);
+    engines.emplace_back(later);
+  }
+  if (settings.motion_when_seen && setup.sequence.motion > 0) {
+    later.sequence = cycle_of(setup.sequence);
+    still.emplace(later);
+  }
+}
+
+ValidityCounts WindowEngine::reconstruct(LiveCloud& window) {
+  used = &engines[static_cast<std::size_t>(window.first_pattern)];
+  if (!has_geometry(engines.front().setup().scanner)) {
+    if (!window.cloud.z.empty()) window.cloud = Cloud();
+    return {};
+  }
+  view_window(window.frames, views);
+  const int extra = engines.front().setup().sequence.motion;
+  if (still && used->moving_share(views) < least_moving) {
+    used = &*still;
+    window.motion = 0;
+    return still->cloud(middle_cycle(views, window.first_pattern, extra), window.cloud);
+  }
+  window.motion = extra;
+  return used->cloud(views, window.cloud);
+}
+
+bool WindowEngine::is_due(const LiveCloud& window) const {
+  const std::uint64_t newest = window.newest.sequence, cycle = window.frames.size();
+  if (window.first_pattern != 0) return false;   // the check takes frames in pattern order
+  if (!looked || newest < *looked) return true;  // the first, or the source counts anew
+  // Where frames are lost the window that ends a cycle may never come: another has to do then.
+  const bool ends_cycle = window.frames.back()->stamp.sequence == newest;
+  return newest - *looked >= (ends_cycle ? cycle : cycle + cycle / 2);
+}
+
+std::vector<Finding> WindowEngine::look(const LiveCloud& window) {
+  looked = window.newest.sequence;
+  view_window(window.frames, views);
+  return check(engines.front().merged(views));
+}
+
+}  // namespace slipstream

@@ -1,0 +1,299 @@
+#include "slipstream/reconstruct/epipolar.h"
+
+#include <Eigen/Geometry>
+
+#include "slipstream/base/numbers.h"
+#include "slipstream/base/parallel_rows.h"
+#include "slipstream/base/statistics.h"
+#include "slipstream/base/throw_if-inl.h"
+#include "slipstream/codes/predicted_variance.h"
+#include "slipstream/decode/band_unwrapper.h"
+#include "slipstream/decode/decoder.h"
+#include "slipstream/geometry/stripe_geometry.h"
+
+namespace slipstream {
+namespace {
+
+/// Weights of the four pixels around a place `t` past the second of them: cubic convolution (Keys).
+std::array<double, 4> cubic_weights(double t) {
+  const double u = 1 - t;
+  return {-0.5 * t * u * u, 1 + t * t * (1.5 * t - 2.5), 1 + u * u * (1.5 * u - 2.5),
+          -0.5 * u * t * t};
+}
+
+/// How badly the two cameras' phases agree, 1 - cos of their difference, over pixels of a window.
+struct Disagreement {
+  float sum = 0;
+  float seen = 0;  ///< pixels that the second camera sees
+
+  Disagreement& operator+=(const Disagreement& other) {
+    sum += other.sum;
+    seen += other.seen;
+    return *this;
+  }
+};
+
+/// Of every pixel and fringe order; the orders of a pixel lie side by side.
+struct OrderVolume {
+  OrderVolume(Size size, int count)
+      : orders(count), values(Size{size.width * count, size.height}) {}
+
+  [[nodiscard]] Disagreement* at(int column, int row) { return &values(column * orders, row); }
+  [[nodiscard]] const Disagreement* at(int column, int row) const {
+    return &values(column * orders, row);
+  }
+
+  int orders;
+  Image<Disagreement> values;
+};
+
+/// Whole turns from one pixel's phase to its neighbour's where it runs on between them.
+struct Turn {
+  bool runs_on = false;
+  int turns = 0;
+};
+
+Turn turn_between(double phi, double next) {
+  const double turns = std::round((phi - next) / two_pi);
+  const double step = next + two_pi * turns - phi;
+  return {std::abs(step) < std::numbers::pi / 2, static_cast<int>(turns)};
+}
+
+/// Half the width of a window.
+constexpr int reach = 7;
+
+/// Adds to each pixel those at most `reach` away to one side along (dx, dy), order by order.
+void add_side(const OrderVolume& from, const CameraPhases& phases, int dx, int dy, int column,
+              int row, Disagreement* to) {
+  const Image<double>& phi = phases.maps.wrapped_phase;
+  int turns = 0;
+  for (int i = 1; i <= reach; ++i) {
+    const int x = column + i * dx, y = row + i * dy;
+    if (x < 0 || y < 0 || x >= phi.width() || y >= phi.height()) return;
+    if (phases.validity(x, y) != Validity::valid) return;
+    const Turn turn = turn_between(phi(x - dx, y - dy), phi(x, y));
+    if (!turn.runs_on) return;
+    turns += turn.turns;
+    const Disagreement* other = from.at(x, y);
+    const int first = std::max(0, -turns), last = std::min(from.orders, from.orders - turns);
+    for (int k = first; k < last; ++k) to[k] += other[k + turns];
+  }
+}
+
+/// Sums over windows: along rows, then along columns.
+OrderVolume window_sums(OrderVolume volume, const CameraPhases& phases) {
+  const Size size = phases.validity.size();
+  for (const bool along_row : {true, false}) {
+    OrderVolume summed = volume;
+    for_each_pixel(size, [&](int column, int row) {
+      if (phases.validity(column, row) != Validity::valid) return;
+      for (const int side : {-1, 1}) {
+        add_side(volume, phases, along_row ? side : 0, along_row ? 0 : side, column, row,
+                 summed.at(column, row));
+      }
+    });
+    volume = std::move(summed);
+  }
+  return volume;
+}
+
+/// The order that fits alone; -1 where there is none.
+int best_order(const Disagreement* orders, int count) {
+  constexpr float fits = 0.1F;      // half a radian off throughout
+  constexpr float clearly = 0.15F;  // the next one
+  constexpr float fewest = 40;      // an island of fewer pixels may agree by chance
+  const float most = std::max_element(orders, orders + count, [](const auto& a, const auto& b) {
+                       return a.seen < b.seen;
+                     })->seen;
+  int best = -1;
+  float least = 2, second = 2;
+  for (int k = 0; k < count; ++k) {
+    if (orders[k].seen < std::max(fewest, 0.5F * most)) continue;
+    const float mean = orders[k].sum / orders[k].seen;
+    if (mean < least) {
+      second = least;
+      least = mean;
+      best = k;
+    } else {
+      second = std::min(second, mean);
+    }
+  }
+  return least < fits && second > least + clearly ? best : -1;
+}
+
+constexpr float no_number = std::numeric_limits<float>::quiet_NaN();
+constexpr double least_limit = 0.5;  // projector pixels: what calibration may be off
+
+/// Coordinates along the other axis.
+BasicMaps<double> maps_across(EngineSetup setup, const Scan& other) {
+  throw_if(!has_coordinate(setup.sequence.strategy),
+           "patterns along both axes are compared where each gives a coordinate alone");
+  setup.sequence = other.sequence;
+  const Decoder decode(setup.sequence.strategy.layout(), projector_length(setup),
+                       setup.settings.phase_method, phase_corrections(setup), cue_settings(setup));
+  return decode(other.frames,
+                least_neighbour_modulation(setup.settings, other.frames.full_scale()));
+}
+
+/// Returns how many points it took.
+std::size_t leave_out_doubtful(Cloud& cloud, const Image<float>& off, const Image<float>& sigma) {
+  Image<std::uint8_t> doubtful(cloud.size());
+  std::size_t points = 0, doubted = 0;
+  for (std::size_t i = 0; i < doubtful.pixel_count(); ++i) {
+    if (cloud.validity.begin()[i] != Validity::valid) continue;
+    const double limit = std::max(least_limit, 5.0 * sigma.begin()[i]);
+    // Where a wrong coordinate leads out of the lens's model there is no distance.
+    const bool too_far = sigma.begin()[i] > 0 && !(std::abs(off.begin()[i]) <= limit);
+    doubtful.begin()[i] = too_far ? 1 : 0;
+    ++points;
+    doubted += too_far ? 1 : 0;
+  }
+  const bool all = 3 * doubted > points;
+  for (std::size_t i = 0; i < doubtful.pixel_count(); ++i) {
+    Validity& pixel = cloud.validity.begin()[i];
+    if (pixel != Validity::valid || (doubtful.begin()[i] == 0 && !all)) continue;
+    pixel = Validity::doubtful_order;
+    cloud.x.begin()[i] = cloud.y.begin()[i] = cloud.z.begin()[i] = no_number;
+  }
+  return all ? points : doubted;
+}
+
+/// The medians over the points, before any is left out.
+EpipolarCheck summary_of(const Image<float>& distance, const Image<float>& sigma,
+                         const Cloud& cloud) {
+  std::vector<double> distances, lengths, sigmas;
+  for (std::size_t i = 0; i < sigma.pixel_count(); ++i) {
+    const float off = distance.begin()[i];
+    if (cloud.validity.begin()[i] != Validity::valid || std::isnan(off)) continue;
+    distances.push_back(off);
+    lengths.push_back(std::abs(off));
+    sigmas.push_back(sigma.begin()[i]);
+  }
+  if (distances.empty()) return {};
+  return {.median = median(std::move(distances)),
+          .median_length = median(std::move(lengths)),
+          .median_sigma = median(std::move(sigmas))};
+}
+
+}  // namespace
+
+EpipolarDistance epipolar_distance(const Scanner& scanner, const Eigen::Vector3d& ray, double x,
+                                   double y) {
+  const Lens& projector = scanner.projector;
+  const Eigen::Vector3d q =
+      ray_through(projector, {x * projector.size.width, y * projector.size.height});
+  const Eigen::Vector3d plane = scanner.translation.cross(scanner.rotation * ray);
+  const Eigen::Vector2d line =
+      projector.intrinsic.inverse().transpose().topLeftCorner<2, 3>() * plane;
+  const double length = line.norm();
+  return {q.dot(plane) / length, line / length};
+}
+
+bool EpipolarCheck::contradicts() const {
+  return median_length > least_limit && median_length > 3 * median_sigma;
+}
+
+EpipolarCheck check_epipolar(const EngineSetup& setup, const Scan& other, Maps& maps,
+                             Cloud& cloud) {
+  const BasicMaps<double> other_maps = maps_across(setup, other);
+  const double grey_level = other.frames.full_scale() / 255;
+  const double least = least_modulation(setup.settings, other.frames.full_scale());
+  const Image<std::uint8_t> saturated = saturation_mask(other.frames);
+  const Layout& layout = setup.sequence.strategy.layout();
+  const double unit = std::sqrt(coordinate_variance(layout, 1, cue_settings(setup).noise_variance));
+  const auto sigma_of = [&](double modulation) {
+    return layout.unwrapping->whole_stripes ? unit : unit * grey_level / modulation;
+  };
+  const auto [width, height] = setup.scanner.projector.size;
+  const Size size = cloud.size();
+  Image<float> off(size, no_number), sigma(size);
+  for_each_pixel(size, [&](int column, int row) {
+    const double B = maps.modulation(column, row), other_B = other_maps.modulation(column, row);
+    if (!(std::min(B, other_B) >= least) || saturated(column, row) != 0) return;
+    const auto [distance, normal] =
+        epipolar_distance(setup.scanner, ray_through(setup.scanner.camera, {column, row}),
+                          maps.coordinate(column, row), other_maps.coordinate(column, row));
+    off(column, row) = static_cast<float>(distance);
+    sigma(column, row) = static_cast<float>(
+        std::hypot(normal.x() * width * sigma_of(B), normal.y() * height * sigma_of(other_B)));
+  });
+  EpipolarCheck check = summary_of(off, sigma, cloud);
+  check.doubted = leave_out_doubtful(cloud, off, sigma);
+  maps.epipolar_distance = std::move(off);
+  return check;
+}
+
+Stereo::Stereo(const Scanner& first, const Scanner& second)
+    : rotation(second.rotation.transpose() * first.rotation),
+      translation(second.rotation.transpose() * (first.translation - second.translation)) {}
+
+Eigen::Vector2d EpipolarLine::pixel(double depth) const {
+  const Eigen::Vector3d point = stereo.rotation * (depth * ray) + stereo.translation;
+  if (!(point.z() > 0)) return {nan, nan};
+  return project(camera, point);
+}
+
+double EpipolarLine::difference(const Image<Phasor>& phase, Phasor reference, double depth) const {
+  const Eigen::Vector2d place = pixel(depth);
+  if (!(place.x() >= 1 && place.y() >= 1 && place.x() < phase.width() - 2 &&
+        place.y() < phase.height() - 2)) {
+    return nan;
+  }
+  const int left = static_cast<int>(place.x()), top = static_cast<int>(place.y());
+  for (const int row : {top, top + 1}) {
+    for (const int column : {left, left + 1}) {
+      if (seen.validity(column, row) != Validity::valid) return nan;
+    }
+  }
+  const auto across = cubic_weights(place.x() - left), down = cubic_weights(place.y() - top);
+  Phasor sum = 0;
+  for (int j = 0; j < 4; ++j) {
+    const Phasor* row = phase.row(top - 1 + j) + left - 1;
+    sum += down[static_cast<std::size_t>(j)] *
+           (across[0] * row[0] + across[1] * row[1] + across[2] * row[2] + across[3] * row[3]);
+  }
+  return std::arg(sum * std::conj(reference));
+}
+
+double EpipolarLine::depth_of_a_pixel(double depth) const {
+  const double step = 1e-3 * depth;
+  return step / (pixel(depth + step) - pixel(depth)).norm();
+}
+
+Image<double> order_by_other_camera(const SeeingCamera& camera, const SeeingCamera& other,
+                                    double periods,
+                                    const std::function<bool(const Eigen::Vector3d&)>& possible) {
+  const Image<Validity>& validity = camera.phases.validity;
+  const Image<double>& phi = camera.phases.maps.wrapped_phase;
+  const Scanner &scanner = camera.triangulate.scanner(), &others = other.triangulate.scanner();
+  const Stereo stereo(scanner, others);
+  const int length = length_along(camera.triangulate.axis(), scanner.projector.size);
+  const double end = 1 + farthest_past_field(length);
+  OrderVolume volume(validity.size(), static_cast<int>(std::ceil(periods)));
+  const auto for_each_valid = [&](const auto& visit) {
+    for_each_pixel(validity.size(), [&](int column, int row) {
+      if (validity(column, row) == Validity::valid) visit(column, row);
+    });
+  };
+  for_each_valid([&](int column, int row) {
+    const Phasor phasor = camera.phases.bands[0](column, row);
+    for (int k = 0; k < volume.orders; ++k) {
+      const double y = unwrapped_coordinate(phi(column, row), k, periods);
+      const Eigen::Vector3d point = camera.triangulate(column, row, y);
+      if (y > end || !(point.z() > 0) || !possible(point)) continue;
+      const EpipolarLine line{stereo, others.camera, point / point.z(), other.phases};
+      const double apart = line.difference(other.phases.bands[0], phasor, point.z());
+      if (std::isnan(apart)) continue;
+      volume.at(column, row)[k] = {static_cast<float>(1 - std::cos(apart)), 1};
+    }
+  });
+  const OrderVolume windows = window_sums(std::move(volume), camera.phases);
+  Image<double> coordinate(validity.size(), nan);
+  for_each_valid([&](int column, int row) {
+    const int k = best_order(windows.at(column, row), windows.orders);
+    if (k >= 0) coordinate(column, row) = unwrapped_coordinate(phi(column, row), k, periods);
+  });
+  return coordinate;
+}
+
+}  // namespace slipstream

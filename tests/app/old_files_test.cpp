@@ -1,0 +1,51 @@
+// What an earlier version wrote is read as it was: a scan folder with its scanner file, a
+// recording, a rig file and flags with their old forms. The files are in written_before/.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "slipstream/io/cloud_file.h"
+#include "tests/app/program.h"
+
+namespace slipstream::old_files_test {
+namespace fs = std::filesystem;
+
+const fs::path before = fs::path(SLIPSTREAM_SOURCE_FOLDER) / "tests" / "app" / "written_before";
+
+/// The cloud that was written then comes of these arguments.
+void expect_as_before(std::vector<std::string> arguments) {
+  const TemporaryFolder folder;
+  const fs::path cloud = folder.path() / "cloud.ply";
+  arguments.insert(arguments.begin(), "reconstruct");
+  arguments.insert(arguments.end(), {"--min-component", "20", "-o", cloud.string()});
+  const ProgramRun run = run_program(arguments);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Image<float> depths = read_cloud(cloud).cloud.z;
+  const Image<float> then = read_cloud(before / "cloud.ply").cloud.z;
+  ASSERT_EQ(depths.size(), then.size());
+  EXPECT_TRUE(std::equal(depths.begin(), depths.end(), then.begin(),
+                         [](float now, float z) { return std::abs(now - z) < 1e-3; }));
+}
+
+TEST(OldFiles, AScanFolder) {
+  expect_as_before({(before / "scan").string()});
+}
+
+TEST(OldFiles, ARecording) {
+  expect_as_before({(before / "rec.slip").string()});
+}
+
+TEST(OldFiles, ARigFile) {
+  expect_as_before({(before / "scan").string(), "--rig", (before / "rig.yaml").string()});
+}
+
+TEST(OldFiles, ASwitchWithItsWord) {
+  expect_as_before({(before / "scan").string(), "--backwards", "true", "--strategy",
+                    "dual-frequency", "--steps", "3", "--high", "16", "--low", "1"});
+}
+
+}  // namespace slipstream::old_files_test

@@ -149,7 +149,7 @@ void tell(const Accuracy& accuracy, std::optional<double> diagonal, Output& outp
   }
 }
 
-/// A test, and in a line what it is of.
+/// An acceptance test, and one line that says what it tested.
 struct Test {
   Rehearsal rehearsal;
   std::string subject;

@@ -194,14 +194,15 @@ void add_batch(const Commands& program) {
   const auto [plan, planned] =
       batch.add(plan_batch, "plan", "cuts scans by their cost into shards");
   add_scans_flags(plan, planned.reconstruct);
-  required(plan.add("--tasks", planned.tasks, "into so many shards"));
+  required(plan.add("--tasks", planned.tasks, "number of shards"));
   required(plan.add_output("--plan", planned.folder, "folder of the batch, which is made"));
   add_reconstruct_flags(plan.app, planned.reconstruct);
   plan.app.footer(
       "Example:\n  slipstream batch plan archive.txt --tasks 8 --plan plan -o "
       "/shared/{name}-{window}.ply\n  slipstream batch run plan --shard 1/8\n  slipstream batch "
       "merge plan");
-  const auto [run, shard] = batch.add(run_shard, "run", "does one shard, or what is left of it");
+  const auto [run, shard] =
+      batch.add(run_shard, "run", "reconstructs one shard, or the rest of it");
   required(run.add_file("plan", shard.folder, "folder of the batch"));
   required(run.add("--shard", shard.shard, "which, as 3 or 3/8"));
   const auto [merge, merged] =

@@ -130,8 +130,8 @@ void add_camera_serve(const Commands& camera) {
   command.add("--cycles", flags.cycles,
               "scans that are rendered before and then served over and over");
   command.add("--boards", flags.boards,
-              "before the scene: a calibration board that is moved through so many poses, under "
-              "patterns along x and then y, until a client has seen them all");
+              "number of poses of a calibration board, shown before the scene under patterns along "
+              "x and then y, until a client has seen them all");
   command.add("--still", flags.still, "cycles that the board stays in a pose");
   command.add("--duration", flags.duration, "so long, s");
   command.add("--packet-loss", flags.packet_loss, "share of the packets to lose, 0 to 1");
@@ -159,14 +159,14 @@ void require_valid(const RecordFlags& flags) {
   require_duration(flags.duration);
 }
 
-/// What is amiss with the first whole cycle of what was recorded. It is told and no more: the
-/// recording stays, for there may be no second one.
+/// What the check finds in the first whole cycle of a recording. The findings are only reported:
+/// the recording is kept, as it may be impossible to take it again.
 std::vector<Finding> findings_of_recording(const std::string& file, Output& output) {
   std::vector<Finding> findings;
   try {
     findings = check_scan(load_scan(file), {.moving = true}).findings;
   } catch (const Error& error) {
-    output.warn(fmt::format("what was recorded cannot be checked: {}", error.what()));
+    output.warn(fmt::format("the recording cannot be checked: {}", error.what()));
   }
   output.warn(findings);
   return findings;
@@ -238,7 +238,7 @@ void add_record(const Commands& program) {
   SourceFlags& source = flags.source;
   required(command.add_output("-o,--output", flags.file, "the recording"));
   required(command.add("--source", source.source, source_forms()));
-  command.add("--frames", flags.frames, "so many; until Ctrl-C without");
+  command.add("--frames", flags.frames, "number of frames; without it, until Ctrl-C");
   command.add("--duration", flags.duration, "so long, s");
   command.add("--rate", source.rate,
               "frames per second; 0: as fast as it goes; else the source's own");

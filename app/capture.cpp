@@ -38,8 +38,8 @@ void require_good(const CaptureFlags& flags) {
            "--pixel-format RGB8: --monitor shows patterns in grey; Mono8 takes them, or "
            "`slipstream project --colour` shows them in colour");
   throw_if(flags.poses && !sees_monitor,
-           "--poses: nobody moves a board before {}; `slipstream camera serve --boards 12` serves "
-           "one as a camera",
+           "--poses: {} shows no moving board; `slipstream camera serve --boards 12` serves one as "
+           "a camera",
            source.source);
   throw_if(!flags.monitor && source.camera.trigger == "Software",
            "--trigger Software: nothing says when; give --monitor too, or the camera's line");

@@ -44,7 +44,7 @@ struct MeasureFlags {
   std::vector<std::pair<std::string, std::string>> distances;
 };
 
-/// What is measured in, and where the words go.
+/// The cloud that is measured, and where the results are printed.
 struct Measuring {
   const StoredCloud& stored;
   Output& output;
@@ -52,7 +52,8 @@ struct Measuring {
 
 MeasuredPoint point_of(const Measuring& in, const std::string& text) {
   const std::vector<int> numbers = numbers_in<int>(text, ',');
-  throw_if(numbers.size() != 2, "'{}' is no pixel; give column and row, as 320,240", text);
+  throw_if(numbers.size() != 2, "'{}' is not a pixel; give its column and row, for example 320,240",
+           text);
   const int column = numbers[0], row = numbers[1];
   const Cloud& cloud = in.stored.cloud;
   if (const auto point = point_at(cloud, uncertainty_of(in.stored), column, row)) return *point;
@@ -67,7 +68,8 @@ MeasuredPoint point_of(const Measuring& in, const std::string& text) {
 std::vector<MeasuredPoint> points_of(const Measuring& in, const std::string& text) {
   const std::optional<Rectangle> rectangle = rectangle_of_text(text);
   throw_if(!rectangle.has_value(),
-           "'{}' is no rectangle; give width x height + x + y, as 200x100+320+240", text);
+           "'{}' is not a rectangle; give width x height + x + y, for example 200x100+320+240",
+           text);
   return points_in(in.stored.cloud, uncertainty_of(in.stored), *rectangle);
 }
 
@@ -93,7 +95,7 @@ void measure_distance(const std::pair<std::string, std::string>& pixels, const M
                 apart.sigma ? fmt::format(", sigma {:.3f} mm", *apart.sigma) : "");
 }
 
-/// Adds the residuals to what is told of a shape, in words too.
+/// Prints the residuals of a fitted shape, and adds them to its JSON object.
 void tell_fit(const char* list, nlohmann::json told, const Residuals& residuals, Output& output) {
   told.update(described("rms_mm", residuals.rms, "largest_mm", residuals.largest, "points",
                         residuals.points, "outliers", residuals.outliers, "noise_mm",

@@ -66,11 +66,11 @@ TEST_F(MeasureProgram, TellsTheSameOfAScanAndOfItsCloud) {
 TEST_F(MeasureProgram, RefusesWhatItCannotMeasure) {
   const std::string scan = path("scan");
   expect_refused({"measure", scan}, "nothing to measure");
-  expect_refused({"measure", scan, "--point", "1;2"}, "'1;2' is no pixel");
-  expect_refused({"measure", scan, "--point", "12"}, "'12' is no pixel");
+  expect_refused({"measure", scan, "--point", "1;2"}, "'1;2' is not a pixel");
+  expect_refused({"measure", scan, "--point", "12"}, "'12' is not a pixel");
   expect_refused({"measure", scan, "--point", "320,1"}, "not in the picture, which is 320x240");
   expect_refused({"measure", scan, "--point", "0,0"}, "no point: too dark");
-  expect_refused({"measure", scan, "--plane", "12"}, "'12' is no rectangle");
+  expect_refused({"measure", scan, "--plane", "12"}, "'12' is not a rectangle");
   expect_refused({"measure", scan, "--sphere", "3x1+0+0"}, "too few");
   ASSERT_EQ(run_program({"reconstruct", scan, "-o", path("cloud.ply")}).exit_code, 0);
   expect_refused({"measure", path("cloud.ply"), "--point", "1,1"}, "organised .pcd");

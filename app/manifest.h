@@ -13,7 +13,7 @@
 
 namespace slipstream::app {
 
-/// What became of scans, each a line of JSON, as docs/files.md says; the last of a scan holds.
+/// What became of scans, each a line of JSON, as docs/reference/files.md says; the last of a scan holds.
 struct Manifest {
   std::map<ScanName, nlohmann::json> entries{};
   std::uint64_t lines = 0;        ///< that could be read

@@ -1,5 +1,5 @@
 // How often each unwrapping is right, how long it takes and what memory: the table of
-// docs/unwrapping.md.
+// docs/how-to/unwrap-phase-maps.md.
 //
 //   spatial_table [--small | --large] [--only METHOD] [--phase NAME]     METHOD may be opencv
 //   spatial_table --npy FOLDER    writes the phases, for compare_skimage.py

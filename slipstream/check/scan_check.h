@@ -35,7 +35,7 @@ struct ScanFindings {
 };
 
 /// Whether frames fit the sequence, the scanner and each other, judged by some hundred lit pixels
-/// spread over the picture: see docs/trust.md. Without a scanner less can be told. Phases are
+/// spread over the picture: see docs/reference/scan-validation.md. Without a scanner less can be told. Phases are
 /// corrected for the scanner's response, or that of the settings.
 ScanFindings check_frames(const FrameViews& frames, const Sequence& sequence,
                           const std::optional<Scanner>& scanner,

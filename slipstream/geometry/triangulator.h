@@ -20,7 +20,7 @@ struct ProjectionMatrices {
 ProjectionMatrices projection_matrices(const Scanner& scanner, Axis axis);
 
 /// Point at undistorted camera pixel (x, y) and undistorted projector coordinate y_p, by inverting
-/// the matrix of Eq. (1.15); right-hand side as corrected in docs/errata.md. Not finite where the
+/// the matrix of Eq. (1.15); right-hand side as corrected in docs/background/errata.md. Not finite where the
 /// ray lies in the plane of that coordinate.
 Eigen::Vector3d triangulate(const ProjectionMatrices& matrices, double x, double y, double y_p);
 

@@ -15,7 +15,7 @@
 namespace slipstream {
 
 // The most that is read of a file, whatever it says of itself, looked at before memory is taken.
-// docs/limits.md states them.
+// docs/reference/limits.md states them.
 
 /// Bytes of scan.yaml, a scanner file or a rig file, and of each text in a recording.
 inline constexpr std::uint64_t largest_text = std::uint64_t{1} << 20;

@@ -8,7 +8,7 @@
 
 namespace slipstream {
 
-/// What a recording says of all its frames. The file's layout, byte by byte, is in docs/files.md.
+/// What a recording says of all its frames. The file's layout, byte by byte, is in docs/reference/files.md.
 struct RecordingHeader {
   FrameFormat format;
   double frame_rate = 0;  ///< pictures per second asked of the camera; 0 where not known

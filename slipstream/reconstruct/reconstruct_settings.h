@@ -19,7 +19,7 @@ namespace slipstream {
 
 /// What turns frames into a cloud.
 enum class EngineKind {
-  automatic,  ///< `fused` where it can, else `reference`; no GPU, see docs/gpu.md
+  automatic,  ///< `fused` where it can, else `reference`; no GPU, see docs/how-to/gpu.md
   reference,  ///< in double, stage by stage over the whole picture: any layout, frames and lens
   fused,      ///< in float, one pass over the pixels; where it cannot, `reference`, saying why
   gpu,        ///< what `fused` computes, by Vulkan; `fused` stands in where it cannot or fails

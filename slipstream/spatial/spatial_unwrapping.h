@@ -8,7 +8,7 @@
 
 namespace slipstream {
 
-/// A way to unwrap a phase map from pixel to pixel; docs/unwrapping.md says which to take when.
+/// A way to unwrap a phase map from pixel to pixel; docs/how-to/unwrap-phase-maps.md says which to take when.
 struct SpatialUnwrapping {
   std::string_view name;  ///< "quality"
   std::string_view text;  ///< what it does, in a few words

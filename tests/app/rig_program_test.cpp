@@ -94,7 +94,7 @@ TEST_F(Rig, RefusesInOneLine) {
 }
 
 TEST_F(Rig, TheExampleOfTheDocumentationWorks) {
-  const std::string page = contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "rig.md");
+  const std::string page = contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "how-to" / "rig.md");
   const std::size_t begin = page.find("# rig.yaml"), end = page.find("```", begin);
   std::string text = page.substr(begin, end - begin);
   text.replace(text.find("scanner: scanner.yaml"), 21, "");

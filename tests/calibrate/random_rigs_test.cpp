@@ -134,7 +134,7 @@ struct AllErrors {
 };
 
 // SLIPSTREAM_RIGS=30 takes as many, with a larger camera and more poses: the figures of
-// docs/calibration.md.
+// docs/how-to/calibrate.md.
 TEST(RandomRigs, AreOffByAsMuchAsTheirStandardDeviationsSay) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "too slow under the sanitizers";

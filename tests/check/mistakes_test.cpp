@@ -243,7 +243,7 @@ struct Told {
   std::vector<std::string> silent;
 };
 
-/// Those that leave no trace in some scans: docs/trust.md lists them.
+/// Those that leave no trace in some scans: docs/reference/scan-validation.md lists them.
 bool may_leave_no_trace(const Mistake& mistake) {
   return mistake.name == "inverted" || mistake.name == "another rig" || mistake.name == "mirrored";
 }

@@ -218,7 +218,7 @@ TEST_P(OnWires, NeighboursMakeNoMoreOrdersWrongThanEachPixelAloneWould) {
   }
 }
 
-// The defaults, and what docs/pcmp.md says of more periods.
+// The defaults, and what docs/background/pcmp.md says of more periods.
 INSTANTIATE_TEST_SUITE_P(Codings, OnWires,
                          testing::Values(Coding{3, 3, 0.5}, Coding{4, 6, 0.6}, Coding{5, 12, 0.6},
                                          Coding{5, 25, 0.49}, Coding{5, 25, 0.6}),

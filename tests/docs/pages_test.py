@@ -17,7 +17,7 @@ import pytest
 
 SOURCES = pathlib.Path(__file__).parents[2]
 PROGRAM = os.environ.get("SLIPSTREAM_PROGRAM", str(SOURCES / "build" / "slipstream"))
-PAGES = [*SOURCES.glob("*.md"), *SOURCES.glob("packaging/*.md"), *sorted(SOURCES.glob("docs/*.md"))]
+PAGES = [*SOURCES.glob("*.md"), *SOURCES.glob("packaging/*.md"), *sorted(SOURCES.glob("docs/**/*.md"))]
 SHELL = ("sh", "bash", "console")
 
 # Lines that ask for more than a program and its files.

@@ -1,5 +1,5 @@
 // What other programs make of the files that are written; skipped where one is not installed.
-// docs/files.md says how to get them.
+// docs/reference/files.md says how to get them.
 #include <cmath>
 #include <cstdlib>
 #include <fstream>

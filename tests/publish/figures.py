@@ -1,4 +1,4 @@
-"""What sinks and the page cost here: the figures of docs/publish.md. As `figures.py sinks` or `figures.py page`."""
+"""What sinks and the page cost here: the figures of docs/how-to/publish.md. As `figures.py sinks` or `figures.py page`."""
 
 import json
 import pathlib

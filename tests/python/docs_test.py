@@ -19,8 +19,8 @@ def run_blocks_of(page):
 def test_glossary(tmp_path, monkeypatch):
     pytest.importorskip("matplotlib", reason="package python3-matplotlib is not installed")
     monkeypatch.chdir(tmp_path)
-    run_blocks_of("glossary.md")
-    kept = {path.name for path in (SOURCES / "docs" / "glossary").iterdir()}
+    run_blocks_of("reference/glossary.md")
+    kept = {path.name for path in (SOURCES / "docs" / "reference" / "glossary").iterdir()}
     assert {path.name for path in tmp_path.glob("*.jpg")} == kept
 
 
@@ -43,6 +43,6 @@ def test_guide(tmp_path, monkeypatch):
         slipstream.simulate(slipstream.Sequence("pmp, steps 8"), tmp_path / f"flat_{n}", seed=n,
                             scene="board", camera=(320, 240))
     monkeypatch.chdir(tmp_path)
-    run_blocks_of("python.md")
+    run_blocks_of("tutorials/python.md")
     for written in ["cloud.ply", "described/scan.yaml", "mesh.glb", "own.ply", "scanner.yaml"]:
         assert (tmp_path / written).exists(), written

@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(PowerLaws, AnyResponse, testing::ValuesIn(power_laws({0
 INSTANTIATE_TEST_SUITE_P(Srgb, AnyResponse, testing::Values(Projector{"sRGB", srgb_curve()}));
 INSTANTIATE_TEST_SUITE_P(SCurves, AnyResponse, testing::ValuesIn(logistics({3, 12}, {0.35, 0.5})));
 INSTANTIATE_TEST_SUITE_P(Tables, AnyResponse, testing::ValuesIn(tables()));
-// All that docs/gamma.md tells of.
+// All that docs/background/gamma.md tells of.
 INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfPowerLaws, AnyResponse,
                          testing::ValuesIn(power_laws({0.7, 1.4, 1.8, 2.2, 2.6})));
 INSTANTIATE_TEST_SUITE_P(DISABLED_SweepOfSCurves, AnyResponse,

@@ -163,7 +163,7 @@ TEST(Rooms, AnInnerIncludeIsFound) {
                                       "slipstream/reconstruct/fused/rows.h"}));
 }
 
-/// The rooms in the table of docs/architecture.md and what they use beside `base`.
+/// The rooms in the table of docs/reference/architecture.md and what they use beside `base`.
 Uses uses_in_docs(const std::string& text) {
   static const std::regex row("\\| `([a-z]+)` \\|[^|\n]*\\| ?([a-z, ]*) ?\\|");
   static const std::regex word("[a-z]+");
@@ -180,11 +180,11 @@ Uses uses_in_docs(const std::string& text) {
 
 TEST(Rooms, AreInTheDocsAsTheyAre) {
   const Uses told =
-      uses_in_docs(contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "architecture.md"));
+      uses_in_docs(contents(fs::path(SLIPSTREAM_SOURCE_FOLDER) / "docs" / "reference" / "architecture.md"));
   for (auto [room, used] : read_rooms()) {
     if (room == "base") continue;
     used.erase("base");
-    ASSERT_TRUE(told.contains(room)) << room << " is not in docs/architecture.md";
+    ASSERT_TRUE(told.contains(room)) << room << " is not in docs/reference/architecture.md";
     EXPECT_EQ(told.at(room), used) << room;
   }
 }
@@ -199,10 +199,10 @@ TEST(Rooms, DependOnNoRoomThatDependsOnThem) {
   }
 }
 
-/// What docs/architecture.md says of new things is tried, by a test for each.
+/// What docs/reference/architecture.md says of new things is tried, by a test for each.
 TEST(Rooms, NewThingsAreTried) {
   const fs::path root = SLIPSTREAM_SOURCE_FOLDER;
-  const std::string page = contents(root / "docs" / "architecture.md");
+  const std::string page = contents(root / "docs" / "reference" / "architecture.md");
   int tests = 0;
   for (const auto& entry : fs::directory_iterator(root / "tests" / "extensions")) {
     const std::string name = entry.path().filename();

@@ -1,4 +1,4 @@
-// One-bit patterns under the projector's blur: what docs/binary-patterns.md says of their phase.
+// One-bit patterns under the projector's blur: what docs/how-to/binary-patterns.md says of their phase.
 // Patterns that vary along both axes, in the light of the virtual projector.
 #include <array>
 #include <cmath>

@@ -51,7 +51,7 @@ struct NamedPhase {
   std::function<KnownPhase(Size)> make;
 };
 
-/// What the table of docs/unwrapping.md is of.
+/// What the table of docs/how-to/unwrap-phase-maps.md is of.
 inline std::vector<NamedPhase> known_phases() {
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
   std::vector<NamedPhase> all;

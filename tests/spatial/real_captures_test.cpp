@@ -41,7 +41,7 @@ Phase phase_of(const std::vector<std::filesystem::path>& paths) {
   return phase;
 }
 
-/// The share that each method has right; printed, for docs/unwrapping.md.
+/// The share that each method has right; printed, for docs/how-to/unwrap-phase-maps.md.
 std::map<std::string, double> shares(const KnownPhase& known, const Image<float>& quality) {
   std::map<std::string, double> all;
   for (const SpatialUnwrapping& method : spatial_unwrappings()) {
